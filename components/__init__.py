@@ -1,0 +1,24 @@
+"""Floor 1: what a thing is. One component a file, physics only."""
+
+from ropeway.components.anchor import Anchor
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drum import Drum
+from ropeway.components.load import Load
+from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
+from ropeway.components.schedule import Schedule
+from ropeway.components.sheave import Sheave
+from ropeway.components.span import Span
+
+__all__ = [
+    "CONSTRUCTIONS",
+    "Anchor",
+    "ConstructionStretch",
+    "ControlSheave",
+    "Drum",
+    "Elastic",
+    "Load",
+    "Rope",
+    "Schedule",
+    "Sheave",
+    "Span",
+]

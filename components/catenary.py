@@ -1,0 +1,149 @@
+"""The closed-form elastic cable: one load-free segment, and the sums of a span with loads.
+
+One implementation for numbers, NumPy arrays and CasADi symbols alike. A segment starts with the tension
+vector `force` = (fx, fy, v): its components in the direction of travel, z up, so that v > 0 where the rope
+rises. With w the weight and d the length per unstretched metre, the forms of `EQUATIONS` section 5 follow
+from Irvine's and Sinclair's sums (Turk 1988, eq. 2.48-2.52 and 2.111-2.116, corrected) by taking the
+differences analytically: no asinh difference, nothing cancels, d -> 0, slack, steep and taut pieces alike.
+The strain law is eps(T) = c1 T + c2 T^2 (c1 = 1/EA elastic, c2 construction stretch; Lyons 2008, eq. 14).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+Vector = tuple[Any, Any, Any]
+"""Three components, each a float, an array or a CasADi symbol."""
+
+
+class Strain(NamedTuple):
+    """Coefficients of eps(T) = c1 T + c2 T^2."""
+
+    c1: Any
+    c2: Any
+
+    def at(self, tension: Any) -> Any:
+        """Strain at a tension [N]."""
+        return tension * (self.c1 + self.c2 * tension)
+
+    def potential(self, tension: Any) -> Any:
+        """Integral of (1 + eps) dT [N]: along a load-free piece it changes by w times the height gained.
+
+        T + T^2/(2 EA) for an elastic rope (EQUATIONS T17).
+        """
+        return tension * (1 + tension * (self.c1 / 2 + self.c2 * tension / 3))
+
+
+class Segment(NamedTuple):
+    """A load-free piece: the vector from its start to its end [m], and the tension vector at its end [N]."""
+
+    reach: Vector
+    force: Vector
+
+
+def namespace(*values: Any) -> Any:
+    """The module whose sqrt, atanh, ... fit the values: casadi for symbols, numpy for numbers."""
+    return ca if any(isinstance(v, (ca.SX, ca.MX)) for v in values) else np
+
+
+def norm(force: Vector) -> Any:
+    """Length of a vector."""
+    x, y, z = force
+    return namespace(*force).sqrt(x * x + y * y + z * z)
+
+
+def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
+    """Reach and end force of a load-free piece of `length` [m, unstretched] and `weight` [N/m].
+
+    Singular only for a folded rope (no horizontal force, and its belly inside the piece).
+    """
+    fx, fy, v0 = force
+    xp = namespace(*force, length, weight)
+    v1 = v0 + weight * length
+    h2 = fx * fx + fy * fy
+    t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
+    s, v = t0 + t1, v0 + v1
+    angle = xp.atanh(weight * length / s) / weight
+    tension_integral = length / 4 * (s + v * v / s) + h2 * angle
+    stretch = strain.c1 * length + strain.c2 * tension_integral
+    lift = 1 / s + strain.c1 / 2 + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
+    across = 2 * angle + stretch
+    return Segment((fx * across, fy * across, length * v * lift), (fx, fy, v1))
+
+
+def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) -> Any:
+    """Length of a load-free piece under tension [m]."""
+    fx, fy, v0 = force
+    xp = namespace(*force, length, weight)
+    v1 = v0 + weight * length
+    h2 = fx * fx + fy * fy
+    s, v = xp.sqrt(h2 + v0 * v0) + xp.sqrt(h2 + v1 * v1), v0 + v1
+    tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
+    square_integral = length * (h2 + (v0 * v0 + v0 * v1 + v1 * v1) / 3)
+    return length + strain.c1 * tension_integral + strain.c2 * square_integral
+
+
+def loaded(
+    force: Vector, weight: Any, strain: Strain, length: Any, distances: Sequence[Any], loads: Sequence[Any]
+) -> list[Segment]:
+    """A span with point loads: its stations one after the other, as seen from its start.
+
+    `distances` [m, unstretched, from the start, in order] and `loads` [N, downward]. The result holds for
+    each load, and last for the span's end, the vector from the span's start and the tension vector just
+    before the load.
+    """
+    stations: list[Segment] = []
+    here: Vector = (0.0, 0.0, 0.0)
+    at: Any = 0.0
+    for distance, load in zip((*distances, length), (*loads, 0.0), strict=True):
+        piece = segment(force, weight, distance - at, strain)
+        here = (here[0] + piece.reach[0], here[1] + piece.reach[1], here[2] + piece.reach[2])
+        stations.append(Segment(here, piece.force))
+        force = (piece.force[0], piece.force[1], piece.force[2] + load)
+        at = distance
+    return stations
+
+
+class Profile(NamedTuple):
+    """A loaded span at many stations. `reach` and `force` have shape (n, 3): the vector from the span's
+    start [m] and the tension vector [N] (just before a load that stands on the station)."""
+
+    station: np.ndarray
+    reach: np.ndarray
+    force: np.ndarray
+
+    @property
+    def tension(self) -> np.ndarray:
+        """Tension [N], shape (n,)."""
+        return np.linalg.norm(self.force, axis=1)
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Slope of the rope, rise over horizontal run, shape (n,)."""
+        return self.force[:, 2] / np.hypot(self.force[:, 0], self.force[:, 1])
+
+
+def profile(
+    force: Vector,
+    weight: float,
+    strain: Strain,
+    length: float,
+    distances: Sequence[float],
+    loads: Sequence[float],
+    stations: np.ndarray,
+) -> Profile:
+    """Position, tension and slope at `stations` [m, unstretched, from the span's start] of a loaded span."""
+    nodes = loaded(force, weight, strain, length, distances, loads)
+    starts = np.array([(0.0, 0.0, 0.0), *(n.reach for n in nodes[:-1])])
+    forces = np.array([force, *(n.force for n in nodes[:-1])])
+    forces[1:, 2] += np.asarray(loads, dtype=float)
+    cuts = np.array([0.0, *distances])
+    station = np.asarray(stations, dtype=float)
+    piece = np.maximum(np.searchsorted(cuts, station, side="left") - 1, 0)
+    f = forces[piece]
+    part = segment((f[:, 0], f[:, 1], f[:, 2]), weight, station - cuts[piece], strain)
+    return Profile(station, starts[piece] + np.column_stack(part.reach), np.column_stack(part.force))

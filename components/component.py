@@ -1,0 +1,184 @@
+"""What every component is: a named frozen dataclass with variables, ports and equations.
+
+A component that a rope runs over, or ends at, is a node: its seats have a position and a rope travel. A rope
+piece has rope ends: they take position and travel from the seats they are connected to, and give back a
+force. `equations` is the only place with a component's physics. It is called once per kind of component
+(class and structure) with CasADi symbols, never with a particular component's numbers; those stand in
+`variables`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+from ropeway.components import check
+from ropeway.components.catenary import Vector
+
+
+class Kind(Enum):
+    """The part that a variable plays in the differential-algebraic equations."""
+
+    PARAMETER = "parameter"
+    INPUT = "input"
+    STATE = "state"
+    ALGEBRAIC = "algebraic"
+    DISCRETE = "discrete"
+    RESIDUAL = "residual"
+    OUTPUT = "output"
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
+    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for."""
+
+    name: str
+    kind: Kind
+    unit: str
+    description: str
+    value: float | tuple[float, ...] = 0.0
+    nominal: float = 1.0
+    size: int = 1
+    freed_by: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What a component is told of its surroundings: typical `force` [N] and `length` [m] for scaling, and for
+    a span its number of load `slots` and the `tension` vector [N] at its end a to start from."""
+
+    force: float
+    length: float
+    slots: int = 0
+    tension: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A place where a component is joined to another."""
+
+    owner: Component = field(repr=False)
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.owner.name}.{self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class RopeEnd(Port):
+    """An end of a rope piece. In equations: `position` and `travel`; the component returns its force."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seat(Port):
+    """Where a rope sits on a node. In equations: `force` of the rope on the node [N] and rope `speed` [m/s].
+
+    `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node.
+    """
+
+    travel: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Equations:
+    """What `equations` returns, by name: rates of the states, residuals (all zero), outputs, and for each
+    rope end the force on the component."""
+
+    rates: Mapping[str, Any] = field(default_factory=dict)
+    residuals: Mapping[str, Any] = field(default_factory=dict)
+    outputs: Mapping[str, Any] = field(default_factory=dict)
+    forces: Mapping[str, Vector] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Component(ABC):
+    """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
+    `v.time` [s] and `v.gravity` [m/s2]."""
+
+    name: str
+
+    def __post_init__(self) -> None:
+        check.name(self.name, type(self).__name__)
+
+    @property
+    @abstractmethod
+    def ports(self) -> tuple[Port, ...]:
+        """All ports, in the order in which the rope runs."""
+
+    @abstractmethod
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        """This component's variables with its own values, starts and nominals."""
+
+    @abstractmethod
+    def equations(self, v: Any) -> Equations:
+        """The physics, on symbols."""
+
+    def structure(self, site: Site) -> Hashable:
+        """Components of one class and structure share one CasADi function."""
+        return (type(self), site.slots)
+
+
+@dataclass(frozen=True)
+class Node(Component):
+    """A component at a place `at` = (x, z) or (x, y, z) [m]. `speed` of a subclass that drives the rope is
+    the name of its speed variable."""
+
+    at: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "at", check.point(self.at, self.label))
+
+    @property
+    def label(self) -> str:
+        """How error messages name it."""
+        return f"{type(self).__name__} {self.name!r}"
+
+    @property
+    def arriving(self) -> Seat:
+        """The seat where a rope arrives."""
+        return self.seats[0]
+
+    @property
+    def leaving(self) -> Seat:
+        """The seat where a rope leaves."""
+        return self.seats[-1]
+
+    @property
+    @abstractmethod
+    def seats(self) -> tuple[Seat, ...]:
+        """The seats, in the order in which the rope runs."""
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return self.seats
+
+    @property
+    def drive_speed(self) -> str | None:
+        """Name of the variable with the commanded or driven rope speed; None if it does not drive."""
+        return None
+
+    def through(self, seat: Seat) -> Seat | None:
+        """The seat where the rope that arrives at `seat` goes on; None where it ends."""
+        return None
+
+    @property
+    def kept_tension(self) -> float | None:
+        """Tension that the node keeps by letting rope run [N]; None if it does not."""
+        return None
+
+    @property
+    def balance(self) -> str | None:
+        """Name of the residual that determines the node's travel, where that is an algebraic variable."""
+        return None
+
+    def place(self) -> tuple[Variable, ...]:
+        """The parameters of its position."""
+        return tuple(
+            Variable(axis, Kind.PARAMETER, "m", f"{axis} coordinate of the support", value, 100.0)
+            for axis, value in zip("xyz", self.at, strict=True)
+        )

@@ -1,0 +1,82 @@
+"""A drum at an end of a rope: it pays rope out and winds it in."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from ropeway.components import check
+from ropeway.components.catenary import norm
+from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.control_sheave import Speed, check_speed
+from ropeway.components.errors import InputError
+
+
+@dataclass(frozen=True)
+class Drum(Node):
+    """An end of a rope that stores rope. Travel counts from a to b as everywhere: at a rope's start a
+    positive travel pays out, at its end it winds in.
+
+    speed: commanded [m/s], a Schedule, or None for a model input. tension: instead of a speed, the drum
+    keeps this tension [N] by itself. Raises InputError.
+    """
+
+    speed: Speed = 0.0
+    tension: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_speed(self.speed, self.label)
+        if self.tension is not None:
+            check.positive(self.tension, self.label, "tension", "N")
+            if self.speed != 0.0:
+                raise InputError(f"{self.label} has a speed and a tension", "Give one of them")
+
+    @property
+    def rope(self) -> Seat:
+        """Where the rope leaves the drum."""
+        return Seat(self, "rope", travel="travel")
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.rope,)
+
+    @property
+    def drive_speed(self) -> str | None:
+        return "speed" if self.tension is None else None
+
+    @property
+    def kept_tension(self) -> float | None:
+        return self.tension
+
+    @property
+    def balance(self) -> str | None:
+        return None if self.tension is None else "tension_kept"
+
+    def structure(self, site: Site) -> Hashable:
+        return (Drum, self.tension is None)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        pull = Variable("rope_tension", Kind.OUTPUT, "N", "tension of the rope at the drum", nominal=site.force)
+        travel = "unstretched rope that has left (at a rope's start) or been wound (at its end)"
+        if self.tension is None:
+            return (
+                *self.place(),
+                Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
+                Variable("travel", Kind.STATE, "m", travel, 0.0, site.length),
+                pull,
+            )
+        return (
+            *self.place(),
+            Variable("tension", Kind.PARAMETER, "N", "tension kept by the drum", self.tension, site.force),
+            Variable("travel", Kind.ALGEBRAIC, "m", travel, 0.0, site.length),
+            Variable("tension_kept", Kind.RESIDUAL, "N", "the drum keeps its tension", 0.0, site.force),
+            pull,
+        )
+
+    def equations(self, v: Any) -> Equations:
+        pull = norm(v.rope.force)
+        if self.tension is None:
+            return Equations(rates={"travel": v.speed}, outputs={"rope_tension": pull})
+        return Equations(residuals={"tension_kept": pull - v.tension}, outputs={"rope_tension": pull})

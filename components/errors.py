@@ -1,0 +1,46 @@
+"""What can go wrong, as types. Each error carries its cause and the remedy, in the user's terms."""
+
+
+class RopewayError(Exception):
+    """Any error of this library: `cause` says what is wrong, `remedy` what to do about it."""
+
+    def __init__(self, cause: str, remedy: str = "") -> None:
+        self.cause = cause
+        self.remedy = remedy
+        super().__init__(f"{cause}. {remedy}".strip() if remedy else cause)
+
+
+class InputError(RopewayError, ValueError):
+    """A value that no component or system can have. Raised before anything is built."""
+
+
+class UnbalancedSystemError(InputError):
+    """Equations and unknowns of a system do not match: a port left open, or too much said."""
+
+
+class UnknownNameError(InputError, KeyError):
+    """A name that the system does not have."""
+
+    def __str__(self) -> str:  # KeyError would show the repr of its arguments
+        return Exception.__str__(self)
+
+
+class SlackRopeError(RopewayError):
+    """The rope is too long, or its tension too low, to hang between its supports as asked."""
+
+
+class EquilibriumError(RopewayError):
+    """No valid equilibrium was found. `component` names the one with the worst residual, if any."""
+
+    def __init__(self, cause: str, remedy: str = "", component: str | None = None) -> None:
+        self.component = component
+        super().__init__(cause, remedy)
+
+
+class SimulationError(RopewayError):
+    """A simulation stopped before its end. `result` holds everything up to `time` [s]."""
+
+    def __init__(self, cause: str, remedy: str = "", time: float = 0.0, result: object = None) -> None:
+        self.time = time
+        self.result = result
+        super().__init__(cause, remedy)

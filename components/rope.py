@@ -1,0 +1,184 @@
+"""A rope: weight, stiffness, strength, and how it stretches."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ropeway.components import check
+from ropeway.components.catenary import Strain
+from ropeway.components.errors import InputError, UnknownNameError
+
+MODULUS = 93.1e9
+"""Modulus of a 6-strand IWRC rope on its metallic area [Pa] (Lyons 2008, p. 32)."""
+
+
+class StretchLaw(Protocol):
+    """A stretch law as a value: gives the coefficients of eps(T) = c1 T + c2 T^2."""
+
+    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+        """Coefficients for a rope of this axial stiffness and minimum breaking load [N]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Elastic:
+    """eps = T/EA: a used rope, whose construction stretch has been pulled out."""
+
+    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+        return Strain(1.0 / axial_stiffness, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class ConstructionStretch:
+    """eps = T/EA + coefficient * (T/MBL)^2: a new rope under its first load (Lyons 2008, eq. 14).
+
+    0.0414 is Lyons' fit for a heavily loaded 6-strand IWRC rope on MBL/T = 2 to 8; it is 34-48 % low at
+    MBL/T = 5 to 8. Construction stretch does not come back: T is the highest tension ever seen.
+    """
+
+    coefficient: float = 0.0414
+
+    def __post_init__(self) -> None:
+        check.not_negative(self.coefficient, "ConstructionStretch", "coefficient")
+
+    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+        return Strain(1.0 / axial_stiffness, self.coefficient / breaking_load**2)
+
+
+@dataclass(frozen=True, slots=True)
+class Construction:
+    """EN 12385-4 factors of a construction: m = W d^2/100 [kg/m], A = C d^2 [mm2], F = K d^2 R/1000 [kN]."""
+
+    mass: float
+    area: float
+    strength: float
+
+
+CONSTRUCTIONS: dict[str, Construction] = {
+    "6x19 IWRC": Construction(0.400, 0.449, 0.356),
+    "6x36 IWRC": Construction(0.409, 0.460, 0.356),
+    "6x19 FC": Construction(0.359, 0.384, 0.330),
+    "6x36 FC": Construction(0.367, 0.393, 0.330),
+}
+"""EN 12385-4 factors W, C, K (d in mm, rope grade in N/mm2)."""
+
+
+@dataclass(frozen=True)
+class Rope:
+    """A rope.
+
+    mass_per_length [kg/m, unstretched]; axial_stiffness EA [N], inf for an inextensible rope; breaking_load:
+    minimum breaking load MBL [N]; diameter [m] where known; stretch: Elastic() or ConstructionStretch(c);
+    safety_factor: MBL over safe working load. Raises InputError.
+    """
+
+    mass_per_length: float
+    axial_stiffness: float
+    breaking_load: float
+    diameter: float | None = None
+    stretch: StretchLaw = field(default_factory=Elastic)
+    safety_factor: float = 3.0
+    name: str = "rope"
+
+    def __post_init__(self) -> None:
+        owner = f"Rope {self.name!r}"
+        check.positive(self.mass_per_length, owner, "mass_per_length", "kg/m")
+        check.positive(self.axial_stiffness, owner, "axial_stiffness", "N", infinite=True)
+        check.positive(self.breaking_load, owner, "breaking_load", "N")
+        check.positive(self.safety_factor, owner, "safety_factor")
+        if self.diameter is not None:
+            check.positive(self.diameter, owner, "diameter", "m")
+
+    @property
+    def strain(self) -> Strain:
+        """Coefficients of the rope's strain over tension."""
+        return self.stretch.strain(self.axial_stiffness, self.breaking_load)
+
+    @property
+    def safe_working_load(self) -> float:
+        """SWL [N]."""
+        return self.breaking_load / self.safety_factor
+
+    @classmethod
+    def from_construction(
+        cls,
+        construction: str,
+        diameter: float,
+        grade: float = 1960.0,
+        *,
+        modulus: float = MODULUS,
+        stretch: StretchLaw | None = None,
+        safety_factor: float = 3.0,
+    ) -> Rope:
+        """From the EN 12385-4 factors.
+
+        construction: a key of `CONSTRUCTIONS`; diameter [m]; grade: rope grade [N/mm2], 1770, 1960 (EIPS) or
+        2160 (EEIPS); modulus on the metallic area [Pa]. Raises InputError, UnknownNameError.
+        """
+        if construction not in CONSTRUCTIONS:
+            known = ", ".join(CONSTRUCTIONS)
+            raise UnknownNameError(f"No construction {construction!r}", f"Known are {known}")
+        owner = f"Rope {construction}"
+        check.positive(diameter, owner, "diameter", "m")
+        check.positive(grade, owner, "grade", "N/mm2")
+        check.positive(modulus, owner, "modulus", "Pa")
+        if diameter > 0.2:
+            raise InputError(f"{owner}: diameter is {diameter} m", "Give metres, not millimetres")
+        factors, mm = CONSTRUCTIONS[construction], diameter * 1e3
+        return cls(
+            mass_per_length=factors.mass * mm**2 / 100.0,
+            axial_stiffness=modulus * factors.area * diameter**2,
+            breaking_load=factors.strength * mm**2 * grade,
+            diameter=diameter,
+            stretch=Elastic() if stretch is None else stretch,
+            safety_factor=safety_factor,
+            name=f"{construction} {mm:g} mm {grade:g}",
+        )
+
+    @classmethod
+    def named(cls, name: str, *, stretch: StretchLaw | None = None, safety_factor: float = 3.0) -> Rope:
+        """A rope of `NAMED`, by its name (`rw.ropes()` lists them). Raises UnknownNameError."""
+        entry = next((r for r in NAMED if r.name == name), None)
+        if entry is None:
+            known = ", ".join(repr(r.name) for r in NAMED)
+            raise UnknownNameError(f"No rope {name!r}", f"Known are {known}")
+        # The sources give no modulus by rope: metallic area from the mass at the density of a 6x19 IWRC
+        # construction (rho = 9300 kg/m3 on the metallic area, Lyons 2008, p. 32).
+        modulus = 100e9 if entry.source == "SEILAPLAN" else MODULUS
+        return cls(
+            mass_per_length=entry.mass_per_length,
+            axial_stiffness=modulus * entry.mass_per_length / 9300.0,
+            breaking_load=entry.breaking_load,
+            diameter=entry.diameter,
+            stretch=Elastic() if stretch is None else stretch,
+            safety_factor=safety_factor,
+            name=name,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class NamedRope:
+    """A rope quoted as a fact, with its source."""
+
+    name: str
+    diameter: float
+    mass_per_length: float
+    breaking_load: float
+    source: str
+
+
+NAMED = (
+    NamedRope("compacted skyline 20", 0.020, 1.98, 356e3, "SEILAPLAN"),
+    NamedRope("compacted skyline 22", 0.022, 2.37, 424e3, "SEILAPLAN"),
+    NamedRope("6x19 EEIP 19", 0.01905, 1.4, 256.3e3, "Lyons 2008"),
+    NamedRope("6x19 EEIP 25", 0.0254, 2.4, 450.3e3, "Lyons 2008"),
+    NamedRope("RHOL-IWRC 29", 0.0286, 3.48, 576.6e3, "Harvey 2013"),
+)
+"""Named ropes: diameter [m], mass [kg/m], minimum breaking load [N]."""
+
+
+def hanging_limit(rope: Rope, gravity: float) -> float:
+    """Longest rope that can hang straight down without breaking under its own weight [m]."""
+    return math.inf if gravity == 0.0 else rope.breaking_load / (rope.mass_per_length * gravity)

@@ -1,0 +1,110 @@
+"""An idler sheave, and what all sheaves share: the rope's forces on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from ropeway.components import check
+from ropeway.components.catenary import Vector, norm
+from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.smooth import angle_between, sign
+
+
+@dataclass(frozen=True)
+class Wheel(Node):
+    """A support that a rope runs over, coming in at seat a and going out at seat b. hold_down: the rope runs
+    below the sheave, which presses it down; otherwise a support that pulls the rope down reports lift-off."""
+
+    hold_down: bool = False
+
+    @property
+    def a(self) -> Seat:
+        """Where the rope comes in."""
+        return Seat(self, "a", travel="travel")
+
+    @property
+    def b(self) -> Seat:
+        """Where the rope goes out."""
+        return Seat(self, "b", travel="travel")
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.a, self.b)
+
+    def through(self, seat: Seat) -> Seat | None:
+        return self.b if seat == self.a else None
+
+    def wheel_outputs(self, site: Site) -> tuple[Variable, ...]:
+        """Outputs of any sheave."""
+        out, force = Kind.OUTPUT, site.force
+        return (
+            Variable("tension_in", out, "N", "tension of the rope coming in", nominal=force),
+            Variable("tension_out", out, "N", "tension of the rope going out", nominal=force),
+            Variable("differential_tension", out, "N", "tension going out less tension coming in", nominal=force),
+            Variable("bearing_load", out, "N", "resultant of the rope's forces on the sheave", nominal=force),
+            Variable("support_force", out, "N", "upward force of the support on the rope", nominal=force),
+            Variable("wrap", out, "rad", "angle by which the rope is turned"),
+        )
+
+    @staticmethod
+    def wheel_equations(v: Any) -> dict[str, Any]:
+        """Values of `wheel_outputs`."""
+        pull_in, pull_out = v.a.force, v.b.force
+        pull: Vector = (pull_in[0] + pull_out[0], pull_in[1] + pull_out[1], pull_in[2] + pull_out[2])
+        t_in, t_out = norm(pull_in), norm(pull_out)
+        return {
+            "tension_in": t_in,
+            "tension_out": t_out,
+            "differential_tension": t_out - t_in,
+            "bearing_load": norm(pull),
+            "support_force": -pull[2],
+            "wrap": angle_between((-pull_in[0], -pull_in[1], -pull_in[2]), pull_out),
+        }
+
+
+@dataclass(frozen=True)
+class Sheave(Wheel):
+    """An idler sheave. Frictionless: equal tension on both sides.
+
+    friction: bearing friction referred to the rope (bearing coefficient times axle radius over sheave
+    radius). The tension ratio is then exp(friction * wrap) in the direction of the run's driven speed,
+    smooth through rest, where it is one: N = 2 T sin(wrap/2), T_out - T_in = friction * N, integrated.
+
+    A load that a hold-down geometry pushes back stays on the sheave: `held` = 1 keeps the travel at
+    `held_travel` and leaves the tensions free. Raises InputError.
+    """
+
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.not_negative(self.friction, self.label, "friction")
+
+    @property
+    def balance(self) -> str:
+        return "tension_law"
+
+    def structure(self, site: Site) -> Hashable:
+        return (Sheave, self.friction > 0.0)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return (
+            *self.place(),
+            Variable("friction", Kind.PARAMETER, "1", "bearing friction referred to the rope", self.friction),
+            Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
+            Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
+            Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),
+            Variable("tension_law", Kind.RESIDUAL, "N", "tensions on both sides", 0.0, site.force),
+            *self.wheel_outputs(site),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        outputs = self.wheel_equations(v)
+        t_in, t_out = outputs["tension_in"], outputs["tension_out"]
+        if self.friction > 0.0:
+            t_in = t_in * (v.friction * outputs["wrap"] * sign(v.b.speed, 0.01)).exp()
+        # One newton per millimetre keeps the held residual in the scale of the free one.
+        law = (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
+        return Equations(residuals={"tension_law": law}, outputs=outputs)

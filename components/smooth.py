@@ -1,0 +1,21 @@
+"""Smooth switches on symbols and numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ropeway.components.catenary import Vector, namespace
+
+
+def sign(x: Any, width: float) -> Any:
+    """Sign of x, smooth within `width` of zero."""
+    return namespace(x).tanh(x / width)
+
+
+def angle_between(a: Vector, b: Vector) -> Any:
+    """Angle between two vectors [rad], 0 to pi, exact to the rounding of its sine; differentiable at 0."""
+    xp = namespace(*a, *b)
+    cx, cy, cz = a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    tiny = 1e-30 * (a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2)
+    return xp.atan2(xp.sqrt(cx * cx + cy * cy + cz * cz + tiny), dot)

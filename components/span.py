@@ -1,0 +1,117 @@
+"""A rope piece between two supports, with loads clamped to it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from ropeway.components import catenary, check
+from ropeway.components.component import Component, Equations, Kind, RopeEnd, Site, Variable
+from ropeway.components.rope import Rope
+
+
+@dataclass(frozen=True)
+class Span(Component):
+    """A rope from support a to support b. length: unstretched, at zero travel of both supports [m].
+
+    Loads sit in slots, in order from a. Load j hangs `slot_at + slot_ride * travel_a + slot_empty * length`
+    from end a along the unstretched rope: a load clamped to the rope rides (1) with the travel at a, one
+    pinned at a distance does not (0), and an empty slot is a massless point at end b.
+    """
+
+    rope: Rope
+    length: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.positive(self.length, f"Span {self.name!r}", "length", "m")
+
+    @property
+    def a(self) -> RopeEnd:
+        """The end where the rope comes from."""
+        return RopeEnd(self, "a")
+
+    @property
+    def b(self) -> RopeEnd:
+        """The end where the rope goes to."""
+        return RopeEnd(self, "b")
+
+    @property
+    def ports(self) -> tuple[RopeEnd, ...]:
+        return (self.a, self.b)
+
+    def structure(self, site: Site) -> Hashable:
+        return (Span, site.slots)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        rope, n, force, length = self.rope, site.slots, site.force, site.length
+        strain = rope.strain
+        par, alg, dis, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.DISCRETE, Kind.RESIDUAL, Kind.OUTPUT
+
+        def slots(name: str, unit: str, description: str, value: float = 0.0) -> Variable:
+            return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
+
+        return (
+            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length),
+            Variable("mass_per_length", par, "kg/m", "mass per unstretched length", rope.mass_per_length),
+            Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8),
+            Variable("construction", par, "1/N2", "construction strain per tension squared", strain.c2, 1e-14),
+            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force),
+            *(
+                Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
+                for axis, start in zip("xyz", site.tension, strict=True)
+            ),
+            slots("slot_mass", "kg", "mass of the load in each slot"),
+            slots("slot_at", "m", "unstretched distance of each slot from end a at zero travel"),
+            slots("slot_ride", "1", "1: the slot's load rides with the rope, 0: pinned or empty"),
+            slots("slot_empty", "1", "1: the slot is empty", 1.0),
+            *(Variable(f"closure_{axis}", res, "m", f"span reaches end b, {axis}", 0.0, length) for axis in "xyz"),
+            Variable("tension_a", out, "N", "tension at end a", nominal=force),
+            Variable("tension_b", out, "N", "tension at end b", nominal=force),
+            Variable("horizontal", out, "N", "horizontal tension", nominal=force),
+            Variable("vertical_a", out, "N", "upward force of the support on the rope at end a", nominal=force),
+            Variable("vertical_b", out, "N", "upward force of the support on the rope at end b", nominal=force),
+            Variable("length", out, "m", "unstretched length now", nominal=length, freed_by="length_start"),
+            Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
+            *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n) for x in "xyz"),
+            Variable("slot_distance", out, "m", "unstretched distance of each slot from end a", nominal=length, size=n),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        force = (v.force_x, v.force_y, v.force_z)
+        length = v.length_start + v.a.travel - v.b.travel
+        distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
+        n = distance.numel()
+        stations = catenary.loaded(
+            force,
+            v.mass_per_length * v.gravity,
+            catenary.Strain(v.compliance, v.construction),
+            length,
+            [distance[j] for j in range(n)],
+            [v.slot_mass[j] * v.gravity for j in range(n)],
+        )
+        end = stations[-1]
+        # A span's tension is highest at one of its ends: the vertical component grows from a to b.
+        tension_a, tension_b = catenary.norm(force), catenary.norm(end.force)
+        xp = catenary.namespace(tension_a)
+        return Equations(
+            residuals={
+                f"closure_{axis}": end.reach[i] - (v.b.position[i] - v.a.position[i]) for i, axis in enumerate("xyz")
+            },
+            outputs={
+                "tension_a": tension_a,
+                "tension_b": tension_b,
+                "horizontal": catenary.norm((force[0], force[1], 0.0)),
+                "vertical_a": -force[2],
+                "vertical_b": end.force[2],
+                "length": length,
+                "utilisation": xp.fmax(tension_a, tension_b) / v.breaking_load,
+                **{
+                    f"slot_{axis}": xp.vertcat(*(v.a.position[i] + s.reach[i] for s in stations[:-1]))
+                    for i, axis in enumerate("xyz")
+                },
+                "slot_distance": distance,
+            },
+            forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
+        )

@@ -1,0 +1,289 @@
+"""From declarations to the flat model: each component's equations become one CasADi function per kind, called
+once per component and joined at the ports; then the structure is checked before anything is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.errors import UnbalancedSystemError
+from ropeway.systems.model import Balance, Layout, Model, Slots, Table, Travel, component_of
+from ropeway.systems.run import Run, find_runs, slot_counts
+from ropeway.systems.start import RunStart, run_start
+from ropeway.systems.system import System
+
+_SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+
+
+def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
+    """The flat model of a system.
+
+    slots: least number of load slots of each span of each run; by default what the loads need.
+    Deterministic: the same declarations give the same model. Raises UnbalancedSystemError.
+    """
+    system.require_complete()
+    runs = find_runs(system)
+    starts = [run_start(run, system.gravity) for run in runs]
+    sites = _sites(system, runs, starts, slots)
+    variables = {c.name: c.variables(sites[c.name]) for c in system.components.values()}
+    tables = {kind: _table(kind, variables, system) for kind in Kind}
+    dae, outputs = _join(system, runs, sites, variables, tables)
+    model = Model(
+        system=system.copy(),
+        tables=tables,
+        dae=dae,
+        outputs=outputs,
+        signals=tuple(
+            getattr(system.components[component_of(name)], name.split(".", 1)[1]) for name in tables[Kind.INPUT].names
+        ),
+        runs=runs,
+        layouts=tuple(_layout(run, tables) for run in runs),
+        balances=_balances(runs, tables),
+        swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
+    )
+    _check_structure(model, system)
+    return model
+
+
+def _sites(
+    system: System, runs: Sequence[Run], starts: Sequence[RunStart], slots: Sequence[Sequence[int]] | None
+) -> dict[str, Site]:
+    """Scales and starts of each component, from the ropes that touch it."""
+    sites: dict[str, Site] = {}
+    for r, (run, start) in enumerate(zip(runs, starts, strict=True)):
+        counts = slot_counts(run, start.counts)
+        if slots is not None:
+            counts = tuple(max(a, b) for a, b in zip(counts, slots[r], strict=True))
+        for k, span in enumerate(run.spans):
+            tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))
+            sites[span.name] = Site(start.scale, float(start.chord[k]), counts[k], tension)
+        for node in run.nodes:
+            here = Site(start.scale, float(np.mean(start.chord)))
+            known = sites.get(node.name)
+            if known is None or known.force < here.force:
+                sites[node.name] = here
+    return {name: sites.get(name, Site(1.0, 1.0)) for name in system.components}
+
+
+def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: System) -> Table:
+    """All variables of one kind, arrays as name[1], name[2], ..."""
+    names: list[str] = []
+    units: list[str] = []
+    descriptions: list[str] = []
+    values: list[float] = []
+    nominals: list[float] = []
+    if kind is Kind.PARAMETER:
+        names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
+        values, nominals = [system.gravity], [system.gravity]
+    for component, owned in variables.items():
+        for v in owned:
+            if v.kind is not kind:
+                continue
+            array = v.value if isinstance(v.value, tuple) else (v.value,) * v.size
+            indexed = isinstance(v.value, tuple) or v.size != 1 or v.name.startswith("slot_")
+            names += [f"{component}.{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{component}.{v.name}"]
+            units += [v.unit] * v.size
+            descriptions += [v.description] * v.size
+            values += array
+            nominals += [v.nominal] * v.size
+    return Table(tuple(names), tuple(units), tuple(descriptions), np.array(values, float), np.array(nominals, float))
+
+
+class _Kinds:
+    """Component functions of one assembly, one for each kind of component."""
+
+    def __init__(self) -> None:
+        self._functions: dict[Any, ca.Function] = {}
+
+    def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        key = component.structure(site)
+        if key not in self._functions:
+            self._functions[key] = _component_function(
+                component, variables, f"{type(component).__name__}_{len(self._functions)}"
+            )
+        return self._functions[key]
+
+
+def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
+    """(t, gravity, x, z, u, p, d, ports...) -> (ode, alg, y, forces of rope ends...)."""
+    time, gravity = ca.SX.sym("t"), ca.SX.sym("gravity")
+    v = SimpleNamespace(time=time, gravity=gravity)
+    vectors = []
+    for kind in _SYMBOLS:
+        symbols = [ca.SX.sym(var.name, var.size) for var in variables if var.kind is kind]
+        for var, symbol in zip((w for w in variables if w.kind is kind), symbols, strict=True):
+            setattr(v, var.name, symbol)
+        vectors.append(ca.vertcat(*symbols))
+    ports = []
+    for port in component.ports:
+        symbol = ca.SX.sym(port.name, 4)
+        three = (symbol[0], symbol[1], symbol[2])
+        if isinstance(port, RopeEnd):
+            setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
+        else:
+            setattr(v, port.name, SimpleNamespace(force=three, speed=symbol[3]))
+        ports.append(symbol)
+    eq = component.equations(v)
+
+    def stacked(kind: Kind, by_name: Any) -> ca.SX:
+        return ca.vertcat(ca.SX(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
+
+    forces = [ca.vertcat(*eq.forces[port.name]) for port in component.ports if isinstance(port, RopeEnd)]
+    results = [
+        stacked(Kind.STATE, eq.rates),
+        stacked(Kind.RESIDUAL, eq.residuals),
+        stacked(Kind.OUTPUT, eq.outputs),
+        *forces,
+    ]
+    return ca.Function(name, [time, gravity, *vectors, *ports], results)
+
+
+def _join(
+    system: System,
+    runs: Sequence[Run],
+    sites: dict[str, Site],
+    variables: dict[str, tuple[Variable, ...]],
+    tables: dict[Kind, Table],
+) -> tuple[ca.Function, ca.Function]:
+    """All components called in one graph: rope pieces first, then the nodes with the forces on them."""
+    t = ca.MX.sym("t")
+    whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in _SYMBOLS}
+    gravity = whole[Kind.PARAMETER][0]
+    parts = {kind: _split(kind, whole[kind], variables) for kind in _SYMBOLS}
+    speed_of = _drive_speeds(runs)
+
+    def variable(component: str, name: str) -> ca.MX:
+        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
+            full = f"{component}.{name}"
+            if full in tables[kind].index:
+                return whole[kind][tables[kind].index[full]]
+        raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
+
+    seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
+    kinds = _Kinds()
+    results: dict[str, Sequence[ca.MX]] = {}
+    force_on: dict[tuple[str, str], ca.MX] = {}
+
+    def call(component: Component, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
+        f = kinds.get(component, sites[component.name], variables[component.name])
+        vectors = [parts[kind][component.name] for kind in _SYMBOLS]
+        out: Sequence[ca.MX] = f(t, gravity, *vectors, *ports)
+        return out
+
+    for c in system.components.values():
+        if any(isinstance(port, RopeEnd) for port in c.ports):
+            ports = []
+            for port in c.ports:
+                node, seat_name = system.connections[c.name, port.name]
+                travel = seats[node, seat_name].travel
+                q = ca.MX(0.0) if travel is None else variable(node, travel)
+                ports.append(ca.vertcat(*(variable(node, axis) for axis in "xyz"), q))
+            out = call(c, ports)
+            results[c.name] = out
+            for port, force in zip(c.ports, out[3:], strict=True):
+                force_on[system.connections[c.name, port.name]] = -force
+    for c in system.components.values():
+        if c.name not in results:
+            ports = []
+            for port in c.ports:
+                driver = speed_of.get((c.name, port.name))
+                speed = ca.MX(0.0) if driver is None else variable(*driver)
+                ports.append(ca.vertcat(force_on[c.name, port.name], speed))
+            results[c.name] = call(c, ports)
+    ode, alg, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in range(3))
+    arguments = [t, *(whole[kind] for kind in _SYMBOLS)]
+    names = ["t", "x", "z", "u", "p", "d"]
+    return (
+        ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"]),
+        ca.Function("outputs", arguments, [y], names, ["y"]),
+    )
+
+
+def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
+    """Each component's part of a vector."""
+    offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
+    for owned in variables.values():
+        offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
+    pieces = ca.vertsplit(vector, offsets)
+    return dict(zip(variables, pieces[-len(variables) :], strict=True))
+
+
+def _drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
+    """For each seat the component and variable with the speed of the nearest drive of its rope."""
+    found = {}
+    for run in runs:
+        driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
+        for k, node in enumerate(run.nodes):
+            if driven:
+                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
+                for seat in node.seats:
+                    found[node.name, seat.name] = (nearest.name, nearest.drive_speed or "")
+    return found
+
+
+def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
+    def where(kind: Kind, names: Sequence[str]) -> np.ndarray:
+        index = tables[kind].index
+        return np.array([index.get(name, -1) for name in names], dtype=int)
+
+    travel = [f"{n.name}.{n.arriving.travel}" for n in run.nodes]
+    discrete = tables[Kind.DISCRETE].index
+    first = {
+        slot: np.array([discrete.get(f"{s.name}.slot_{slot}[1]", 0) for s in run.spans], dtype=int)
+        for slot in ("mass", "at", "ride", "empty")
+    }
+    count = []
+    for s in run.spans:
+        n = 0
+        while f"{s.name}.slot_mass[{n + 1}]" in discrete:
+            n += 1
+        count.append(n)
+    return Layout(
+        travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
+        slots=Slots(count=np.array(count), **first),
+        length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
+        held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
+        held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+    )
+
+
+def _balances(runs: Sequence[Run], tables: dict[Kind, Table]) -> tuple[Balance, ...]:
+    found = []
+    for run in runs:
+        for k, node in enumerate(run.nodes):
+            if node.balance is not None:
+                # At a rope's end travel winds rope in and so raises the tension.
+                sign = -1.0 if k == len(run.nodes) - 1 else 1.0
+                travel = tables[Kind.ALGEBRAIC].index[f"{node.name}.{node.arriving.travel}"]
+                found.append(Balance(travel, tables[Kind.RESIDUAL].index[f"{node.name}.{node.balance}"], sign))
+    return tuple(found)
+
+
+def _check_structure(model: Model, system: System) -> None:
+    """As many equations as unknowns, and a matching between them. Raises UnbalancedSystemError."""
+    unknowns, residuals = model.z.names, model.r.names
+    if len(unknowns) != len(residuals):
+        raise UnbalancedSystemError(
+            f"System {model.name!r} has {len(unknowns)} unknowns and {len(residuals)} equations",
+            "Fix or free a quantity",
+        )
+    if not unknowns:
+        return
+    pattern = model.dae.jac_sparsity(1, 2)
+    matrix = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+    match = maximum_bipartite_matching(matrix, perm_type="column")
+    if np.any(match < 0):
+        lone = [residuals[i] for i in np.flatnonzero(match < 0)]
+        owner = component_of(lone[0])
+        raise UnbalancedSystemError(
+            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}",
+            f"Look at {owner!r}, added at {system.origin(owner)}",
+        )

@@ -1,0 +1,132 @@
+"""The empty rope at rest over its supports: how its length is shared out between them.
+
+At rest the tension is equal on both sides of each support, and along each span the strain potential
+changes by w times the height gained (EQUATIONS T17). So the tension at every support follows in closed
+form from the first one, and each span is a small problem of its own: they are solved side by side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ropeway.components import parabola
+from ropeway.components.catenary import Strain, norm, segment
+from ropeway.components.errors import InputError, SlackRopeError
+
+_STEP = 1e-30  # complex step: derivatives to rounding
+
+
+class _Taut(NamedTuple):
+    """Lengths [m] and their derivatives by the tension at the first support [m/N], shapes (n,)."""
+
+    length: np.ndarray
+    slope: np.ndarray
+
+
+def lengths_for_tension(
+    points: Sequence[Sequence[float]], weight: float, strain: Strain, tension: float, names: Sequence[str]
+) -> np.ndarray:
+    """Unstretched span lengths [m], shape (n,), for a tension [N] at the first of n + 1 support points.
+
+    Taut branch. Raises SlackRopeError that names the first span for which the tension is too low.
+    """
+    return _solve(np.array(points, dtype=float), weight, strain, tension, names).length
+
+
+def lengths_for_total(
+    points: Sequence[Sequence[float]], weight: float, strain: Strain, total: float, names: Sequence[str]
+) -> np.ndarray:
+    """Unstretched span lengths [m], shape (n,), that sum to `total`.
+
+    Where the rope is too slack for a taut branch the parabola shares it out. Raises InputError when an
+    inextensible rope is shorter than its chords.
+    """
+    at = np.array(points, dtype=float)
+    chords = parabola.Chords.between(at)
+    if strain == (0.0, 0.0) and total <= chords.length.sum():
+        raise InputError(
+            f"The inextensible rope {names[0]} ... is {total:.6g} m long, its chords {chords.length.sum():.6g} m",
+            "Give a longer rope or a finite axial stiffness",
+        )
+    if len(names) == 1:
+        return np.array([total])
+    none = np.zeros((len(names), 1))
+    share = chords.length * (total / chords.length.sum())
+    beam = parabola.beam(chords, weight, share, none, none)
+    group = np.zeros(len(names), dtype=int)
+    reference = float(parabola.common_tension(chords, weight, beam, strain, np.array([total]), group)[0])
+    tension = parabola.tensions(chords, weight, beam, reference)
+    guess = parabola.rope_lengths(chords, beam, strain, tension)
+    try:
+        for _ in range(20):
+            taut = _solve(at, weight, strain, reference, names)
+            miss = taut.length.sum() - total
+            if abs(miss) <= 1e-13 * total:
+                return taut.length * (total / taut.length.sum())
+            reference -= miss / taut.slope.sum()
+    except SlackRopeError:
+        pass
+    return guess * (total / guess.sum())
+
+
+def _solve(at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str]) -> _Taut:
+    """All spans by Newton's method on (horizontal tension, vertical component at the start, length)."""
+    chords = parabola.Chords.between(at)
+    level = strain.potential(tension) + weight * (at[:, 2] - at[0, 2])
+    support = np.maximum(level, 1e-9)
+    for _ in range(20):
+        support = support - (strain.potential(support) - level) / (1.0 + strain.at(support))
+    if level.min() <= 0.0:
+        k = max(int(np.argmin(level)) - 1, 0)
+        raise SlackRopeError(
+            f"A tension of {tension:.6g} N at the first support leaves span {names[k]!r} without tension",
+            "Raise the tension",
+        )
+    # What 1 N at the first support does at the others: the potential rises alike.
+    gain = (1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1]))
+    mean = (support[:-1] + support[1:]) / 2.0
+    cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
+    length = chords.length / (1.0 + strain.at(mean))
+    unknown = np.column_stack([mean * cosine, mean * sine - weight * chords.length / 2.0, length])
+
+    def residual(u: np.ndarray) -> np.ndarray:
+        force = (u[:, 0], np.zeros_like(u[:, 0]), u[:, 1])
+        piece = segment(force, weight, u[:, 2], strain)
+        return np.column_stack(
+            [
+                (piece.reach[0] - chords.horizontal) / chords.length,
+                (piece.reach[2] - chords.rise) / chords.length,
+                norm(force) / support[:-1] - 1.0,
+            ]
+        )
+
+    error = np.full(len(names), np.inf)
+    jacobian = np.empty((len(names), 3, 3))
+    with np.errstate(all="ignore"):
+        for _ in range(60):
+            error = np.abs(residual(unknown)).max(axis=1)
+            for j in range(3):
+                probe = unknown.astype(complex)
+                probe[:, j] += 1j * _STEP
+                jacobian[:, :, j] = residual(probe).imag / _STEP
+            if not np.all(np.isfinite(jacobian)) or np.any(np.linalg.det(jacobian) == 0.0):
+                break
+            move = -np.linalg.solve(jacobian, residual(unknown)[:, :, None])[:, :, 0]
+            size = np.maximum(np.abs(move[:, 2]) / unknown[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
+            unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
+            if size.max() < 1e-14:
+                break
+        slope = np.linalg.solve(
+            jacobian, np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
+        )[:, 2, 0]
+    bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise SlackRopeError(
+            f"{support[k]:.6g} N at {names[k]!r} is too little for the rope's own weight in that span",
+            "Raise the tension or put a support between",
+        )
+    return _Taut(unknown[:, 2], slope * gain)

@@ -1,0 +1,345 @@
+"""A system at rest: solved, checked to be physical, and ready to ask."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+from scipy.sparse.linalg import splu
+
+from ropeway.components import catenary
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
+from ropeway.systems.assembly import assemble
+from ropeway.systems.model import Model, component_of
+from ropeway.systems.newton import Newton, Point, Slot, newton_of
+from ropeway.systems.run import Run
+from ropeway.systems.state import LineState, find
+from ropeway.systems.system import System
+
+_LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
+
+    `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
+    supports on which a load stands that could pass neither way.
+    """
+
+    model: Model
+    point: Point
+    runs: tuple[Run, ...]
+    passed: tuple[np.ndarray, ...]
+    held: tuple[str, ...]
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        """Values of all outputs, in the order of `model.y`."""
+        return np.array(self.model.outputs(*self.point.arguments)).ravel()
+
+    def __getitem__(self, name: str) -> float:
+        kind, k = find(self.model, self.runs, self.passed, name)
+        return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """All values: index name; columns value, unit, description."""
+        m = self.model
+        rows = [(m.y, self.outputs), (m.z, self.point.z), (m.x, self.point.x), (m.u, self.point.u), (m.p, self.point.p)]
+        table = pd.DataFrame(
+            {
+                "name": [n for t, _ in rows for n in t.names],
+                "value": np.concatenate([v for _, v in rows]),
+                "unit": [n for t, _ in rows for n in t.units],
+                "description": [n for t, _ in rows for n in t.descriptions],
+            }
+        ).set_index("name")
+        return pd.concat([table[~table.index.str.contains(r"\.slot_")], self._load_rows()])
+
+    def _load_rows(self) -> pd.DataFrame:
+        words = {"x": "x of the load", "y": "y of the load", "z": "z of the load", "mass": "mass of the load"}
+        words["distance"] = "unstretched distance of the load from its span's end a"
+        rows = [
+            (f"{row.load}.{key}", getattr(row, key), "kg" if key == "mass" else "m", text)
+            for row in self.loads.itertuples()
+            for key, text in words.items()
+        ]
+        return pd.DataFrame(rows, columns=["name", "value", "unit", "description"]).set_index("name")
+
+    @cached_property
+    def loads(self) -> pd.DataFrame:
+        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]."""
+        rows = []
+        for run, beyond in zip(self.runs, self.passed, strict=True):
+            for k, span in enumerate(run.spans):
+                for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
+                    read = {
+                        w: self.outputs[self.model.y.index[f"{span.name}.{s}[{slot + 1}]"]]
+                        for w, s in _LOAD_OUTPUTS.items()
+                    }
+                    rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
+        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
+
+    def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
+        """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
+        loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
+        for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
+            for k, candidate in enumerate(run.spans):
+                if candidate.name == span:
+                    return self._profile(run, k, int(layout.force[k]), beyond, stations)
+        raise UnknownNameError(
+            f"No span {span!r}", f"Spans are {', '.join(s.name for r in self.runs for s in r.spans)}"
+        )
+
+    def _profile(
+        self, run: Run, k: int, force: int, beyond: np.ndarray, stations: Sequence[float] | np.ndarray | int
+    ) -> pd.DataFrame:
+        name = run.spans[k].name
+        read, p = self.outputs, self.model.p.index
+        count = int(beyond[k] - beyond[k + 1])
+        at = [float(read[self.model.y.index[f"{name}.slot_distance[{j + 1}]"]]) for j in range(count)]
+        mass = [float(run.loads.mass[beyond[k] - 1 - j]) for j in range(count)]
+        gravity, length = float(self.point.p[0]), self[f"{name}.length"]
+        spread = np.linspace(0.0, length, stations) if isinstance(stations, int) else np.asarray(stations, float)
+        if isinstance(stations, int):
+            spread = np.union1d(spread, at)
+        if spread.size and (spread.min() < 0.0 or spread.max() > length * (1.0 + 1e-12)):
+            raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
+        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], self.point.p[p[f"{name}.construction"]])
+        tension = self.point.z[force : force + 3]
+        weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
+        curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
+        start = np.array([self.point.p[p[f"{run.nodes[k].name}.{axis}"]] for axis in "xyz"])
+        place = start + curve.reach
+        return pd.DataFrame(
+            {
+                "station": curve.station,
+                "x": place[:, 0],
+                "y": place[:, 1],
+                "z": place[:, 2],
+                "tension": curve.tension,
+                "slope": curve.slope,
+            }
+        )
+
+
+def equilibrium(
+    system: System | Model,
+    *,
+    given: Mapping[str, float] | None = None,
+    solve_for: str | Sequence[str] = (),
+    parameters: Mapping[str, float] | None = None,
+    start: Equilibrium | None = None,
+) -> Equilibrium:
+    """The stable, taut equilibrium of a system at rest.
+
+    given: values that variables, outputs or loads must take (`{"a_b.tension_a": 150e3}`), and solve_for: as
+    many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
+    inputs, states (a drive's travel) and load masses of this solve. start: a nearby equilibrium of the same
+    model, for a warm start.
+
+    After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Raises
+    InputError, UnknownNameError, UnbalancedSystemError before, EquilibriumError after a failed solve.
+    """
+    freed_names = [solve_for] if isinstance(solve_for, str) else list(solve_for)
+    wanted = dict(given or {})
+    if len(wanted) != len(freed_names):
+        raise UnbalancedSystemError(
+            f"{len(wanted)} values are given and {len(freed_names)} are solved for", "Free one for each one given"
+        )
+    model = system if isinstance(system, Model) else assemble(system)
+    if start is None:
+        state = LineState.cold(model)
+    elif start.model.z.names == model.z.names:
+        state = LineState(start.model, start.point.copy(), start.runs, start.passed)
+    else:
+        raise InputError("start is the equilibrium of another system", "Start from one of the same components")
+    for name, value in (parameters or {}).items():
+        state.set(name, value)
+    if start is None and parameters:
+        state.restart()
+    if wanted:
+        _solve_swapped(state, wanted, [model.swaps.get(n, n) for n in freed_names])
+    else:
+        solve(state)
+    state.rezero()
+    return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
+
+
+def solve(state: LineState) -> None:
+    """Brings a state to rest: every load in its span, the idlers balanced, the balance stable.
+
+    Raises EquilibriumError.
+    """
+    seen: set[bytes] = set()
+    for _ in range(200):
+        _newton(state)
+        before = [p.copy() for p in state.passed]
+        if state.settle():
+            _check(state)
+            return
+        key = b"".join(p.tobytes() for p in state.passed)
+        if key in seen:  # a load that neither of two spans keeps stands on the support between them
+            for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
+                for k in np.flatnonzero(was != now):
+                    state.hold(r, int(k), int(min(was[k], now[k])))
+        seen.add(key)
+    raise EquilibriumError(
+        f"The loads of system {state.model.name!r} find no place on the rope",
+        "Loads stand close to a support: move them a little",
+    )
+
+
+def _newton(state: LineState) -> None:
+    """Newton's method, then with idlers locked and released by degrees."""
+    newton = newton_of(state.model)
+    start = state.point.copy()
+    try:
+        newton.solve(state.point)
+        return
+    except EquilibriumError as error:
+        first = error
+    state.point.z[:] = start.z
+    for scale in (1.0, 0.3, 3.0):
+        state.point.z[:] = start.z
+        for layout in state.model.layouts:
+            for axis in range(3):
+                state.point.z[layout.force + axis] *= scale
+        try:
+            damping = 1e3
+            while damping > 1e-4:
+                newton.solve(state.point, damping=damping)
+                damping /= 10.0
+            newton.solve(state.point)
+            return
+        except EquilibriumError:
+            continue
+    raise first
+
+
+def _check(state: LineState) -> None:
+    """Raises EquilibriumError for a root that no rope can have: a piece of no length, or an unstable balance."""
+    for r, run in enumerate(state.runs):
+        length = np.diff(state.rope(r))
+        if np.any(length <= 0.0):
+            name = run.spans[int(np.argmin(length))].name
+            raise EquilibriumError(f"No rope is left in span {name!r}", "Give the run more rope", name)
+    unstable = _unstable(state)
+    if unstable is not None:
+        raise EquilibriumError(
+            f"The balance of the rope over {unstable!r} is unstable: it would run into one of the spans",
+            "The rope is too slack: shorten it or raise the tension",
+            unstable,
+        )
+
+
+def _unstable(state: LineState) -> str | None:
+    """The support whose travel has no positive stiffness, if any: the condensed stiffness of all free
+    travels must be positive definite."""
+    model = state.model
+    free = [b for b in model.balances if not state.is_held(b)]
+    if not free:
+        return None
+    newton = newton_of(model)
+    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
+    n = len(model.z)
+    # Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
+    # when, and only when, that symmetric matrix is positive definite.
+    order_c = np.concatenate([np.setdiff1d(np.arange(n), columns), columns])
+    order_r = np.concatenate([np.setdiff1d(np.arange(n), rows), rows])
+    matrix = newton.matrix(state.point)[order_r][:, order_c].tocsc()
+    pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[n - len(free) :]
+    soft = -np.array([b.sign for b in free]) * pivots <= 0.0
+    return component_of(model.z.names[columns[int(np.argmax(soft))]]) if soft.any() else None
+
+
+def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:
+    """Brings a state to rest with values given and as many quantities freed."""
+    lengths = {int(k) for layout in state.model.layouts for k in layout.length_start}
+    freed = [state.find(name) for name in solve_for]
+    for name, (kind, k) in zip(solve_for, freed, strict=True):
+        if kind not in (Kind.PARAMETER, Kind.STATE, Kind.INPUT, Kind.DISCRETE):
+            raise InputError(f"{name} is a result and cannot be freed", "Free a parameter, a length or a mass")
+    stretched = [k for kind, k in freed if kind is Kind.PARAMETER and k in lengths]
+    if stretched:
+        _pull_straight(state, stretched, given)
+    else:
+        solve(state)
+    for _ in range(20):
+        wanted = [state.find(name) for name in given]
+        freed = [state.find(name) for name in solve_for]
+        _approach(state, Newton(state.model, freed, wanted), wanted, np.array(list(given.values()), float))
+        _read_masses(state)
+        if state.settle():
+            break
+    else:
+        raise EquilibriumError(
+            f"The loads of system {state.model.name!r} find no place on the rope with the values given",
+            "Ask for values nearer to an equilibrium that you know",
+        )
+    for name, (kind, k) in zip(solve_for, freed, strict=True):
+        value = state.point.vector(kind)[k]
+        if value < 0.0 and (name.endswith(".mass") or k in stretched):
+            raise EquilibriumError(f"The values given need {name} = {value:.6g}", "Ask for less", component_of(name))
+    _check(state)
+
+
+def _pull_straight(state: LineState, lengths: Sequence[int], given: Mapping[str, float]) -> None:
+    """Starts from a taut rope at its chord: for a given tension a very slack one may exist too."""
+    for run, layout in zip(state.runs, state.model.layouts, strict=True):
+        for k, span in enumerate(run.spans):
+            if int(layout.length_start[k]) in lengths:
+                a, b = run.nodes[k], run.nodes[k + 1]
+                near = [
+                    v
+                    for name, v in given.items()
+                    if "tension" in name and component_of(name) in (span.name, a.name, b.name)
+                ]
+                tension = max(near, default=0.1 * run.rope.breaking_load)
+                chord = float(np.linalg.norm(np.subtract(a.at, b.at)))
+                state.point.p[layout.length_start[k]] = chord / (1.0 + run.rope.strain.at(tension))
+                if run.rope.strain == (0.0, 0.0):
+                    sag = run.rope.mass_per_length * state.point.p[0] * chord / tension
+                    state.point.p[layout.length_start[k]] *= 1.0 + sag**2 / 24.0
+    state.restart()
+
+
+def _approach(state: LineState, newton: Newton, wanted: Sequence[Slot], target: np.ndarray) -> None:
+    """Newton's method towards the target, by smaller steps where the whole way is too far."""
+    try:
+        newton.solve(state.point, target=target)
+        return
+    except EquilibriumError:
+        plain = newton_of(state.model)
+        plain.solve(state.point)
+    outputs = np.array(state.model.outputs(*state.point.arguments)).ravel()
+    origin = np.array([outputs[k] if kind is Kind.OUTPUT else state.point.vector(kind)[k] for kind, k in wanted])
+    done, share = 0.0, 0.25
+    while done < 1.0:
+        share = min(share, 1.0 - done)
+        try:
+            newton.solve(state.point, target=origin + (done + share) * (target - origin))
+            done, share = done + share, 2.0 * share
+        except EquilibriumError as error:
+            share /= 2.0
+            if share < 1e-3:
+                raise EquilibriumError(
+                    f"No equilibrium of {state.model.name!r} has the values given",
+                    "Ask for values nearer to an equilibrium that you know",
+                    error.component,
+                ) from error
+
+
+def _read_masses(state: LineState) -> None:
+    """Takes masses that were solved for out of the slots."""
+    for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
+        beyond, mass = state.passed[r], run.loads.mass.copy()
+        for k in range(len(run.spans)):
+            for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
+                mass[i] = state.point.d[layout.slots.mass[k] + slot]
+        state.runs[r] = replace(run, loads=replace(run.loads, mass=mass))

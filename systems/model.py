@@ -1,0 +1,198 @@
+"""The flat differential-algebraic equations: the one thing that every solver takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.component import Kind
+from ropeway.components.schedule import Schedule
+from ropeway.systems.run import Run
+from ropeway.systems.system import System
+
+
+@dataclass(frozen=True)
+class Table:
+    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,)."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    descriptions: tuple[str, ...]
+    values: np.ndarray
+    nominals: np.ndarray
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Place of each name."""
+        return {name: i for i, name in enumerate(self.names)}
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Where the travel of each support of a run stands, shapes (supports,): its place in the states or in
+    the algebraic variables, -1 where it is not there; in neither it is zero."""
+
+    state: np.ndarray
+    algebraic: np.ndarray
+
+    def read(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Travels [m] out of the states and algebraic variables."""
+        q = np.zeros(len(self.state))
+        in_x, in_z = self.state >= 0, self.algebraic >= 0
+        q[in_x] = x[self.state[in_x]]
+        q[in_z] = z[self.algebraic[in_z]]
+        return q
+
+    def write(self, q: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
+        """Puts travels into the states and algebraic variables."""
+        in_x, in_z = self.state >= 0, self.algebraic >= 0
+        x[self.state[in_x]] = q[in_x]
+        z[self.algebraic[in_z]] = q[in_z]
+
+
+@dataclass(frozen=True)
+class Slots:
+    """Where a run's load slots stand in the discrete vector: for each span the first of its slots of each
+    kind (spans,), and how many there are (spans,)."""
+
+    count: np.ndarray
+    mass: np.ndarray
+    at: np.ndarray
+    ride: np.ndarray
+    empty: np.ndarray
+
+    @cached_property
+    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Span and slot number of every slot."""
+        span = np.repeat(np.arange(len(self.count)), self.count)
+        first = np.concatenate([[0], np.cumsum(self.count)[:-1]])
+        return span, np.arange(len(span)) - first[span]
+
+    def write(self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray) -> None:
+        """Fills the slots with the loads that `passed` puts into each span; `start` (supports,) is the
+        rope at each support at zero travel [m]."""
+        span, slot = self._cells
+        load = passed[span] - 1 - slot
+        full = load >= passed[span + 1]
+        load = np.where(full, load, 0)
+        loads = run.loads
+        if len(loads.place) == 0:
+            return
+        pinned = full & (loads.pinned[load] >= 0)
+        d[self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
+        d[self.at[span] + slot] = np.where(pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0))
+        d[self.ride[span] + slot] = full & ~pinned
+        d[self.empty[span] + slot] = ~full
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A run's places in the vectors of the model: travels, slots, each span's starting length and tension
+    vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
+
+    travel: Travel
+    slots: Slots
+    length_start: np.ndarray
+    force: np.ndarray
+    held: np.ndarray
+    held_travel: np.ndarray
+
+    def start(self, p: np.ndarray) -> np.ndarray:
+        """The rope at each support at zero travel [m], shape (supports,)."""
+        return np.concatenate([[0.0], np.cumsum(p[self.length_start])])
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A travel in the algebraic variables and the residual that lets rope run until tensions balance.
+    sign: +1 where more travel lowers the residual of a stable line, -1 where it raises it."""
+
+    travel: int
+    residual: int
+    sign: float
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The flat model of a system.
+
+    `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
+    units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
+    a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
+    the output is solved for. `system` holds the declarations it was made from.
+    """
+
+    system: System
+    tables: dict[Kind, Table]
+    dae: ca.Function
+    outputs: ca.Function
+    signals: tuple[float | Schedule | None, ...]
+    runs: tuple[Run, ...]
+    layouts: tuple[Layout, ...]
+    balances: tuple[Balance, ...]
+    swaps: dict[str, str]
+
+    @property
+    def name(self) -> str:
+        """The system's name."""
+        return self.system.name
+
+    @property
+    def x(self) -> Table:
+        """Differential states."""
+        return self.tables[Kind.STATE]
+
+    @property
+    def z(self) -> Table:
+        """Algebraic variables."""
+        return self.tables[Kind.ALGEBRAIC]
+
+    @property
+    def u(self) -> Table:
+        """Inputs."""
+        return self.tables[Kind.INPUT]
+
+    @property
+    def p(self) -> Table:
+        """Parameters."""
+        return self.tables[Kind.PARAMETER]
+
+    @property
+    def d(self) -> Table:
+        """Discrete variables."""
+        return self.tables[Kind.DISCRETE]
+
+    @property
+    def y(self) -> Table:
+        """Outputs."""
+        return self.tables[Kind.OUTPUT]
+
+    @property
+    def r(self) -> Table:
+        """Residuals."""
+        return self.tables[Kind.RESIDUAL]
+
+    def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
+        """Travels of the supports of each run [m]."""
+        return [layout.travel.read(x, z) for layout in self.layouts]
+
+
+def component_of(name: str) -> str:
+    """The component that a variable belongs to."""
+    return name.split(".", 1)[0]
+
+
+def nearest(name: str, names: Sequence[str]) -> str:
+    """A hint for a name that does not exist: the names of the same component, or a few that are near."""
+    import difflib
+
+    same = [n for n in names if n.startswith(component_of(name) + ".")]
+    found = same[:12] or difflib.get_close_matches(name, names, n=5, cutoff=0.5)
+    return f"Did you mean {', '.join(found)}?" if found else "Look at the frame for the names there are"

@@ -1,0 +1,210 @@
+"""Damped Newton's method on the scaled algebraic equations of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csc_matrix
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.model import Model, component_of
+
+Slot = tuple[Kind, int]
+"""An entry of one of the model's vectors."""
+
+VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the model: time [s] and the values of all vectors."""
+
+    t: float
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    p: np.ndarray
+    d: np.ndarray
+
+    def vector(self, kind: Kind) -> np.ndarray:
+        """The vector of a kind."""
+        vectors = (self.x, self.z, self.u, self.p, self.d)
+        return vectors[VECTORS.index(kind)]
+
+    @property
+    def arguments(self) -> tuple[float | np.ndarray, ...]:
+        """Arguments of the model's functions."""
+        return (self.t, self.x, self.z, self.u, self.p, self.d)
+
+    def copy(self) -> Point:
+        """With vectors of its own."""
+        return Point(self.t, *(self.vector(kind).copy() for kind in VECTORS))
+
+
+class Buffered:
+    """A CasADi function called on NumPy arrays without copies."""
+
+    def __init__(self, function: ca.Function) -> None:
+        self.function = function
+        self._buffer, self._call = function.buffer()
+        self.results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
+        for i, result in enumerate(self.results):
+            self._buffer.set_res(i, memoryview(result))
+
+    def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results as nonzeros; they are overwritten by the next call."""
+        for i, argument in enumerate(arguments):
+            self._buffer.set_arg(i, memoryview(argument))
+        self._call()
+        return self.results
+
+
+class Newton:
+    """Solves a model's algebraic equations for its algebraic variables and, in exchange for `given` values
+    of variables or outputs, for the `freed` entries of its other vectors."""
+
+    tolerance = 1e-9
+    """Last Newton step, scaled: the error after it is of the order of its square."""
+
+    def __init__(self, model: Model, freed: Sequence[Slot] = (), given: Sequence[Slot] = ()) -> None:
+        self.model = model
+        self.freed = tuple(freed)
+        self.scale = np.concatenate([model.z.nominals, [_nominal(model, slot) for slot in freed]])
+        v = ca.SX.sym("v", len(self.scale))
+        time, point = ca.SX.sym("t"), {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
+        for i, (kind, k) in enumerate(freed, len(model.z)):
+            full[kind] = ca.vertcat(full[kind][:k], v[i] * self.scale[i], full[kind][k + 1 :])
+        arguments = [time, *(full[kind] for kind in VECTORS)]
+        ode, alg = model.dae.expand()(*arguments)
+        target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")
+        anchor, slope = ca.SX.sym("anchor", len(model.z)), ca.SX.sym("slope", len(model.u))
+        residual = alg / model.r.nominals - damping * _drag(model, v, anchor)
+        if given:
+            y = model.outputs.expand()(*arguments)
+            chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
+            residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
+        drift = (
+            ca.jtimes(residual, point[Kind.STATE], ode)
+            + ca.jtimes(residual, point[Kind.INPUT], slope)
+            + ca.jtimes(residual, time, 1)
+        )
+        known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
+        inputs = [v, time, *known, target, damping, anchor, slope]
+        self.residual = ca.Function("residual", inputs, [residual])
+        self.jacobian = ca.Function("jacobian", inputs, [ca.jacobian(residual, v)])
+        both = ca.Function("both", inputs, [residual, ca.horzcat(residual, drift)])
+        symbols = [ca.MX.sym(f"a{i}", *both.size_in(i)) for i in range(both.n_in())]
+        value, sides = both(*symbols)
+        self._value = Buffered(self.residual)
+        self._step = Buffered(
+            ca.Function("step", symbols, [value, ca.solve(self.jacobian(*symbols), ca.densify(sides), "csparse")])
+        )
+
+    def arguments(self, point: Point) -> list[np.ndarray]:
+        """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
+        zero = np.zeros(1)
+        slope = np.zeros(len(point.u))
+        z = point.z / self.model.z.nominals
+        return [self._start(point), np.array([point.t]), point.x, point.u, point.p, point.d, zero[:0], zero, z, slope]
+
+    def matrix(self, point: Point) -> csc_matrix:
+        """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
+        value = self.jacobian(*self.arguments(point))
+        return csc_matrix((value.nonzeros(), value.row(), value.colind()), shape=value.shape)
+
+    def solve(
+        self,
+        point: Point,
+        *,
+        target: np.ndarray | None = None,
+        slope: np.ndarray | None = None,
+        damping: float = 0.0,
+        iterations: int = 50,
+    ) -> np.ndarray:
+        """Solves in place. Returns the rates of the algebraic variables [per s], shape (nz,), as the states
+        move on and the inputs change with `slope` (nu,).
+
+        With `damping` above 0 each idler's travel is held back in proportion to its move from the start.
+        Raises EquilibriumError; the point is unchanged then.
+        """
+        n = len(self.scale)
+        if n == 0:
+            return np.zeros(0)
+        v, *rest = self.arguments(point)
+        if target is not None:
+            rest[5] = target
+        rest[6] = np.array([damping])
+        if slope is not None:
+            rest[8] = slope
+        residual: np.ndarray | None = None
+        for _ in range(iterations):
+            try:
+                value, sides = self._step(v, *rest)
+            except RuntimeError as error:
+                raise self._failure(residual, "The equations are singular") from error
+            residual, step = value.copy(), sides[:n].copy()
+            norm, size = float(np.linalg.norm(residual)), float(np.abs(step).max())
+            if not np.isfinite(size):
+                raise self._failure(residual, "The equations are singular")
+            if size <= self.tolerance or norm <= 1e-15 * np.sqrt(n):
+                self._put(v - step, point)
+                return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
+            share = 1.0
+            while share > 1e-7:
+                trial = v - share * step
+                (value,) = self._value(trial, *rest)
+                after = float(np.linalg.norm(value))
+                if after <= (1.0 - 0.1 * share) * norm or (size < 1e-6 and after <= max(2.0 * norm, 1e-12)):
+                    break
+                share *= 0.5
+            else:
+                raise self._failure(residual, "Newton's method makes no progress")
+            v = trial
+        raise self._failure(residual, f"Newton's method has not converged in {iterations} iterations")
+
+    def _start(self, point: Point) -> np.ndarray:
+        freed = [point.vector(kind)[k] for kind, k in self.freed]
+        return np.asarray(np.concatenate([point.z, freed]) / self.scale)
+
+    def _put(self, v: np.ndarray, point: Point) -> None:
+        values = v * self.scale
+        point.z[:] = values[: len(point.z)]
+        for value, (kind, k) in zip(values[len(point.z) :], self.freed, strict=True):
+            point.vector(kind)[k] = value
+
+    def _failure(self, residual: np.ndarray | None, reason: str) -> EquilibriumError:
+        worst, place = None, ""
+        if residual is not None and len(residual):
+            k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))
+            name = self.model.r.names[k] if k < len(self.model.r) else "a given value"
+            worst, place = component_of(name), f" (worst: {name})"
+        return EquilibriumError(
+            f"{reason} in system {self.model.name!r}{place}",
+            "Check lengths, tensions and loads there, or start from a nearby equilibrium with start=",
+            worst,
+        )
+
+
+def _nominal(model: Model, slot: Slot) -> float:
+    kind, k = slot
+    return float(model.tables[kind].nominals[k])
+
+
+def _drag(model: Model, v: ca.SX, anchor: ca.SX) -> ca.SX:
+    """Move of each travel that a residual balances, at that residual's place."""
+    drag = ca.SX(len(model.r), 1)
+    for balance in model.balances:
+        drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
+    return ca.densify(drag)
+
+
+@lru_cache(maxsize=16)
+def newton_of(model: Model) -> Newton:
+    """The plain solver of a model: made once for each model, as its functions take a while to build."""
+    return Newton(model)

@@ -1,0 +1,189 @@
+"""A rope over its supports, and which load is in which span.
+
+Loads keep their order along the rope, so a run's discrete state is one integer a support: the number of
+loads that have passed it. Span k holds the loads from passed[k + 1] to passed[k] - 1, the last of them
+nearest to its end a. A crossing adds or takes away one; no load can be lost or counted twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ropeway.components.component import Node
+from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.rope import Rope
+from ropeway.components.span import Span
+from ropeway.systems.system import Feed, System
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads of a run, foremost first: names, masses [kg] and places on the rope [m, unstretched, from the
+    run's first support at zero travel]. `pinned` is the span (its index) at whose end a a load's distance
+    `at` counts; -1 for a load with its place on the rope."""
+
+    names: tuple[str, ...] = ()
+    mass: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    place: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    pinned: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    at: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def sorted(self, material: np.ndarray) -> Loads:
+        """With pinned loads placed where the rope is: `material` (supports,) is the rope at each support."""
+        place = np.where(self.pinned >= 0, material[np.maximum(self.pinned, 0)] + self.at, self.place)
+        order = np.argsort(-place, kind="stable")
+        return Loads(
+            tuple(self.names[i] for i in order), self.mass[order], place[order], self.pinned[order], self.at[order]
+        )
+
+
+@dataclass(frozen=True)
+class Run:
+    """A rope through consecutive spans; nodes has one more element than spans."""
+
+    nodes: tuple[Node, ...]
+    spans: tuple[Span, ...]
+    loads: Loads
+    feed: Feed | None = None
+
+    @property
+    def name(self) -> str:
+        """First and last support."""
+        return f"{self.nodes[0].name} ... {self.nodes[-1].name}"
+
+    @property
+    def rope(self) -> Rope:
+        """The rope of the first span."""
+        return self.spans[0].rope
+
+    @property
+    def points(self) -> np.ndarray:
+        """Positions of the supports, shape (n + 1, 3) [m]."""
+        return np.array([node.at for node in self.nodes])
+
+    @property
+    def moves(self) -> bool:
+        """Whether rope can run over its ends or through a drive."""
+        return any(n.drive_speed is not None or n.kept_tension is not None for n in self.nodes)
+
+
+def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:
+    """Number of loads beyond each support, shape (supports,): those further along the rope than the rope
+    at the support. Loads that stand on a support have not passed it; `place` is descending."""
+    count = np.searchsorted(-place, -material, side="left")
+    return np.asarray(np.minimum.accumulate(count))
+
+
+def find_runs(system: System) -> tuple[Run, ...]:
+    """The ropes of a system, each followed from its first support to its last.
+
+    Raises UnbalancedSystemError for a rope joined against its direction or one that no support holds.
+    """
+    nodes = {name: c for name, c in system.components.items() if isinstance(c, Node)}
+    spans = {name: c for name, c in system.components.items() if isinstance(c, Span)}
+    by_seat = {seat: end for end, seat in system.connections.items()}
+    follows: dict[str, str] = {}
+    for name, span in spans.items():
+        owner, seat_name = system.connections[name, "b"]
+        seat = next(s for s in nodes[owner].seats if s.name == seat_name)
+        onward = nodes[owner].through(seat)
+        if onward is not None:
+            other, end = by_seat[owner, onward.name]
+            if end != "a":
+                raise UnbalancedSystemError(
+                    f"Spans {name!r} and {other!r} both arrive at {owner!r}",
+                    "A rope runs from end a to end b: swap one",
+                )
+            follows[name] = other
+    starts = [name for name in spans if name not in follows.values()]
+    runs = []
+    for start in starts:
+        chain = [start]
+        while chain[-1] in follows:
+            chain.append(follows[chain[-1]])
+        on = tuple(spans[name] for name in chain)
+        over = (nodes[system.connections[start, "a"][0]], *(nodes[system.connections[s.name, "b"][0]] for s in on))
+        runs.append(_run(system, over, on))
+    covered = {span.name for run in runs for span in run.spans}
+    if lost := set(spans) - covered:
+        raise UnbalancedSystemError(f"Spans {sorted(lost)} form a closed loop", "Give the rope a beginning and an end")
+    return tuple(runs)
+
+
+def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Run:
+    if any(span.rope != spans[0].rope for span in spans):
+        raise InputError(f"Rope {spans[0].name} ... {spans[-1].name} changes on its way", "Use one rope a run")
+    fixed = [n for n in nodes if n.kept_tension is None and all(s.travel is None for s in n.seats)]
+    if not fixed and all(n.drive_speed is None for n in nodes):
+        raise UnbalancedSystemError(
+            f"Nothing holds the rope {spans[0].name} ... {spans[-1].name}: it could run freely",
+            "Give one of its supports a speed, or anchor an end",
+        )
+    start = np.concatenate([[0.0], np.cumsum([s.length for s in spans])])
+    index = {span.name: k for k, span in enumerate(spans)}
+    feed = next((f for f in system.feeds if f.spans[0].name in index), None)
+    if feed is not None:
+        if feed.spans != spans:
+            raise InputError("feed covers part of a rope", "Feed the whole run, from its first span to its last")
+        loads = fed(feed, start[-1])
+    else:
+        hung = [h for h in system.hung if h.spans[0].name in index]
+        names = tuple(h.load.name for h in hung)
+        first = np.array([index[h.spans[0].name] for h in hung], dtype=int)
+        single = np.array([len(h.spans) == 1 and len(spans) > 1 for h in hung], dtype=bool)
+        at = np.array([h.at for h in hung])
+        loads = Loads(
+            names,
+            np.array([h.load.mass for h in hung]),
+            start[first] + at if hung else np.zeros(0),
+            np.where(single, first, -1) if hung else first,
+            at,
+        ).sorted(start)
+    return Run(nodes, spans, loads, feed)
+
+
+def fed(feed: Feed, length: float) -> Loads:
+    """Loads of a feed that fills `length` metres of rope, the last half a spacing inside the first support,
+    and the next few that wait there."""
+    on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
+    first = Loads(
+        ("l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
+    )
+    return extended(first, feed, on_line + 7)
+
+
+def extended(loads: Loads, feed: Feed, more: int) -> Loads:
+    """With `more` loads behind the last one."""
+    number = len(loads.place) + np.arange(more)
+    masses = np.array(feed.masses)[number % len(feed.masses)]
+    return Loads(
+        loads.names + tuple(f"l{i + 1}" for i in number),
+        np.concatenate([loads.mass, masses]),
+        np.concatenate([loads.place, loads.place[-1] - feed.spacing * np.arange(1, more + 1)]),
+        np.concatenate([loads.pinned, np.full(more, -1)]),
+        np.concatenate([loads.at, np.zeros(more)]),
+    )
+
+
+def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
+    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line."""
+    beyond = passed(run.loads.place, rope)
+    if run.feed is None:
+        beyond[0], beyond[-1] = len(run.loads.place), 0
+    return beyond
+
+
+def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]:
+    """Slots of each span: what its loads need now (`counts`), and on a moving line what its length can hold."""
+    place = run.loads.place
+    gaps = np.diff(-place)
+    gap = run.feed.spacing if run.feed is not None else (gaps[gaps > 0.0].min() if np.any(gaps > 0.0) else np.inf)
+    spare = 1 if len(run.spans) > 1 and len(place) else 0
+    room = [int(np.ceil(s.length * 1.02 / gap)) + 1 if run.moves and len(place) else 0 for s in run.spans]
+    return tuple(
+        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c), r)
+        for c, r in zip(counts, room, strict=True)
+    )

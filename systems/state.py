@@ -1,0 +1,198 @@
+"""Where a line is: a point of its model, and which load is in which span. What solvers move on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
+from ropeway.components.schedule import Schedule
+from ropeway.systems.assembly import assemble
+from ropeway.systems.model import Balance, Model, nearest
+from ropeway.systems.newton import VECTORS, Point, Slot
+from ropeway.systems.run import Run, extended, loads_passed
+from ropeway.systems.start import run_start
+
+_LOAD_OUTPUTS = ("x", "y", "z", "distance")
+
+
+class LineState:
+    """A point of a model, its runs with their loads, and the loads that have passed each support."""
+
+    def __init__(self, model: Model, point: Point, runs: Sequence[Run], passed: Sequence[np.ndarray]) -> None:
+        self.model = model
+        self.point = point
+        self.runs = list(runs)
+        self.passed = [p.copy() for p in passed]
+
+    @classmethod
+    def cold(cls, model: Model) -> LineState:
+        """From geometry."""
+        u = np.array([s.at(0.0) if isinstance(s, Schedule) else (s or 0.0) for s in model.signals])
+        tables = (model.x, model.z, model.p, model.d)
+        x, z, p, d = (table.values.copy() for table in tables)
+        state = cls(model, Point(0.0, x, z, u, p, d), model.runs, [np.zeros(0, int) for _ in model.runs])
+        state.restart()
+        return state
+
+    def copy(self) -> LineState:
+        """With arrays of its own."""
+        return LineState(self.model, self.point.copy(), self.runs, self.passed)
+
+    def restart(self) -> None:
+        """Starting values from geometry for the present lengths and loads."""
+        for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start])
+            for axis in range(3):
+                self.point.z[layout.force + axis] = start.force[:, axis]
+            layout.travel.write(start.travel, self.point.x, self.point.z)
+            self.passed[r] = start.passed
+        self.write_slots()
+
+    def rope(self, r: int) -> np.ndarray:
+        """The rope at each support of a run [m, unstretched, from the run's start], shape (supports,)."""
+        layout = self.model.layouts[r]
+        return np.asarray(layout.start(self.point.p) - layout.travel.read(self.point.x, self.point.z))
+
+    def write_slots(self) -> None:
+        """Puts the loads into the slots of their spans; assembles anew where a span has too few."""
+        counts = [p[:-1] - p[1:] for p in self.passed]
+        if any(np.any(c > layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)):
+            self._grow(
+                [np.maximum(c, layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)]
+            )
+        for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
+            layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))
+
+    def _grow(self, counts: Sequence[np.ndarray]) -> None:
+        old = self.model
+        self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
+        d = self.model.d.values.copy()
+        for before, after in zip(old.layouts, self.model.layouts, strict=True):
+            for was, now in ((before.held, after.held), (before.held_travel, after.held_travel)):
+                d[now[now >= 0]] = self.point.d[was[was >= 0]]
+        self.point = Point(self.point.t, self.point.x, self.point.z, self.point.u, self.point.p, d)
+
+    def settle(self) -> bool:
+        """Puts each load into the span where the rope has taken it. False when one had to move."""
+        moved = False
+        for r, run in enumerate(self.runs):
+            rope = self.rope(r)
+            if np.any(run.loads.pinned >= 0):
+                run = self.runs[r] = replace(run, loads=run.loads.sorted(rope))
+            if run.feed is not None and run.loads.place[-1] > rope[0]:
+                run = self.runs[r] = replace(run, loads=extended(run.loads, run.feed, len(run.loads.place)))
+            # A load that stands on a support to rounding stays where it is.
+            near = 1e-10 * (1.0 + np.abs(rope))
+            beyond = np.clip(self.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
+            if np.any(beyond != self.passed[r]):
+                moved = True
+                self.passed[r] = beyond
+        if moved:
+            self.write_slots()
+        return not moved
+
+    def hold(self, r: int, k: int, load: int) -> None:
+        """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""
+        layout = self.model.layouts[r]
+        if layout.held[k] < 0:
+            raise EquilibriumError(
+                f"Load {self.runs[r].loads.names[load]!r} can stand on neither side of {self.runs[r].nodes[k].name!r}",
+                "Move the load",
+                self.runs[r].nodes[k].name,
+            )
+        self.point.d[layout.held[k]] = 1.0
+        self.point.d[layout.held_travel[k]] = layout.start(self.point.p)[k] - self.runs[r].loads.place[load]
+
+    def release(self, r: int, k: int) -> None:
+        """Lets an idler turn again."""
+        self.point.d[self.model.layouts[r].held[k]] = 0.0
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the supports on which a load stands."""
+        return tuple(
+            run.nodes[k].name
+            for run, layout in zip(self.runs, self.model.layouts, strict=True)
+            for k in range(len(run.nodes))
+            if layout.held[k] >= 0 and self.point.d[layout.held[k]] > 0.0
+        )
+
+    def is_held(self, balance: Balance) -> bool:
+        """Whether a load stands on the idler of this balance."""
+        return any(
+            layout.held[k] >= 0 and self.point.d[layout.held[k]] > 0.0
+            for layout in self.model.layouts
+            for k in np.flatnonzero(layout.travel.algebraic == balance.travel)
+        )
+
+    def rezero(self) -> None:
+        """Makes the present travel of the supports the zero: span lengths and places of loads follow."""
+        for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
+            rope = self.rope(r)
+            loads = run.loads
+            self.runs[r] = replace(
+                run,
+                loads=replace(
+                    loads,
+                    place=np.where(loads.pinned >= 0, rope[np.maximum(loads.pinned, 0)] + loads.at, loads.place)
+                    - rope[0],
+                ),
+            )
+            self.point.p[layout.length_start] = np.diff(rope)
+            layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
+            on = layout.held[layout.held >= 0]
+            self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
+        self.write_slots()
+
+    def unpin(self) -> None:
+        """Clamps pinned loads to the rope where they hang, so that they travel with it."""
+        for r, run in enumerate(self.runs):
+            loads = run.loads
+            self.runs[r] = replace(run, loads=replace(loads, pinned=np.full(len(loads.pinned), -1)))
+        self.write_slots()
+
+    def find(self, name: str) -> Slot:
+        """The vector entry of a variable, an output or a load's quantity. Raises UnknownNameError."""
+        return find(self.model, self.runs, self.passed, name)
+
+    def set(self, name: str, value: float) -> None:
+        """Gives a parameter, an input, a drive's travel or a load's mass another value."""
+        if not np.isfinite(value):
+            raise InputError(f"{name} is {value!r}", "Give a finite number")
+        owner, _, quantity = name.partition(".")
+        for r, run in enumerate(self.runs):
+            if quantity == "mass" and owner in run.loads.names:
+                mass = run.loads.mass.copy()
+                mass[run.loads.names.index(owner)] = value
+                self.runs[r] = replace(run, loads=replace(run.loads, mass=mass))
+                return
+        kind, k = self.find(self.model.swaps.get(name, name))
+        if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
+            raise InputError(f"{name} is a result", "Use given= and solve_for=")
+        self.point.vector(kind)[k] = value
+
+
+def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:
+    """The vector entry of a variable, an output or a quantity of a load (x, y, z, distance, mass).
+
+    Raises UnknownNameError.
+    """
+    for kind in (Kind.OUTPUT, *VECTORS):
+        if name in model.tables[kind].index:
+            return kind, model.tables[kind].index[name]
+    owner, _, quantity = name.partition(".")
+    for run, beyond in zip(runs, passed, strict=True):
+        if owner in run.loads.names and quantity in (*_LOAD_OUTPUTS, "mass"):
+            load = run.loads.names.index(owner)
+            k = int(np.searchsorted(-beyond, -load, side="left")) - 1
+            if not 0 <= k < len(run.spans):
+                raise UnknownNameError(f"Load {owner!r} is not on the line", "Ask for one that is")
+            slot = f"{run.spans[k].name}.slot_{quantity}[{beyond[k] - load}]"
+            kind = Kind.DISCRETE if quantity == "mass" else Kind.OUTPUT
+            return kind, model.tables[kind].index[slot]
+    known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
+    raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))

@@ -1,0 +1,226 @@
+"""What a user declares: components, how they are joined, and the loads on their ropes."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from ropeway.components import check
+from ropeway.components.component import Component, Node, Port, RopeEnd, Seat
+from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.load import Load
+from ropeway.components.rope import Rope, hanging_limit
+from ropeway.components.span import Span
+from ropeway.systems.empty_rope import lengths_for_total, lengths_for_tension
+
+GRAVITY = 9.80665
+"""Standard gravity [m/s2]."""
+
+_Added = TypeVar("_Added", bound=Component)
+_PACKAGE = str(Path(__file__).resolve().parents[1])
+
+
+@dataclass(frozen=True)
+class Hung:
+    """A load on consecutive spans: `at` [m, unstretched] from the first span's end a. On a single span it
+    is pinned at that distance until the line moves; on several it has its place on the rope."""
+
+    load: Load
+    spans: tuple[Span, ...]
+    at: float
+
+
+@dataclass(frozen=True)
+class Feed:
+    """Loads that come in at a run's first support, every `spacing` metres of unstretched rope, with `masses`
+    [kg] used in order and repeated; they are taken off at its last support."""
+
+    spans: tuple[Span, ...]
+    spacing: float
+    masses: tuple[float, ...]
+
+
+class System:
+    """Components and their connections. Declarations only: nothing is solved here."""
+
+    def __init__(self, name: str = "system", *, gravity: float = GRAVITY) -> None:
+        check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
+        self.name = name
+        self.gravity = gravity
+        self.components: dict[str, Component] = {}
+        self.connections: dict[tuple[str, str], tuple[str, str]] = {}
+        self.hung: list[Hung] = []
+        self.feeds: list[Feed] = []
+        self._origins: dict[str, str] = {}
+
+    def add(self, component: _Added) -> _Added:
+        """Add a component and return it. Raises InputError when its name is taken by another."""
+        known = self.components.get(component.name)
+        if known is component:
+            return component
+        if known is not None or component.name in self._load_names():
+            raise InputError(
+                f"Two components are named {component.name!r}: the first was added at {self.origin(component.name)}",
+                "Give each component a name of its own",
+            )
+        self.components[component.name] = component
+        self._origins[component.name] = _caller()
+        return component
+
+    def connect(self, one: Port, other: Port) -> None:
+        """Join a rope end to a seat: one position, one rope travel, forces that sum to zero.
+
+        Raises InputError when a port is joined already, or the ports do not fit.
+        """
+        end, seat = (one, other) if isinstance(one, RopeEnd) else (other, one)
+        if not isinstance(end, RopeEnd) or not isinstance(seat, Seat):
+            raise InputError(f"{one} and {other} cannot be joined", "Join a rope end to a seat of a support")
+        for port in (end, seat):
+            if self.components.get(port.owner.name) is not port.owner:
+                raise InputError(f"{port.owner.name!r} is not part of system {self.name!r}", "Add it first")
+        ends = {e: s for e, s in self.connections.items()}
+        if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in ends.values():
+            taken = end if (end.owner.name, end.name) in ends else seat
+            raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
+        self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
+
+    def string(
+        self, rope: Rope, *nodes: Node, length: float | None = None, tension: float | None = None
+    ) -> tuple[Span, ...]:
+        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`.
+
+        length: total unstretched length of the rope [m]; or tension: of the empty rope at rest at the first
+        support [N] (taut). The empty rope at rest has equal tension on both sides of each support; this sets
+        how its length is shared out, also where a drive then holds it. Raises InputError, SlackRopeError.
+        """
+        if len(nodes) < 2:
+            raise InputError(f"A rope needs two supports, not {len(nodes)}", "Name its ends and what it runs over")
+        if (length is None) == (tension is None):
+            raise InputError("string needs either length or tension", "Give one of them")
+        for node in nodes[1:-1]:
+            if node.through(node.arriving) is None:
+                raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
+        for before, after in zip(nodes[:-1], nodes[1:], strict=True):
+            if before.at == after.at:
+                raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
+        points = [node.at for node in nodes]
+        names = [f"{a.name}_{b.name}" for a, b in zip(nodes[:-1], nodes[1:], strict=True)]
+        weight = rope.mass_per_length * self.gravity
+        if length is not None:
+            check.positive(length, f"Rope {names[0]} ...", "length", "m")
+            lengths = lengths_for_total(points, weight, rope.strain, length, names)
+        else:
+            check.positive(tension or 0.0, f"Rope {names[0]} ...", "tension", "N")
+            lengths = lengths_for_tension(points, weight, rope.strain, tension or 0.0, names)
+        spans = tuple(Span(name, rope=rope, length=float(d)) for name, d in zip(names, lengths, strict=True))
+        self._check_strength(spans, nodes)
+        for component in (*nodes, *spans):  # all checks before the first change: nothing half-built
+            if self.components.get(component.name) not in (None, component) or component.name in self._load_names():
+                self.add(component)
+        for component in (*nodes, *spans):
+            self.add(component)
+        for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
+            self.connect(span.a, a.leaving)
+            self.connect(span.b, b.arriving)
+        return spans
+
+    def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
+        """Clamp a load to a rope; at: unstretched distance [m] from end a of a span, or along several
+        consecutive spans from the first one's end a (equilibrium finds the span). Raises InputError."""
+        on = (spans,) if isinstance(spans, Span) else tuple(spans)
+        self._check_spans(on, f"Load {load.name!r}")
+        check.number(at, f"Load {load.name!r}", "at", "m")
+        length = math.fsum(s.length for s in on)
+        if not 0.0 <= at <= length:
+            raise InputError(
+                f"Load {load.name!r} hangs at {at} m, outside {on[0].name}"
+                + (f" ... {on[-1].name}" if len(on) > 1 else "")
+                + f", whose unstretched length is {length:.6g} m",
+                f"Choose at between 0 and {length:.6g} m",
+            )
+        if load.name in self._load_names() or load.name in self.components:
+            raise InputError(f"The name {load.name!r} is taken", "Give each load a name of its own")
+        self.hung.append(Hung(load, on, float(at)))
+        return load
+
+    def feed(self, spans: Sequence[Span], *, spacing: float, masses: float | Sequence[float]) -> None:
+        """Fill a rope with loads every `spacing` metres of rope, from its first support on, and go on feeding
+        them there when it moves; masses [kg]: a number, or a sequence used in order and repeated.
+
+        Raises InputError.
+        """
+        on = tuple(spans)
+        self._check_spans(on, "feed")
+        check.positive(spacing, "feed", "spacing", "m")
+        values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
+        if not values:
+            raise InputError("feed has no masses", "Give one number or a sequence of numbers")
+        for value in values:
+            check.positive(value, "feed", "mass", "kg")
+        if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
+            raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
+        self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
+
+    def origin(self, name: str) -> str:
+        """File and line of the user's code that added a component."""
+        return self._origins.get(name, "?")
+
+    def copy(self) -> System:
+        """The same declarations, so that later ones do not change a model made before."""
+        other = System(self.name, gravity=self.gravity)
+        other.components, other.connections = dict(self.components), dict(self.connections)
+        other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
+        return other
+
+    def _load_names(self) -> set[str]:
+        return {h.load.name for h in self.hung}
+
+    def _check_spans(self, spans: tuple[Span, ...], owner: str) -> None:
+        if not spans:
+            raise InputError(f"{owner} has no span", "Name the spans that it hangs on")
+        for span in spans:
+            if self.components.get(span.name) is not span:
+                raise InputError(f"Span {span.name!r} is not part of system {self.name!r}", "Add it first")
+
+    def _check_strength(self, spans: Sequence[Span], nodes: Sequence[Node]) -> None:
+        for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
+            height = abs(a.at[2] - b.at[2])
+            if max(height, span.length / 2.0) > hanging_limit(span.rope, self.gravity):
+                need = max(height, span.length / 2.0) * span.rope.mass_per_length * self.gravity
+                raise InputError(
+                    f"Span {span.name!r}: the rope's own weight gives at least {need:.6g} N, above its minimum "
+                    f"breaking load {span.rope.breaking_load:.6g} N",
+                    "Choose a stronger rope or a shorter span",
+                )
+
+    def require_complete(self) -> None:
+        """Raises UnbalancedSystemError that names each port left open, by the user's file and line."""
+        if not self.components:
+            raise UnbalancedSystemError(f"System {self.name!r} is empty", "Add components, or string a rope")
+        joined = {*self.connections, *self.connections.values()}
+        lone = [
+            f"{port} (added at {self.origin(c.name)})"
+            for c in self.components.values()
+            for port in c.ports
+            if (c.name, port.name) not in joined
+        ]
+        if lone:
+            raise UnbalancedSystemError(f"Ports left open: {', '.join(lone)}", "Connect each port once")
+
+
+def _caller() -> str:
+    """File and line of the first frame outside this package."""
+    frame = inspect.currentframe()
+    while frame is not None:
+        path = frame.f_code.co_filename
+        inside = path.startswith(_PACKAGE) and not path.startswith(
+            tuple(f"{_PACKAGE}/{d}/" for d in ("tests", "examples", "benchmarks"))
+        )
+        if not inside:
+            return f"{path}:{frame.f_lineno}"
+        frame = frame.f_back
+    return "?"
