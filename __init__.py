@@ -11,28 +11,61 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from ropeway.components import (
         Anchor as Anchor,
+    )
+    from ropeway.components import (
         ConstructionStretch as ConstructionStretch,
+    )
+    from ropeway.components import (
         ControlSheave as ControlSheave,
+    )
+    from ropeway.components import (
         Drum as Drum,
+    )
+    from ropeway.components import (
         Elastic as Elastic,
+    )
+    from ropeway.components import (
         Load as Load,
+    )
+    from ropeway.components import (
         Rope as Rope,
+    )
+    from ropeway.components import (
         Schedule as Schedule,
+    )
+    from ropeway.components import (
         Sheave as Sheave,
+    )
+    from ropeway.components import (
         Span as Span,
     )
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
+    )
+    from ropeway.components.errors import (
         InputError as InputError,
+    )
+    from ropeway.components.errors import (
         RopewayError as RopewayError,
+    )
+    from ropeway.components.errors import (
         SimulationError as SimulationError,
+    )
+    from ropeway.components.errors import (
         SlackRopeError as SlackRopeError,
+    )
+    from ropeway.components.errors import (
         UnbalancedSystemError as UnbalancedSystemError,
+    )
+    from ropeway.components.errors import (
         UnknownNameError as UnknownNameError,
     )
     from ropeway.systems.assembly import assemble as assemble
-    from ropeway.systems.equilibrium import Equilibrium as Equilibrium, equilibrium as equilibrium
+    from ropeway.systems.equilibrium import Equilibrium as Equilibrium
+    from ropeway.systems.equilibrium import equilibrium as equilibrium
     from ropeway.systems.model import Model as Model
+    from ropeway.systems.result import Result as Result
+    from ropeway.systems.simulation import simulate as simulate
     from ropeway.systems.system import System as System
 
 _HOMES = {
@@ -43,12 +76,14 @@ _HOMES = {
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
     "ropeway.systems.model": "Model",
+    "ropeway.systems.result": "Result",
+    "ropeway.systems.simulation": "simulate",
     "ropeway.systems.system": "System",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 __version__ = "0.1.0"
-__all__ = sorted(_HOME)  # noqa: PLE0605
+__all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:

@@ -9,6 +9,7 @@ force. `equations` is the only place with a component's physics. It is called on
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
@@ -94,6 +95,16 @@ class Equations:
     forces: Mapping[str, Vector] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """An output that must stay within `low` and `high`; `event` says what happens when it does not."""
+
+    output: str
+    event: str
+    low: float = -math.inf
+    high: float = math.inf
+
+
 @dataclass(frozen=True)
 class Component(ABC):
     """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
@@ -116,6 +127,10 @@ class Component(ABC):
     @abstractmethod
     def equations(self, v: Any) -> Equations:
         """The physics, on symbols."""
+
+    def limits(self) -> tuple[Limit, ...]:
+        """What is reported when it happens."""
+        return ()
 
     def structure(self, site: Site) -> Hashable:
         """Components of one class and structure share one CasADi function."""

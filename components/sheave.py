@@ -8,7 +8,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector, norm
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 
 
@@ -35,6 +35,9 @@ class Wheel(Node):
 
     def through(self, seat: Seat) -> Seat | None:
         return self.b if seat == self.a else None
+
+    def limits(self) -> tuple[Limit, ...]:
+        return () if self.hold_down else (Limit("support_force", "lift-off", low=0.0),)
 
     def wheel_outputs(self, site: Site) -> tuple[Variable, ...]:
         """Outputs of any sheave."""

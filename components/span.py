@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import catenary, check
-from ropeway.components.component import Component, Equations, Kind, RopeEnd, Site, Variable
+from ropeway.components.component import Component, Equations, Kind, Limit, RopeEnd, Site, Variable
 from ropeway.components.rope import Rope
 
 
@@ -40,6 +40,12 @@ class Span(Component):
     @property
     def ports(self) -> tuple[RopeEnd, ...]:
         return (self.a, self.b)
+
+    def limits(self) -> tuple[Limit, ...]:
+        return (
+            Limit("utilisation", "tension above SWL", high=1.0 / self.rope.safety_factor),
+            Limit("utilisation", "tension above MBL", high=1.0),
+        )
 
     def structure(self, site: Site) -> Hashable:
         return (Span, site.slots)

@@ -9,15 +9,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
-
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Site, Variable
 from ropeway.components.errors import UnbalancedSystemError
-from ropeway.systems.model import Balance, Layout, Model, Slots, Table, Travel, component_of
+from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, find_runs, slot_counts
 from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
 _SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
@@ -47,6 +46,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         layouts=tuple(_layout(run, tables) for run in runs),
         balances=_balances(runs, tables),
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
+        limits=_limits(system, tables[Kind.OUTPUT]),
     )
     _check_structure(model, system)
     return model
@@ -252,6 +252,17 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
         held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+    )
+
+
+def _limits(system: System, outputs: Table) -> Limits:
+    owned = [(c.name, limit) for c in system.components.values() for limit in c.limits()]
+    return Limits(
+        output=np.array([outputs.index[f"{name}.{limit.output}"] for name, limit in owned], dtype=int),
+        low=np.array([limit.low for _, limit in owned], dtype=float),
+        high=np.array([limit.high for _, limit in owned], dtype=float),
+        events=tuple(limit.event for _, limit in owned),
+        components=tuple(name for name, _ in owned),
     )
 
 

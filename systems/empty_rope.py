@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError

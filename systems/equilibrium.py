@@ -8,8 +8,6 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.sparse.linalg import splu
-
 from ropeway.components import catenary
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
@@ -19,6 +17,7 @@ from ropeway.systems.newton import Newton, Point, Slot, newton_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
+from scipy.sparse.linalg import splu
 
 _LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
 
@@ -262,7 +261,7 @@ def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequ
     """Brings a state to rest with values given and as many quantities freed."""
     lengths = {int(k) for layout in state.model.layouts for k in layout.length_start}
     freed = [state.find(name) for name in solve_for]
-    for name, (kind, k) in zip(solve_for, freed, strict=True):
+    for name, (kind, _) in zip(solve_for, freed, strict=True):
         if kind not in (Kind.PARAMETER, Kind.STATE, Kind.INPUT, Kind.DISCRETE):
             raise InputError(f"{name} is a result and cannot be freed", "Free a parameter, a length or a mass")
     stretched = [k for kind, k in freed if kind is Kind.PARAMETER and k in lengths]
@@ -317,7 +316,7 @@ def _approach(state: LineState, newton: Newton, wanted: Sequence[Slot], target: 
     except EquilibriumError:
         plain = newton_of(state.model)
         plain.solve(state.point)
-    outputs = np.array(state.model.outputs(*state.point.arguments)).ravel()
+    outputs = state.outputs()
     origin = np.array([outputs[k] if kind is Kind.OUTPUT else state.point.vector(kind)[k] for kind, k in wanted])
     done, share = 0.0, 0.25
     while done < 1.0:

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
@@ -119,6 +118,22 @@ class Balance:
     sign: float
 
 
+@dataclass(frozen=True)
+class Limits:
+    """All limits of a model, parallel: the place of the output, its bounds, what happens, and to whom."""
+
+    output: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    events: tuple[str, ...]
+    components: tuple[str, ...]
+
+    def broken(self, outputs: np.ndarray) -> np.ndarray:
+        """Which limits are broken by outputs of shape (..., ny): booleans of shape (..., limits)."""
+        values = outputs[..., self.output]
+        return np.asarray((values < self.low) | (values > self.high))
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """The flat model of a system.
@@ -138,6 +153,7 @@ class Model:
     layouts: tuple[Layout, ...]
     balances: tuple[Balance, ...]
     swaps: dict[str, str]
+    limits: Limits
 
     @property
     def name(self) -> str:

@@ -8,11 +8,10 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix
-
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.model import Model, component_of
+from scipy.sparse import csc_matrix
 
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
@@ -68,8 +67,8 @@ class Newton:
     """Solves a model's algebraic equations for its algebraic variables and, in exchange for `given` values
     of variables or outputs, for the `freed` entries of its other vectors."""
 
-    tolerance = 1e-9
-    """Last Newton step, scaled: the error after it is of the order of its square."""
+    tolerance = 1e-12
+    """Newton step that would follow the last one, scaled."""
 
     def __init__(self, model: Model, freed: Sequence[Slot] = (), given: Sequence[Slot] = ()) -> None:
         self.model = model
@@ -143,30 +142,41 @@ class Newton:
         if slope is not None:
             rest[8] = slope
         residual: np.ndarray | None = None
+        step, before, last = np.zeros(n), np.inf, np.inf
         for _ in range(iterations):
             try:
                 value, sides = self._step(v, *rest)
             except RuntimeError as error:
                 raise self._failure(residual, "The equations are singular") from error
+            after = float(np.linalg.norm(value))
+            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+                v = self._shorten(v, step, before, rest, residual)
+                last = np.inf
+                value, sides = self._step(v, *rest)
+                after = float(np.linalg.norm(value))
             residual, step = value.copy(), sides[:n].copy()
-            norm, size = float(np.linalg.norm(residual)), float(np.abs(step).max())
+            size = float(np.abs(step).max())
             if not np.isfinite(size):
                 raise self._failure(residual, "The equations are singular")
-            if size <= self.tolerance or norm <= 1e-15 * np.sqrt(n):
+            # Convergence is quadratic: the next step would be about size * (size / last)^2.
+            if (size * min(1.0, (size / last) ** 2) <= self.tolerance and size < 1e-3) or after <= 1e-15 * np.sqrt(n):
                 self._put(v - step, point)
                 return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
-            share = 1.0
-            while share > 1e-7:
-                trial = v - share * step
-                (value,) = self._value(trial, *rest)
-                after = float(np.linalg.norm(value))
-                if after <= (1.0 - 0.1 * share) * norm or (size < 1e-6 and after <= max(2.0 * norm, 1e-12)):
-                    break
-                share *= 0.5
-            else:
-                raise self._failure(residual, "Newton's method makes no progress")
-            v = trial
+            v, before, last = v - step, after, size
         raise self._failure(residual, f"Newton's method has not converged in {iterations} iterations")
+
+    def _shorten(
+        self, v: np.ndarray, step: np.ndarray, before: float, rest: list[np.ndarray], residual: np.ndarray
+    ) -> np.ndarray:
+        """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
+        share = 0.5
+        while share > 1e-7:
+            trial = v + (1.0 - share) * step
+            (value,) = self._value(trial, *rest)
+            if float(np.linalg.norm(value)) <= (1.0 - 0.1 * share) * before:
+                return np.asarray(trial)
+            share *= 0.5
+        raise self._failure(residual, "Newton's method makes no progress")
 
     def _start(self, point: Point) -> np.ndarray:
         freed = [point.vector(kind)[k] for kind, k in self.freed]

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.rope import Rope
@@ -86,7 +85,7 @@ def find_runs(system: System) -> tuple[Run, ...]:
     spans = {name: c for name, c in system.components.items() if isinstance(c, Span)}
     by_seat = {seat: end for end, seat in system.connections.items()}
     follows: dict[str, str] = {}
-    for name, span in spans.items():
+    for name in spans:
         owner, seat_name = system.connections[name, "b"]
         seat = next(s for s in nodes[owner].seats if s.name == seat_name)
         onward = nodes[owner].through(seat)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
@@ -19,6 +18,19 @@ from ropeway.systems.start import run_start
 _LOAD_OUTPUTS = ("x", "y", "z", "distance")
 
 
+@dataclass(frozen=True)
+class Record:
+    """A state written down: time [s], states, algebraic variables, inputs, the loads that have passed each
+    support of each run, and (run, support, travel) of the loads that stand on a sheave."""
+
+    time: float
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    passed: tuple[np.ndarray, ...]
+    standing: tuple[tuple[int, int, float], ...]
+
+
 class LineState:
     """A point of a model, its runs with their loads, and the loads that have passed each support."""
 
@@ -27,6 +39,8 @@ class LineState:
         self.point = point
         self.runs = list(runs)
         self.passed = [p.copy() for p in passed]
+        self.span_scale = [float(np.mean(self.point.p[layout.length_start])) for layout in model.layouts]
+        """Mean span length of each run [m]."""
 
     @classmethod
     def cold(cls, model: Model) -> LineState:
@@ -67,6 +81,25 @@ class LineState:
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))
 
+    def snapshot(self) -> Record:
+        """The state as it can be written down and made again."""
+        q = self.point
+        passed = tuple(p.copy() for p in self.passed)
+        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, self.standing())
+
+    @classmethod
+    def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
+        """The state that a snapshot was taken of, with `p` the parameters of the run."""
+        d = model.d.values.copy()
+        for r, k, travel in record.standing:
+            layout = model.layouts[r]
+            d[layout.held[k]], d[layout.held_travel[k]] = 1.0, travel
+        state = cls(
+            model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, record.passed
+        )
+        state.write_slots()
+        return state
+
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
         self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
@@ -84,7 +117,8 @@ class LineState:
             if np.any(run.loads.pinned >= 0):
                 run = self.runs[r] = replace(run, loads=run.loads.sorted(rope))
             if run.feed is not None and run.loads.place[-1] > rope[0]:
-                run = self.runs[r] = replace(run, loads=extended(run.loads, run.feed, len(run.loads.place)))
+                self.extend(r)
+                run = self.runs[r]
             # A load that stands on a support to rounding stays where it is.
             near = 1e-10 * (1.0 + np.abs(rope))
             beyond = np.clip(self.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
@@ -94,6 +128,16 @@ class LineState:
         if moved:
             self.write_slots()
         return not moved
+
+    def extend(self, r: int) -> None:
+        """Takes as many loads again from a run's feed as there are."""
+        run = self.runs[r]
+        if run.feed is not None:
+            self.runs[r] = replace(run, loads=extended(run.loads, run.feed, len(run.loads.place)))
+
+    def outputs(self) -> np.ndarray:
+        """Values of all outputs, shape (ny,)."""
+        return np.array(self.model.outputs(*self.point.arguments)).ravel()
 
     def hold(self, r: int, k: int, load: int) -> None:
         """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""
@@ -111,23 +155,23 @@ class LineState:
         """Lets an idler turn again."""
         self.point.d[self.model.layouts[r].held[k]] = 0.0
 
+    def standing(self) -> tuple[tuple[int, int, float], ...]:
+        """Run, support and travel of each idler on which a load stands."""
+        found = []
+        for r, layout in enumerate(self.model.layouts):
+            can = np.flatnonzero(layout.held >= 0)
+            for k in can[self.point.d[layout.held[can]] > 0.0]:
+                found.append((r, int(k), float(self.point.d[layout.held_travel[k]])))
+        return tuple(found)
+
     @property
     def held(self) -> tuple[str, ...]:
         """Names of the supports on which a load stands."""
-        return tuple(
-            run.nodes[k].name
-            for run, layout in zip(self.runs, self.model.layouts, strict=True)
-            for k in range(len(run.nodes))
-            if layout.held[k] >= 0 and self.point.d[layout.held[k]] > 0.0
-        )
+        return tuple(self.runs[r].nodes[k].name for r, k, _ in self.standing())
 
     def is_held(self, balance: Balance) -> bool:
         """Whether a load stands on the idler of this balance."""
-        return any(
-            layout.held[k] >= 0 and self.point.d[layout.held[k]] > 0.0
-            for layout in self.model.layouts
-            for k in np.flatnonzero(layout.travel.algebraic == balance.travel)
-        )
+        return any(self.model.layouts[r].travel.algebraic[k] == balance.travel for r, k, _ in self.standing())
 
     def rezero(self) -> None:
         """Makes the present travel of the supports the zero: span lengths and places of loads follow."""

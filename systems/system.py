@@ -6,6 +6,7 @@ import inspect
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,7 +16,7 @@ from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.load import Load
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
-from ropeway.systems.empty_rope import lengths_for_total, lengths_for_tension
+from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 
 GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
@@ -82,7 +83,7 @@ class System:
         for port in (end, seat):
             if self.components.get(port.owner.name) is not port.owner:
                 raise InputError(f"{port.owner.name!r} is not part of system {self.name!r}", "Add it first")
-        ends = {e: s for e, s in self.connections.items()}
+        ends = self.connections
         if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in ends.values():
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
@@ -104,11 +105,11 @@ class System:
         for node in nodes[1:-1]:
             if node.through(node.arriving) is None:
                 raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
-        for before, after in zip(nodes[:-1], nodes[1:], strict=True):
+        for before, after in pairwise(nodes):
             if before.at == after.at:
                 raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
         points = [node.at for node in nodes]
-        names = [f"{a.name}_{b.name}" for a, b in zip(nodes[:-1], nodes[1:], strict=True)]
+        names = [f"{a.name}_{b.name}" for a, b in pairwise(nodes)]
         weight = rope.mass_per_length * self.gravity
         if length is not None:
             check.positive(length, f"Rope {names[0]} ...", "length", "m")

@@ -1,0 +1,193 @@
+"""Loads that cross supports: when the next one does, and what then happens to the line.
+
+A load at place c on the rope stands on support k exactly when the support's travel is X_k - c, X_k the rope
+at the support at zero travel: a threshold known in advance. At a crossing the load changes spans, tensions
+and the travel of idlers jump. Where a sheave holds the rope down, the load can be pushed back from either
+side; it then stands on the sheave, which carries it, until one side wins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from ropeway.systems.state import LineState
+
+NEAR = 1e-9
+"""A load is on a support within this part of the neighbouring span."""
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Load `load` at support `k` of run `r`; forward: from a to b. `time` [s] from now, at present speed,
+    and `gap` [m] of travel until then; both negative when overdue."""
+
+    time: float
+    gap: float
+    r: int
+    k: int
+    load: int
+    forward: bool
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """How far each support's travel is from the next load that crosses it, shapes (supports,) [m]: `ahead`
+    forward and `behind` backward, negative where the threshold has been passed; inf where there is none."""
+
+    ahead: np.ndarray
+    behind: np.ndarray
+
+
+def gaps(state: LineState, r: int) -> Gaps:
+    """The gaps of a run; takes more loads from its feed when the last one comes near."""
+    beyond = state.passed[r]
+    if state.runs[r].feed is not None and beyond[0] >= len(state.runs[r].loads.place) - 1:
+        state.extend(r)
+    place = state.runs[r].loads.place
+    rope = state.rope(r)
+    padded = np.concatenate([[np.inf], place, [-np.inf]])
+    # rope falls as travel grows: the next load forward is the first that has not passed.
+    return Gaps(rope - padded[beyond + 1], padded[beyond] - rope)
+
+
+def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
+    """The first crossing at the present `rates` of travel of each run [m/s]; overdue ones have a negative
+    time. None if no load moves towards a support."""
+    best: Crossing | None = None
+    for r, rate in enumerate(rates):
+        gap = gaps(state, r)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = np.where(rate > 1e-12, gap.ahead / rate, np.where(rate < -1e-12, gap.behind / -rate, np.inf))
+        k = int(np.argmin(times))
+        if np.isfinite(times[k]) and (best is None or times[k] < best.time):
+            forward = bool(rate[k] > 0.0)
+            load = int(state.passed[r][k]) - (0 if forward else 1)
+            best = Crossing(float(times[k]), float(gap.ahead[k] if forward else gap.behind[k]), r, k, load, forward)
+    return best
+
+
+def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Crossing]:
+    """All crossings that happen at the time of the first one, itself among them."""
+    found = [first]
+    for r, rate in enumerate(rates):
+        gap, near, beyond = gaps(state, r), NEAR * state.span_scale[r], state.passed[r]
+        ahead = np.flatnonzero((np.abs(gap.ahead) <= near) & (rate > 0.0))
+        behind = np.flatnonzero((np.abs(gap.behind) <= near) & (rate < 0.0))
+        found += [Crossing(0.0, 0.0, r, int(k), int(beyond[k]), True) for k in ahead]
+        found += [Crossing(0.0, 0.0, r, int(k), int(beyond[k]) - 1, False) for k in behind]
+    return [first, *(c for c in found[1:] if (c.r, c.k) != (first.r, first.k))]
+
+
+def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
+    """Loads that a jump of the line has thrown past a support; at the ends of the run, not those that have
+    `just` been put on or taken off there (run, support)."""
+    found = []
+    for r, beyond in enumerate(state.passed):
+        gap, near = gaps(state, r), NEAR * state.span_scale[r]
+        ends = (0, len(beyond) - 1)
+        skip = {k for k in ends if (r, k) in just}
+        found += [
+            Crossing(0.0, 0.0, r, int(k), int(beyond[k]), True)
+            for k in np.flatnonzero(gap.ahead < -near)
+            if k not in skip
+        ]
+        found += [
+            Crossing(0.0, 0.0, r, int(k), int(beyond[k]) - 1, False)
+            for k in np.flatnonzero(gap.behind < -near)
+            if k not in skip
+        ]
+    return found
+
+
+def passes(state: LineState, crossing: Crossing) -> bool:
+    """Whether the load goes on beyond its support, rather than being pushed back onto it.
+
+    With f the tension vectors of the rope beside the load, P its weight: beyond the support the load hangs
+    on the other side, and rope must run on its way: |f_out - P z| >= |f_in| forward (times the sheave's
+    tension ratio), the other way round backward.
+    """
+    run, layout = state.runs[crossing.r], state.model.layouts[crossing.r]
+    k = crossing.k
+    if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
+        return True
+    forces = sides(state, crossing.r, k, crossing.load)
+    if crossing.forward:
+        return forces.out_loaded >= forces.ratio * forces.in_bare
+    return forces.ratio * forces.in_loaded >= forces.out_bare
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Tensions beside a sheave on which a load stands [N]: with the load on the rope of that side, and
+    without; `ratio`: tension out over tension in that the sheave's friction asks for."""
+
+    in_bare: float
+    in_loaded: float
+    out_bare: float
+    out_loaded: float
+    ratio: float
+
+
+def sides(state: LineState, r: int, k: int, load: int) -> Sides:
+    """Tensions beside support k, on which `load` stands."""
+    layout = state.model.layouts[r]
+    weight = np.array([0.0, 0.0, state.runs[r].loads.mass[load] * state.point.p[0]])
+    y, index = state.outputs(), state.model.y.index
+    before = state.runs[r].spans[k - 1].name
+    coming = state.point.z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
+    coming[2] = y[index[f"{before}.vertical_b"]]
+    going = state.point.z[layout.force[k] : layout.force[k] + 3].copy()
+    if load >= state.passed[r][k]:  # it hangs at the end of the span before
+        bare_in, bare_out = coming - weight, going
+    else:
+        bare_in, bare_out = coming, going + weight
+    node = state.runs[r].nodes[k].name
+    held = state.point.d[layout.held[k]] > 0.0
+    ratio = 1.0 if held else float(y[index[f"{node}.tension_out"]] / y[index[f"{node}.tension_in"]])
+    return Sides(
+        float(np.linalg.norm(bare_in)),
+        float(np.linalg.norm(bare_in + weight)),
+        float(np.linalg.norm(bare_out)),
+        float(np.linalg.norm(bare_out - weight)),
+        ratio,
+    )
+
+
+def apply(state: LineState, crossing: Crossing) -> str:
+    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
+    run, k = state.runs[crossing.r], crossing.k
+    if not passes(state, crossing):
+        state.hold(crossing.r, k, crossing.load)
+        return "load held"
+    state.passed[crossing.r][k] += 1 if crossing.forward else -1
+    state.write_slots()
+    last = len(run.nodes) - 1
+    entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
+    if k in (0, last):
+        return "load put on" if entering else "load taken off"
+    return "crossing forward" if crossing.forward else "crossing backward"
+
+
+def release(state: LineState) -> list[tuple[Crossing, float]]:
+    """For each load that stands on a sheave the larger of the two forces by which a side is ahead [N]:
+    positive when it leaves, forward or backward as the crossing says."""
+    found = []
+    for r, layout in enumerate(state.model.layouts):
+        on = np.flatnonzero((layout.held >= 0) & (state.point.d[np.maximum(layout.held, 0)] > 0.0))
+        for k in on:
+            start = layout.start(state.point.p)[k]
+            place = start - state.point.d[layout.held_travel[k]]
+            load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
+            s = sides(state, r, int(k), load)
+            forward, backward = s.out_loaded - s.in_bare, s.in_loaded - s.out_bare
+            ahead = forward >= backward
+            found.append((Crossing(0.0, 0.0, r, int(k), load, ahead), max(forward, backward)))
+    return found
+
+
+def let_go(state: LineState, crossing: Crossing) -> None:
+    """Releases a load that stood on a sheave to the side that the crossing says."""
+    state.release(crossing.r, crossing.k)
+    state.passed[crossing.r][crossing.k] = crossing.load + (1 if crossing.forward else 0)
+    state.write_slots()

@@ -1,0 +1,177 @@
+"""What a simulation leaves: states at many times, outputs when they are asked for, events, files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+from ropeway.components.errors import InputError
+from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.model import Model
+from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.run import Run
+from ropeway.systems.state import LineState, Record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Event(NamedTuple):
+    """Something that happened at a component: `value` is the load's number or the quantity in question."""
+
+    time: float
+    component: str
+    event: str
+    value: float
+    load: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A simulation. `records` are all states written down, both sides of every event among them, `on_grid`
+    marks those of the frame; `parameters` is the model's parameter vector of the run."""
+
+    model: Model
+    runs: tuple[Run, ...]
+    parameters: np.ndarray
+    records: tuple[Record, ...]
+    on_grid: np.ndarray
+    crossings: tuple[Event, ...]
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times of all records [s]; an event has two records of one time."""
+        return np.array([r.time for r in self.records])
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        """All outputs at all records, shape (records, ny)."""
+        m = self.model
+        arguments = m.outputs.sx_in()
+        f = Buffered(ca.Function("outputs", arguments, [ca.densify(m.outputs.expand()(*arguments))]))
+        rows = np.empty((len(self.records), len(m.y)))
+        for i in range(len(self.records)):
+            q = self._state(i).point
+            rows[i] = f(np.array([q.t]), q.x, q.z, q.u, q.p, q.d)[0]
+        return rows
+
+    def _state(self, i: int) -> LineState:
+        return LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+
+    @cached_property
+    def full_frame(self) -> pd.DataFrame:
+        """As `frame`, at all records: both sides of each event."""
+        m = self.model
+        keep = [i for i, name in enumerate(m.y.names) if ".slot_" not in name]
+        travel = [i for i, name in enumerate(m.z.names) if name.endswith(".travel")]
+        z = np.array([r.z[travel] for r in self.records])
+        blocks = [
+            self.outputs[:, keep],
+            z,
+            np.array([r.x for r in self.records]),
+            np.array([r.u for r in self.records]),
+        ]
+        tables = [(m.y, keep), (m.z, travel), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        names = [table.names[i] for table, chosen in tables for i in chosen]
+        frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
+        frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}
+        frame.attrs["descriptions"] = {
+            table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen
+        }
+        return frame
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
+        frame = self.full_frame[self.on_grid]
+        frame.attrs = dict(self.full_frame.attrs)
+        return frame
+
+    @cached_property
+    def events(self) -> pd.DataFrame:
+        """What happened, in order of time: columns time [s], component, event, value, load.
+
+        Crossings and loads put on, taken off, held and released (value: the load's number); limits reached
+        (tension above SWL or MBL, lift-off; value: the output that tells).
+        """
+        found = sorted([*self.crossings, *self._limits_reached()], key=lambda e: e.time)
+        frame = pd.DataFrame(found, columns=list(Event._fields))
+        return frame.astype({"time": float, "value": float})
+
+    def _limits_reached(self) -> list[Event]:
+        limits = self.model.limits
+        broken = limits.broken(self.outputs)
+        begins = broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]])
+        return [
+            Event(
+                float(self.records[i].time),
+                limits.components[j],
+                limits.events[j],
+                float(self.outputs[i, limits.output[j]]),
+            )
+            for i, j in zip(*np.nonzero(begins), strict=True)
+        ]
+
+    def at(self, time: float) -> Equilibrium:
+        """The line at a time [s], after an event at that time. Raises InputError outside the run."""
+        times = self.times
+        if not times[0] <= time <= times[-1]:
+            raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
+        i = int(np.searchsorted(times, time, side="right")) - 1
+        state = self._state(i)
+        if times[i] != time:
+            after = self.records[i + 1]
+            share = (time - times[i]) / (times[i + 1] - times[i])
+            state.point.u[:] += share * (after.u - state.point.u)
+            state.point.x[:] = self._between(i, share)
+            state.point.z[:] += share * (after.z - state.point.z)
+            newton_of(self.model).solve(state.point)
+        point = state.point.copy()
+        return Equilibrium(
+            self.model,
+            type(point)(time, point.x, point.z, point.u, point.p, point.d),
+            self.runs,
+            tuple(state.passed),
+            state.held,
+        )
+
+    def _between(self, i: int, share: float) -> np.ndarray:
+        """States between two records, cubic in time."""
+        a, b = self._state(i).point, self.records[i + 1]
+        h = b.time - a.t
+        rate_a = np.array(self.model.dae(*a.arguments)[0]).ravel()
+        rate_b = np.array(self.model.dae(b.time, b.x, b.z, b.u, a.p, a.d)[0]).ravel()
+        s = share
+        return np.asarray(
+            (1 - s) ** 2 * (1 + 2 * s) * a.x
+            + s**2 * (3 - 2 * s) * b.x
+            + h * s * (1 - s) * ((1 - s) * rate_a - s * rate_b)
+        )
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Writes the frame; returns the path."""
+        self.frame.to_csv(path)
+        return Path(path)
+
+    def to_parquet(self, path: str | Path) -> Path:
+        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path."""
+        self.frame.to_parquet(path)
+        return Path(path)
+
+    def plot(self, components: Sequence[str] | None = None) -> Figure:
+        """Tensions over time at the control sheaves, or at `components`, with SWL and MBL."""
+        from ropeway.systems.plot import tensions_over_time
+
+        return tensions_over_time(self, components)
+
+    def plot_line(self, time: float | None = None) -> Figure:
+        """The line at a time [s], by default the last: profile, loads, supports, tensions."""
+        from ropeway.systems.plot import line_profile
+
+        return line_profile(self.at(self.times[-1] if time is None else time))
