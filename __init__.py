@@ -60,16 +60,19 @@ if TYPE_CHECKING:
     from ropeway.components.errors import (
         UnknownNameError as UnknownNameError,
     )
+    from ropeway.components.rope import ropes as ropes
     from ropeway.systems.assembly import assemble as assemble
     from ropeway.systems.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.equilibrium import equilibrium as equilibrium
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
+    from ropeway.systems.rigs.monocable import monocable as monocable
     from ropeway.systems.simulation import simulate as simulate
     from ropeway.systems.system import System as System
 
 _HOMES = {
     "ropeway.components": ("Anchor ConstructionStretch ControlSheave Drum Elastic Load Rope Schedule Sheave Span"),
+    "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
         "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
     ),
@@ -77,6 +80,7 @@ _HOMES = {
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
     "ropeway.systems.model": "Model",
     "ropeway.systems.result": "Result",
+    "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
     "ropeway.systems.system": "System",
 }

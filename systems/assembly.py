@@ -9,14 +9,15 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Site, Variable
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, find_runs, slot_counts
 from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 _SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from ropeway.systems.state import LineState
 
 NEAR = 1e-9

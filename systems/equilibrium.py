@@ -8,6 +8,8 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.sparse.linalg import splu
+
 from ropeway.components import catenary
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
@@ -17,7 +19,6 @@ from ropeway.systems.newton import Newton, Point, Slot, newton_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
-from scipy.sparse.linalg import splu
 
 _LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
+
 from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError
 from ropeway.systems.model import Model

@@ -8,10 +8,11 @@ from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csc_matrix
+
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.model import Model, component_of
-from scipy.sparse import csc_matrix
 
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
@@ -53,12 +54,12 @@ class Buffered:
         self._buffer, self._call = function.buffer()
         self.results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
         for i, result in enumerate(self.results):
-            self._buffer.set_res(i, memoryview(result))
+            self._buffer.set_res(i, result.data)
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
         """Results as nonzeros; they are overwritten by the next call."""
         for i, argument in enumerate(arguments):
-            self._buffer.set_arg(i, memoryview(argument))
+            self._buffer.set_arg(i, argument.data)
         self._call()
         return self.results
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import casadi as ca
 import numpy as np
 import pandas as pd
+
 from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model

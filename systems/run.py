@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.rope import Rope

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
+
 from ropeway.components import check
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
