@@ -52,6 +52,9 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
+    known = {*model.limits.events, "load held"}
+    if unknown := [event for event in stop_at if event not in known]:
+        raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     rest = equilibrium(model) if start is None else start
     run = _Simulation(rest, signals, tolerance, tuple(stop_at))
     with bar("simulate", until, progress) as advance:
@@ -152,10 +155,12 @@ class _Simulation:
                 self.set_time(grid)
                 self.record(on_grid=True)
                 advance(grid)
-                if grid >= until or self.limit_reached():
+                if grid >= until:
                     return
                 count, grid = count + 1, min((count + 1) * every, until)
                 motion = self.solve(grid)
+            if self.stop_at and self.stopped():
+                return
 
     def set_time(self, t: float) -> None:
         """Sets the clock, and the inputs to their values then."""
@@ -244,20 +249,26 @@ class _Simulation:
 
     def let_go(self, before: LineState, stop: float) -> bool:
         """Releases a load that stands on a sheave when a side has gained the upper hand."""
-        scale = 1e-7 * float(self.state.model.z.nominals.max())
-        for _ in range(12):
-            ahead = max(loads.release(self.state), key=lambda found: found[1])
-            if ahead[1] <= scale:
+        enough = 1e-7 * float(self.state.model.z.nominals.max())
+        for _ in range(30):
+            found = loads.pulls(self.state)
+            i = int(np.argmax([pull for _, pull in found]))
+            leaving, pull = found[i]
+            if pull <= enough:
                 return False
-            was = max(loads.release(before), key=lambda found: found[1])[1]
-            h = self.state.point.t - before.point.t
-            if ahead[1] <= 1e3 * scale or was >= 0.0 or h < 1e-6:
+            was, h = loads.pulls(before)[i][1], self.state.point.t - before.point.t
+            if pull <= 10.0 * enough or h < 1e-9:
                 break
-            self.state = before.copy()
-            self.advance(h * was / (was - ahead[1]) * (1.0 + 1e-6), self.solve(stop), stop)
+            if was >= -10.0 * enough:
+                self.state = before
+                break
+            self.state, end = before.copy(), self.state
+            self.advance(h * was / (was - pull), self.solve(stop), stop)
+            if max(p for _, p in loads.pulls(self.state)) <= enough:  # still on the sheave: the root is beyond
+                before, self.state = self.state.copy(), end
         self.record(on_grid=False)
-        loads.let_go(self.state, ahead[0])
-        self.note(ahead[0], "load released forward" if ahead[0].forward else "load released backward")
+        loads.let_go(self.state, leaving)
+        self.note(leaving, "load released forward" if leaving.forward else "load released backward")
         self.solve(stop)
         self.record(on_grid=False)
         return True
@@ -273,12 +284,15 @@ class _Simulation:
         self.records.append(self.state.snapshot())
         self.on_grid.append(on_grid)
 
-    def limit_reached(self) -> bool:
+    def stopped(self) -> bool:
         """Whether an event has come at which the run stops."""
-        if not self.stop_at:
+        limits = self.state.model.limits
+        broken = np.flatnonzero(limits.broken(self.state.outputs()))
+        now = {limits.events[i] for i in broken} | ({"load held"} if self.state.held else set())
+        if now.isdisjoint(self.stop_at):
             return False
-        broken = self.state.model.limits.broken(self.state.outputs())
-        return any(self.state.model.limits.events[i] in self.stop_at for i in np.flatnonzero(broken))
+        self.record(on_grid=False)
+        return True
 
 
 @lru_cache(maxsize=16)

@@ -60,7 +60,8 @@ class LineState:
     def restart(self) -> None:
         """Starting values from geometry for the present lengths and loads."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
-            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start])
+            travel = layout.travel.read(self.point.x, np.zeros_like(self.point.z))
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel)
             for axis in range(3):
                 self.point.z[layout.force + axis] = start.force[:, axis]
             layout.travel.write(start.travel, self.point.x, self.point.z)
