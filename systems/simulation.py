@@ -15,10 +15,11 @@ from ropeway.components.errors import InputError, RopewayError, SimulationError,
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
+from ropeway.systems.blocks import blocks_of
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model, nearest
-from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.newton import Buffered, expanded, newton_of
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result
 from ropeway.systems.state import LineState, Record
@@ -42,7 +43,7 @@ def simulate(
 
     until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
     left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from;
-    tolerance: of IDAS, relative and absolute on scaled variables; stop_at: names of events at which to stop;
+    tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop;
     progress: show a bar (by default only on a terminal).
 
     Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
@@ -104,6 +105,8 @@ class _Simulation:
 
     short = 5e-3
     """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    tiny = 1e-4
+    """Stretches up to this [s] are a straight line: the second order is below rounding."""
 
     def __init__(
         self, start: Equilibrium, signals: Sequence[Signal], tolerance: float, stop_at: tuple[str, ...]
@@ -181,14 +184,35 @@ class _Simulation:
     def solve(self, stop: float) -> _Motion:
         """Solves the algebraic variables; returns how everything moves from here."""
         state = self.state
-        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
-        x = rates_of(state.model)(*(np.atleast_1d(a) for a in state.point.arguments))[0].copy()
+        return self.motion(newton_of(state.model).solve(state.point, slope=self.slope(stop)))
+
+    def solve_beside(self, crossings: Sequence[loads.Crossing], motion: _Motion, stop: float) -> _Motion:
+        """Solves only the sections on both sides of the crossings anew."""
+        state, parts = self.state, blocks_of(self.state.model)
+        touched: set[int] = set()
+        for c in crossings:
+            layout = state.model.layouts[c.r]
+            beside = layout.force[max(c.k - 1, 0) : c.k + 1]
+            touched.update(int(parts.of[z]) for z in beside)
+        z = motion.z.copy()
+        parts.solve(state.point, sorted(touched), self.slope(stop), z)
+        return self.motion(z)
+
+    def motion(self, z: np.ndarray) -> _Motion:
+        """All rates, from those of the algebraic variables."""
+        state = self.state
+        x = rates_of(state.model)(*state.point.arguments)[0].copy()
         return _Motion(x, z, [layout.travel.read(x, z) for layout in state.model.layouts])
 
     def advance(self, h: float, motion: _Motion, stop: float) -> _Motion:
         """Moves the state on by `h` seconds, a little backwards too."""
         point, t = self.state.point, self.state.point.t
         if h == 0.0:
+            return motion
+        if abs(h) <= self.tiny:
+            point.x[:] += h * motion.x
+            point.z[:] += h * motion.z
+            self.set_time(t + h)
             return motion
         if abs(h) <= self.short:
             x = point.x.copy()
@@ -200,7 +224,8 @@ class _Simulation:
                 return end
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
-        point.x[:], point.z[:] = idas_of(self.state.model, self.tolerance).advance(point, h, self.slope(stop))
+        integrator = idas_of(self.state.model, self.tolerance)
+        point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
         self.set_time(t + h)
         return self.solve(stop)
 
@@ -236,7 +261,7 @@ class _Simulation:
             for crossing in crossings:
                 just.add((crossing.r, crossing.k))
                 self.note(crossing, loads.apply(self.state, crossing))
-            motion = self.solve(stop)
+            motion = self.solve_beside(crossings, motion, stop)
             crossings = loads.overrun(self.state, just)
             if not crossings:
                 self.record(on_grid=False)
@@ -305,4 +330,4 @@ def idas_of(model: Model, tolerance: float) -> Idas:
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
     arguments = model.dae.sx_in()
-    return Buffered(ca.Function("rates", arguments, [ca.densify(model.dae.expand()(*arguments)[0])]))
+    return Buffered(ca.Function("rates", arguments, [ca.densify(expanded(model)(*arguments)[0])]))

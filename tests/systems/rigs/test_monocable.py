@@ -26,7 +26,7 @@ def test_empty_rope_has_the_pretension_everywhere() -> None:
     eq = rw.equilibrium(line)
     assert eq["a_s1.tension_a"] == pytest.approx(45e3, rel=1e-9)
     for name in ("s1", "c1", "s2"):
-        assert eq[f"{name}.differential_tension"] == pytest.approx(0.0, abs=1e-5)
+        assert eq[f"{name}.differential_tension"] == pytest.approx(0.0, abs=1e-4)
     assert eq["b.rope_tension"] == pytest.approx(45e3 + 3.48 * 9.80665 * 22.0, rel=1e-3)
 
 
