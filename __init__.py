@@ -25,7 +25,19 @@ if TYPE_CHECKING:
         Elastic as Elastic,
     )
     from ropeway.components import (
+        HydraulicDrive as HydraulicDrive,
+    )
+    from ropeway.components import (
+        HydraulicPowerUnit as HydraulicPowerUnit,
+    )
+    from ropeway.components import (
+        IdealDrive as IdealDrive,
+    )
+    from ropeway.components import (
         Load as Load,
+    )
+    from ropeway.components import (
+        ProportionalResponse as ProportionalResponse,
     )
     from ropeway.components import (
         Rope as Rope,
@@ -38,6 +50,9 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Span as Span,
+    )
+    from ropeway.components import (
+        ThresholdResponse as ThresholdResponse,
     )
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
@@ -64,6 +79,7 @@ if TYPE_CHECKING:
     from ropeway.systems.assembly import assemble as assemble
     from ropeway.systems.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.equilibrium import equilibrium as equilibrium
+    from ropeway.systems.intervention import Intervention as Intervention
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
     from ropeway.systems.rigs.monocable import monocable as monocable
@@ -71,13 +87,17 @@ if TYPE_CHECKING:
     from ropeway.systems.system import System as System
 
 _HOMES = {
-    "ropeway.components": ("Anchor ConstructionStretch ControlSheave Drum Elastic Load Rope Schedule Sheave Span"),
+    "ropeway.components": (
+        "Anchor ConstructionStretch ControlSheave Drum Elastic HydraulicDrive HydraulicPowerUnit IdealDrive Load "
+        "ProportionalResponse Rope Schedule Sheave Span ThresholdResponse"
+    ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
         "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
+    "ropeway.systems.intervention": "Intervention",
     "ropeway.systems.model": "Model",
     "ropeway.systems.result": "Result",
     "ropeway.systems.rigs.monocable": "monocable",

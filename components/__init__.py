@@ -2,8 +2,11 @@
 
 from ropeway.components.anchor import Anchor
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.load import Load
+from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.components.response import ProportionalResponse, ThresholdResponse
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
@@ -16,9 +19,14 @@ __all__ = [
     "ControlSheave",
     "Drum",
     "Elastic",
+    "HydraulicDrive",
+    "HydraulicPowerUnit",
+    "IdealDrive",
     "Load",
+    "ProportionalResponse",
     "Rope",
     "Schedule",
     "Sheave",
     "Span",
+    "ThresholdResponse",
 ]

@@ -89,10 +89,12 @@ class Span(Component):
         length = v.length_start + v.a.travel - v.b.travel
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
+        strain = catenary.Strain(v.compliance, v.construction)
+        weight = v.mass_per_length * v.gravity
         stations = catenary.loaded(
             force,
-            v.mass_per_length * v.gravity,
-            catenary.Strain(v.compliance, v.construction),
+            weight,
+            strain,
             length,
             [distance[j] for j in range(n)],
             [v.slot_mass[j] * v.gravity for j in range(n)],
@@ -120,4 +122,5 @@ class Span(Component):
                 "slot_distance": distance,
             },
             forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
+            carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
         )

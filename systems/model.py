@@ -12,6 +12,7 @@ import numpy as np
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
+from ropeway.systems.sampling import Clock
 from ropeway.systems.system import System
 
 
@@ -142,7 +143,8 @@ class Model:
     `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
     units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
     a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
-    the output is solved for. `system` holds the declarations it was made from.
+    the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
+    follow from where the loads are. `system` holds the declarations it was made from.
     """
 
     system: System
@@ -155,6 +157,8 @@ class Model:
     balances: tuple[Balance, ...]
     swaps: dict[str, str]
     limits: Limits
+    clocks: tuple[Clock, ...]
+    kept: np.ndarray
 
     @property
     def name(self) -> str:
