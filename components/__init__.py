@@ -7,6 +7,7 @@ from ropeway.components.drum import Drum
 from ropeway.components.load import Load
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.components.response import ProportionalResponse, ThresholdResponse
+from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
@@ -28,5 +29,6 @@ __all__ = [
     "Schedule",
     "Sheave",
     "Span",
+    "TensionedReturn",
     "ThresholdResponse",
 ]

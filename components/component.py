@@ -35,7 +35,8 @@ class Kind(Enum):
 @dataclass(frozen=True, slots=True)
 class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
-    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for."""
+    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
+    `positive`: the value must be above zero."""
 
     name: str
     kind: Kind
@@ -45,6 +46,7 @@ class Variable:
     nominal: float = 1.0
     size: int = 1
     freed_by: str | None = None
+    positive: bool = False
 
 
 @dataclass(frozen=True, slots=True)

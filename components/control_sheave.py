@@ -116,7 +116,7 @@ class ControlSheave(Wheel):
             outputs.update(motion.outputs)
         return Equations(
             rates={"travel": speed, **rates},
-            # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives (EQUATIONS T16).
+            # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
             outputs={**outputs, "drive_force": force, "power": speed * (v.a.carried - v.b.carried)},
         )
 

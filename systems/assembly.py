@@ -87,9 +87,10 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     descriptions: list[str] = []
     values: list[float] = []
     nominals: list[float] = []
+    positive: list[bool] = []
     if kind is Kind.PARAMETER:
         names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
-        values, nominals = [system.gravity], [system.gravity]
+        values, nominals, positive = [system.gravity], [system.gravity], [True]
     for component, owned in variables.items():
         for v in owned:
             if v.kind is not kind:
@@ -101,7 +102,15 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
             descriptions += [v.description] * v.size
             values += array
             nominals += [v.nominal] * v.size
-    return Table(tuple(names), tuple(units), tuple(descriptions), np.array(values, float), np.array(nominals, float))
+            positive += [v.positive] * v.size
+    return Table(
+        tuple(names),
+        tuple(units),
+        tuple(descriptions),
+        np.array(values, float),
+        np.array(nominals, float),
+        np.array(positive, bool),
+    )
 
 
 class _Kinds:
@@ -307,6 +316,7 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
         slots=Slots(count=np.array(count), **first),
         length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
         held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),

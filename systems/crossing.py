@@ -164,7 +164,8 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
 
 
 def apply(state: LineState, crossing: Crossing) -> str:
-    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
+    """Moves the load, or leaves it on the support; returns what happened, nothing for the other half of a
+    crossing at the wheel where an endless rope begins and ends. The line is not solved anew."""
     run, k = state.runs[crossing.r], crossing.k
     if not passes(state, crossing):
         state.hold(crossing.r, k, crossing.load)
@@ -173,7 +174,9 @@ def apply(state: LineState, crossing: Crossing) -> str:
     state.write_slots()
     last = len(run.nodes) - 1
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
-    if k in (0, last):
+    if run.closed and k == last:
+        return ""
+    if k in (0, last) and not run.closed:
         return "load put on" if entering else "load taken off"
     return "crossing forward" if crossing.forward else "crossing backward"
 

@@ -25,6 +25,7 @@ class Table:
     descriptions: tuple[str, ...]
     values: np.ndarray
     nominals: np.ndarray
+    positive: np.ndarray
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -95,12 +96,13 @@ class Slots:
 
 @dataclass(frozen=True)
 class Layout:
-    """A run's places in the vectors of the model: travels, slots, each span's starting length and tension
-    vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
+    """A run's places in the vectors of the model: travels, slots, each span's starting length, compliance and
+    tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
 
     travel: Travel
     slots: Slots
     length_start: np.ndarray
+    compliance: np.ndarray
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray

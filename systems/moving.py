@@ -169,7 +169,7 @@ class Moving:
 
     def _beside(self, crossings: Sequence[loads.Crossing]) -> list[int]:
         """The sections on both sides of crossings."""
-        parts, touched = blocks_of(self.state.model), set()
+        parts, touched = blocks_of(self.state.model), set[int]()
         for c in crossings:
             beside = self.state.model.layouts[c.r].force[max(c.k - 1, 0) : c.k + 1]
             touched.update(int(parts.of[z]) for z in beside)

@@ -76,15 +76,15 @@ class Result:
         """As `frame`, at all records: both sides of each event."""
         m = self.model
         keep = [i for i, name in enumerate(m.y.names) if ".slot_" not in name]
-        travel = [i for i, name in enumerate(m.z.names) if name.endswith(".travel")]
-        z = self._solved[1][:, travel]
+        moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
+        z = self._solved[1][:, moves]
         blocks = [
             self.outputs[:, keep],
             z,
             np.array([r.x for r in self.records]),
             np.array([r.u for r in self.records]),
         ]
-        tables = [(m.y, keep), (m.z, travel), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
         frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}

@@ -234,9 +234,19 @@ class _Simulation:
 
     def note(self, crossing: loads.Crossing, what: str) -> None:
         """Writes an event down; its value is the load's number on the rope."""
+        if not what:
+            return
         run = self.state.runs[crossing.r]
         name = run.loads.names[crossing.load]
-        self.events.append(Event(self.state.point.t, run.nodes[crossing.k].name, what, crossing.load + 1, name))
+        self.events.append(
+            Event(
+                self.state.point.t,
+                run.nodes[crossing.k].name,
+                what,
+                int(name[1:]) if run.closed else crossing.load + 1,
+                name,
+            )
+        )
 
     def record(self, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes the state down; exact when all its sections are solved."""

@@ -208,6 +208,8 @@ class LineState:
         owner, _, quantity = name.partition(".")
         for r, run in enumerate(self.runs):
             if quantity == "mass" and owner in run.loads.names:
+                if value < 0.0 or (value == 0.0 and run.feed is None):
+                    raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
                 mass = run.loads.mass.copy()
                 mass[run.loads.names.index(owner)] = value
                 self.runs[r] = replace(run, loads=replace(run.loads, mass=mass))
@@ -215,6 +217,8 @@ class LineState:
         kind, k = self.find(self.model.swaps.get(name, name))
         if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
             raise InputError(f"{name} is a result", "Use given= and solve_for=")
+        if self.model.tables[kind].positive[k] and value <= 0.0:
+            raise InputError(f"{name} is {value!r}", "It must be above zero")
         self.point.vector(kind)[k] = value
 
 

@@ -23,7 +23,7 @@ GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
 
 _Added = TypeVar("_Added", bound=Component)
-_PACKAGE = str(Path(__file__).resolve().parents[1])
+_PACKAGE = str(Path(__file__).parents[1])
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,13 @@ class Hung:
 @dataclass(frozen=True)
 class Feed:
     """Loads that come in at a run's first support, every `spacing` metres of unstretched rope, with `masses`
-    [kg] used in order and repeated; they are taken off at its last support."""
+    [kg] used in order and repeated; they are taken off at its last support. On an endless rope there are
+    `around` loads, and they go round."""
 
     spans: tuple[Span, ...]
     spacing: float
     masses: tuple[float, ...]
+    around: int | None = None
 
 
 class System:
@@ -141,14 +143,13 @@ class System:
             lengths = lengths_for_tension(points, weight, rope.strain, tension or 0.0, names)
         spans = tuple(Span(name, rope=rope, length=float(d)) for name, d in zip(names, lengths, strict=True))
         self._check_strength(spans, nodes)
-        for component in (*nodes, *spans):  # all checks before the first change: nothing half-built
-            if self.components.get(component.name) not in (None, component) or component.name in self._load_names():
-                self.add(component)
+        trial = self.copy()  # nothing half-built when one of the parts is refused
         for component in (*nodes, *spans):
-            self.add(component)
+            trial.add(component)
         for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
-            self.connect(span.a, a.leaving)
-            self.connect(span.b, b.arriving)
+            trial.connect(span.a, a.leaving)
+            trial.connect(span.b, b.arriving)
+        self.components, self.connections, self._origins = trial.components, trial.connections, trial._origins
         return spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
@@ -156,6 +157,16 @@ class System:
         consecutive spans from the first one's end a (equilibrium finds the span). Raises InputError."""
         on = (spans,) if isinstance(spans, Span) else tuple(spans)
         self._check_spans(on, f"Load {load.name!r}")
+        for one, other in pairwise(on):
+            if self.connections[one.name, "b"][0] != self.connections[other.name, "a"][0]:
+                raise InputError(
+                    f"Load {load.name!r}: {one.name!r} and {other.name!r} do not follow each other",
+                    "Name them in order",
+                )
+        if any(f.spans[0] in on or on[0] in f.spans for f in self.feeds):
+            raise InputError(
+                f"Load {load.name!r} hangs on a rope that is fed", "Use feed or hang on one rope, not both"
+            )
         check.number(at, f"Load {load.name!r}", "at", "m")
         length = math.fsum(s.length for s in on)
         if not 0.0 <= at <= length:

@@ -66,12 +66,9 @@ def monocable(
         if row.kind == "anchor":
             nodes.append(Anchor(label, at=at))
         elif row.kind == "control":
-            own = _of(drive, label)
-            nodes.append(
-                ControlSheave(
-                    label, at=at, speed=speed, drive=IdealDrive() if own is None else own, response=_of(response, label)
-                )
-            )
+            own: Drive | None = _of(drive, label)
+            rule: Response | None = _of(response, label)
+            nodes.append(ControlSheave(label, at=at, speed=speed, drive=own or IdealDrive(), response=rule))
         elif row.kind == "drum" and i == 0 and not controlled:
             nodes.append(Drum(label, at=at, speed=speed))
         elif row.kind == "drum":
