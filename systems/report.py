@@ -102,15 +102,15 @@ def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
         f"Lowest tension {low['lowest_tension'] / 1e3:.1f} kN in {low['span']}; "
         f"largest sag {sag['largest_sag']:.2f} m in {sag['span']} at {sag['sag_at']:.1f} s",
     ]
-    for column, bad, words in (
-        ("least_support_force", lambda v: v < 0.0, "rope lifts off"),
-        ("least_grip_margin", lambda v: v < 0.0, "grip lost"),
-        ("relief_open_time", lambda v: v > 0.0, "relief valve open"),
-        ("loads_held", lambda v: v > 0, "loads held at a hold-down"),
-        ("time_outside_range", lambda v: v > 0.0, "outside its tension range"),
+    for column, sign, words in (
+        ("least_support_force", -1.0, "rope lifts off [N]"),
+        ("least_grip_margin", -1.0, "grip lost"),
+        ("relief_open_time", 1.0, "relief valve open [s]"),
+        ("loads_held", 1.0, "loads held at a hold-down"),
+        ("time_outside_range", 1.0, "outside its tension range [s]"),
     ):
         if column in supports:
-            found = supports[bad(supports[column].fillna(0.0))]
+            found = supports[sign * supports[column].fillna(0.0) > 0.0]
             values = ", ".join(f"{r['support']} ({r[column]:.4g})" for _, r in found.iterrows())
             lines.append(f"{words}: {values or 'nowhere'}")
     return "\n".join(lines)
