@@ -112,7 +112,7 @@ class Equilibrium:
             spread = np.union1d(spread, at)
         if spread.size and (spread.min() < 0.0 or spread.max() > length * (1.0 + 1e-12)):
             raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
-        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], self.point.p[p[f"{name}.construction"]])
+        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
