@@ -8,10 +8,11 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from ropeway.components import catenary
-from ropeway.components.component import Kind
+from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, component_of
@@ -114,7 +115,7 @@ class Equilibrium:
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        start = np.array([self.point.p[p[f"{run.nodes[k].name}.{axis}"]] for axis in "xyz"])
+        start = np.array([self[f"{run.nodes[k].name}.{axis}"] for axis in "xyz"])
         place = start + curve.reach
         return pd.DataFrame(
             {
@@ -250,12 +251,30 @@ def _unstable(state: LineState) -> str | None:
     n = len(model.z)
     # Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
     # when, and only when, that symmetric matrix is positive definite.
-    order_c = np.concatenate([np.setdiff1d(np.arange(n), columns), columns])
-    order_r = np.concatenate([np.setdiff1d(np.arange(n), rows), rows])
-    matrix = newton.matrix(state.point)[order_r][:, order_c].tocsc()
-    pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[n - len(free) :]
+    rest_c, rest_r = np.setdiff1d(np.arange(n), columns), np.setdiff1d(np.arange(n), rows)
+    matrix = newton.matrix(state.point)
+    if any(isinstance(c, Node) and c.free for c in model.system.components.values()):
+        pivots = _condensed_pivots(matrix, rest_r, rest_c, rows, columns)
+    else:
+        ordered = matrix[np.concatenate([rest_r, rows])][:, np.concatenate([rest_c, columns])].tocsc()
+        pivots = splu(ordered, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[n - len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
     return component_of(model.z.names[columns[int(np.argmax(soft))]]) if soft.any() else None
+
+
+def _condensed_pivots(
+    matrix: csc_matrix, rest_r: np.ndarray, rest_c: np.ndarray, rows: np.ndarray, columns: np.ndarray
+) -> np.ndarray:
+    """Pivots of the stiffness condensed to `rows` and `columns`, also where the rest has no usable diagonal."""
+    by_row, by_unknown = matrix[rest_r], matrix[rows]
+    inner = splu(by_row[:, rest_c].tocsc()).solve(by_row[:, columns].toarray())
+    stiffness = by_unknown[:, columns].toarray() - by_unknown[:, rest_c] @ inner
+    pivots = np.empty(len(rows))
+    for k in range(len(rows)):
+        pivots[k] = stiffness[k, k]
+        below = stiffness[k + 1 :, k] / pivots[k] if pivots[k] != 0.0 else 0.0 * stiffness[k + 1 :, k]
+        stiffness[k + 1 :] -= np.outer(below, stiffness[k])
+    return pivots
 
 
 def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:

@@ -79,7 +79,9 @@ class Newton:
         time, point = ca.SX.sym("t"), {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
         for i, (kind, k) in enumerate(freed, len(model.z)):
-            full[kind] = ca.vertcat(full[kind][:k], v[i] * self.scale[i], full[kind][k + 1 :])
+            entries = ca.vertsplit(full[kind])
+            entries[k] = v[i] * self.scale[i]
+            full[kind] = ca.vertcat(*entries)
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = model.dae.expand()(*arguments)
         target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")

@@ -33,7 +33,7 @@ def run_start(run: Run, gravity: float, lengths: np.ndarray | None = None) -> Ru
     at_zero = np.array([s.length for s in run.spans]) if lengths is None else lengths
     start = np.concatenate([[0.0], np.cumsum(at_zero)])
     chords = parabola.Chords.between(run.points)
-    free = np.array([n.drive_speed is None and all(s.travel is not None for s in n.seats) for n in run.nodes])
+    free = np.array([n.drive_speed is None and s.travel is not None for n, s in zip(run.nodes, run.seats, strict=True)])
     # Consecutive spans that can pass rope to each other form a group.
     group = np.concatenate([[0], np.cumsum(~free[1:-1])]).astype(int)
     count = int(group[-1]) + 1

@@ -90,20 +90,23 @@ class System:
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
 
     def string(
-        self, rope: Rope, *nodes: Node, length: float | None = None, tension: float | None = None
+        self, rope: Rope, *over: Node | Seat, length: float | None = None, tension: float | None = None
     ) -> tuple[Span, ...]:
-        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`.
+        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`. A seat
+        stands for its node where that has several to choose from.
 
         length: total unstretched length of the rope [m]; or tension: of the empty rope at rest at the first
         support [N] (taut). The empty rope at rest has equal tension on both sides of each support; this sets
         how its length is shared out, also where a drive then holds it. Raises InputError, SlackRopeError.
         """
-        if len(nodes) < 2:
-            raise InputError(f"A rope needs two supports, not {len(nodes)}", "Name its ends and what it runs over")
+        if len(over) < 2:
+            raise InputError(f"A rope needs two supports, not {len(over)}", "Name its ends and what it runs over")
+        arriving = [seat if isinstance(seat, Seat) else seat.arriving for seat in over]
+        nodes = [_node_of(seat) for seat in arriving]
         if (length is None) == (tension is None):
             raise InputError("string needs either length or tension", "Give one of them")
-        for node in nodes[1:-1]:
-            if node.through(node.arriving) is None:
+        for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
+            if node.through(seat) is None:
                 raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
         for before, after in pairwise(nodes):
             if before.at == after.at:
@@ -124,9 +127,11 @@ class System:
                 self.add(component)
         for component in (*nodes, *spans):
             self.add(component)
-        for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
-            self.connect(span.a, a.leaving)
-            self.connect(span.b, b.arriving)
+        leaving = [nodes[0].leaving if isinstance(over[0], Node) else over[0]]
+        leaving += [node.through(seat) or seat for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True)]
+        for span, a, b in zip(spans, leaving, arriving[1:], strict=True):
+            self.connect(span.a, a)
+            self.connect(span.b, b)
         return spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
@@ -207,10 +212,18 @@ class System:
             f"{port} (added at {self.origin(c.name)})"
             for c in self.components.values()
             for port in c.ports
-            if (c.name, port.name) not in joined
+            if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
         ]
         if lone:
             raise UnbalancedSystemError(f"Ports left open: {', '.join(lone)}", "Connect each port once")
+
+
+def _node_of(seat: Seat) -> Node:
+    """The node of a seat. Raises InputError where it has no place yet."""
+    node = seat.owner
+    if not isinstance(node, Node) or not node.at:
+        raise InputError(f"{node.name!r} has no place", "Give at=, or stand it on a terrain")
+    return node
 
 
 def _caller() -> str:
