@@ -19,16 +19,18 @@ class IntermediateSupport(Standing, Wheel):
 
     friction: coefficient of the rope in the saddle. The tension ratio is then exp(friction * wrap) against the
     way in which the rope has slid (capstan), reached smoothly within `slip` metres of travel from where the
-    rope lay at rest. Raises InputError.
+    rope lay at rest, which was at a travel of `rest` metres. Raises InputError.
     """
 
     friction: float = 0.0
     slip: float = 0.005
+    rest: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check.not_negative(self.friction, self.label, "friction")
         check.positive(self.slip, self.label, "slip", "m")
+        check.number(self.rest, self.label, "rest", "m")
 
     @property
     def balance(self) -> str:
@@ -45,7 +47,7 @@ class IntermediateSupport(Standing, Wheel):
         rough = (
             Variable("friction", Kind.PARAMETER, "1", "friction of the rope in the saddle", self.friction),
             Variable("slip", Kind.PARAMETER, "m", "travel in which friction builds up", self.slip),
-            Variable("grip", Kind.PARAMETER, "m", "travel at which the rope lay at rest", 0.0, site.length),
+            Variable("grip", Kind.PARAMETER, "m", "travel at which the rope lay at rest", self.rest, site.length),
         )
         return (
             *self.place(),

@@ -1,0 +1,154 @@
+"""The load path: the carriage moved along all spans, station by station."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.catenary import Strain
+from ropeway.components.errors import InputError
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.terrain import Piece, Profile, deflection
+
+UNITS = {
+    "station": "m",
+    "carriage_x": "m",
+    "carriage_y": "m",
+    "carriage_z": "m",
+    "skyline_tension": "N",
+    "highest_tension": "N",
+    "headspar_tension": "N",
+    "tailspar_tension": "N",
+    "anchor_tension": "N",
+    "mainline_pull": "N",
+    "mainline_tension": "N",
+    "haulback_tension": "N",
+    "sag": "m",
+    "deflection": "%",
+    "clearance": "m",
+    "rope_clearance": "m",
+}
+
+
+def load_path(
+    rig: SkylineRig,
+    payload: float,
+    stations: Sequence[float] | np.ndarray | None = None,
+    *,
+    height: float | None = None,
+) -> pd.DataFrame:
+    """The carriage with a payload [kg] at `stations` [m] (by default every 5 m of all spans).
+
+    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
+    the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
+    (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
+    the headspar) and mainline_tension at its drum; haulback_tension at its drum; sag below its span's chord
+    and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
+    one of all ropes; for each support `NAME_force`, upward on the rope, negative where it lifts off; span
+    (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
+    holding.
+
+    height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
+    over the ground [m]. At a support's own station the carriage hangs 2 cm before it. Raises InputError,
+    EquilibriumError.
+    """
+    check.not_negative(payload, rig.name, "payload", "kg")
+    if height is not None and rig.kind is Kind.STANDING:
+        raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
+    solver = Stations(rig, by_height=height is not None)
+    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
+    rows = []
+    for x in where:
+        check.number(float(x), rig.name, "a station", "m")
+        z = None if height is None else carriage_height(rig, float(x), height)
+        rows.append(row(solver.solve(float(x), payload, z), float(x)))
+    frame = pd.DataFrame(rows)
+    frame.attrs["units"] = {c: UNITS.get(c, "N" if c.endswith("_force") else "") for c in frame.columns}
+    return frame
+
+
+def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
+    """About every `spacing` metres of all spans, supports included, the ends left out."""
+    x0, x1 = rig.stands[0].at[0], rig.stands[-1].at[0]
+    return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
+
+
+def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
+    """Height z [m] of the carriage with its load `height` over the ground. Raises InputError."""
+    if rig.terrain is None:
+        raise InputError(f"{rig.name} has no terrain", "Give it a Profile to keep a height over the ground")
+    return rig.terrain.elevation_at(station) + height + rig.carriage.depth
+
+
+def row(solved: Solved, station: float) -> dict[str, float | str | int]:
+    """The row of a load path at a solved station."""
+    rig, model, k = solved.at.rig, solved.at.model, solved.at.span
+    name, head, tail = rig.carriage.name, rig.headspar, rig.tailspar
+    x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
+    a, b = rig.stands[k].at, rig.stands[k + 1].at
+    sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
+    sky = next(run for run in model.runs if run.rope is rig.skyline and run.nodes[0].name != "mainline")
+    ends = [solved[f"{s.name}.tension_{end}"] for s in sky.spans for end in "ab"]
+    into_tail = next(s for s, node in zip(sky.spans, sky.nodes[1:], strict=True) if node.name == tail.name)
+    at_carriage = max(solved[f"{name}.tension_a"], solved[f"{name}.tension_b"])
+    pull = solved[f"{name}.holding"] if solved.held_by == "holding" else 0.0
+    main = 0.0
+    if solved.held_by == "mainline":
+        pull = solved[f"{name}.mainline_pull"]
+        main = solved["mainline.rope_tension"]
+    haul = solved["haulback.rope_tension"] if "haulback.rope_tension" in model.y.index else 0.0
+    values: dict[str, float | str | int] = {
+        "station": station,
+        "carriage_x": x,
+        "carriage_y": y,
+        "carriage_z": z,
+        "skyline_tension": at_carriage,
+        "highest_tension": max(ends),
+        "headspar_tension": ends[0],
+        "tailspar_tension": solved[f"{into_tail.name}.tension_b"],
+        "anchor_tension": ends[-1],
+        "mainline_pull": pull,
+        "mainline_tension": main,
+        "haulback_tension": haul,
+        "sag": sag,
+        "deflection": deflection(sag, float(np.hypot(b[0] - a[0], b[1] - a[1]))),
+        "clearance": np.nan,
+        "rope_clearance": np.nan,
+        **{f"{s.name}_force": solved[f"{s.name}.support_force"] for s in rig.supports},
+        "span": k + 1,
+        "held_by": solved.held_by,
+    }
+    if isinstance(rig.terrain, Profile):
+        values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
+        values["rope_clearance"] = rope_clearance(solved, rig.terrain)
+    _ = head
+    return values
+
+
+def rope_clearance(solved: Solved, ground: Profile) -> float:
+    """Least height of the skyline over the ground between headspar and tailspar [m]."""
+    rig, at = solved.at.rig, solved.at
+    least = np.inf
+    for r, run in enumerate(at.model.runs):
+        if run.rope is not rig.skyline or run.nodes[0].name == "mainline":
+            continue
+        strain = run.rope.strain
+        for k, span in enumerate(run.spans):
+            force = at.curve(solved.point, k, r)
+            start = [solved[f"{run.nodes[k].name}.{axis}"] for axis in "xz"]
+            if force[0] > 0.0:
+                piece = Piece(
+                    (start[0], start[1]),
+                    force,
+                    run.rope.mass_per_length * rig.gravity,
+                    solved[f"{span.name}.length"],
+                    Strain(strain.c1, strain.c2),
+                )
+                least = min(least, ground.clearance(piece).height)
+            if run.nodes[k + 1].name == rig.tailspar.name:
+                break
+    return float(least)
