@@ -13,6 +13,12 @@ if TYPE_CHECKING:
         Anchor as Anchor,
     )
     from ropeway.components import (
+        Block as Block,
+    )
+    from ropeway.components import (
+        Carriage as Carriage,
+    )
+    from ropeway.components import (
         ConstructionStretch as ConstructionStretch,
     )
     from ropeway.components import (
@@ -23,6 +29,12 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Elastic as Elastic,
+    )
+    from ropeway.components import (
+        HeadSpar as HeadSpar,
+    )
+    from ropeway.components import (
+        IntermediateSupport as IntermediateSupport,
     )
     from ropeway.components import (
         Load as Load,
@@ -38,6 +50,12 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Span as Span,
+    )
+    from ropeway.components import (
+        Tailhold as Tailhold,
+    )
+    from ropeway.components import (
+        TailSpar as TailSpar,
     )
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
@@ -66,12 +84,24 @@ if TYPE_CHECKING:
     from ropeway.systems.equilibrium import equilibrium as equilibrium
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
+    from ropeway.systems.rigs.live_skyline import gravity_skyline as gravity_skyline
+    from ropeway.systems.rigs.live_skyline import live_skyline as live_skyline
     from ropeway.systems.rigs.monocable import monocable as monocable
+    from ropeway.systems.rigs.running_skyline import running_skyline as running_skyline
+    from ropeway.systems.rigs.skyline import SkylineRig as SkylineRig
+    from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
     from ropeway.systems.simulation import simulate as simulate
+    from ropeway.systems.studies.load_path import load_path as load_path
+    from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
+    from ropeway.systems.studies.payload import payload as payload
+    from ropeway.systems.studies.terrain import Profile as Profile
     from ropeway.systems.system import System as System
 
 _HOMES = {
-    "ropeway.components": ("Anchor ConstructionStretch ControlSheave Drum Elastic Load Rope Schedule Sheave Span"),
+    "ropeway.components": (
+        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic HeadSpar IntermediateSupport Load Rope "
+        "Schedule Sheave Span TailSpar Tailhold"
+    ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
         "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
@@ -82,6 +112,13 @@ _HOMES = {
     "ropeway.systems.result": "Result",
     "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
+    "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
+    "ropeway.systems.rigs.running_skyline": "running_skyline",
+    "ropeway.systems.rigs.skyline": "SkylineRig",
+    "ropeway.systems.rigs.standing_skyline": "standing_skyline",
+    "ropeway.systems.studies.load_path": "load_path",
+    "ropeway.systems.studies.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.system": "System",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}

@@ -1,24 +1,33 @@
 """Floor 1: what a thing is. One component a file, physics only."""
 
 from ropeway.components.anchor import Anchor
+from ropeway.components.carriage import Carriage
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.load import Load
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
+from ropeway.components.spar import Block, HeadSpar, Tailhold, TailSpar
 
 __all__ = [
     "CONSTRUCTIONS",
     "Anchor",
+    "Block",
+    "Carriage",
     "ConstructionStretch",
     "ControlSheave",
     "Drum",
     "Elastic",
+    "HeadSpar",
+    "IntermediateSupport",
     "Load",
     "Rope",
     "Schedule",
     "Sheave",
     "Span",
+    "TailSpar",
+    "Tailhold",
 ]

@@ -280,9 +280,9 @@ def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, Table]) ->
                 sign = -1.0 if k == len(run.nodes) - 1 else 1.0
                 travel = unknowns[f"{node.name}.{seat.travel}"]
                 found.append(Balance(travel, residuals[f"{node.name}.{node.balance}"], sign))
-    for node in system.components.values():
-        for place, force in node.free if isinstance(node, Node) else ():
-            found.append(Balance(unknowns[f"{node.name}.{place}"], residuals[f"{node.name}.{force}"], 1.0))
+    for c in system.components.values():
+        for place, force in c.free if isinstance(c, Node) else ():
+            found.append(Balance(unknowns[f"{c.name}.{place}"], residuals[f"{c.name}.{force}"], 1.0))
     return tuple(found)
 
 

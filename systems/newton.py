@@ -161,8 +161,10 @@ class Newton:
             size = float(np.abs(step).max())
             if not np.isfinite(size):
                 raise self._failure(residual, "The equations are singular")
-            # Convergence is quadratic: the next step would be about size * (size / last)^2.
-            if (size * min(1.0, (size / last) ** 2) <= self.tolerance and size < 1e-3) or after <= 1e-15 * np.sqrt(n):
+            # Convergence is quadratic: the next step would be about size * (size / last)^2; after a first or a
+            # shortened step nothing is known of the rate, and 1000 size^2 is taken.
+            rate = (size / last) ** 2 if np.isfinite(last) else 1e3 * size
+            if (size * min(1.0, rate) <= self.tolerance and size < 1e-3) or after <= 1e-15 * np.sqrt(n):
                 self._put(v - step, point)
                 return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
             v, before, last = v - step, after, size

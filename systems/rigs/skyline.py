@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
-from ropeway.components.spar import Block, Ground, HeadSpar, Tailhold, TailSpar
+from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
 from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.system import System
@@ -83,7 +84,8 @@ class SkylineRig:
         x = [node.at[0] for node in self.stands]
         if not x[0] < station < x[-1]:
             raise InputError(
-                f"Station {station:g} m is outside the skyline", f"It runs from {x[0]:g} m to {x[-1]:g} m, ends excluded"
+                f"Station {station:g} m is outside the skyline",
+                f"It runs from {x[0]:g} m to {x[-1]:g} m, ends excluded",
             )
         return int(np.searchsorted(x, station, side="left")) - 1
 
@@ -202,7 +204,7 @@ def joined(
         tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
     between = tuple(support.placed(terrain) for support in supports)
     stands = (head, *between, tail)
-    for before, after in zip(stands[:-1], stands[1:], strict=True):
+    for before, after in pairwise(stands):
         if not before.at[0] < after.at[0]:
             raise InputError(
                 f"{after.label} stands at station {after.at[0]:g} m, {before.label} before it at {before.at[0]:g} m",
@@ -249,11 +251,9 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
                 f"{rope.breaking_load:g} N",
                 "Ask for less tension or take a stronger rope",
             )
-        names = [f"{a.name}_{b.name}" for a, b in zip(rig.stands[:-1], rig.stands[1:], strict=True)]
+        names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
         names += [f"{rig.tailspar.name}_{rig.tail[-1].name}"] * (len(rig.tail) - 1)
-        length = float(
-            np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names))
-        )
+        length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
     check.positive(length or 0.0, rig.name, "length", "m")
     chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     shortest = chords / (1.0 + rope.strain.at(rope.breaking_load))

@@ -73,7 +73,7 @@ def load_path(
 
 def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
     """About every `spacing` metres of all spans, supports included, the ends left out."""
-    x0, x1 = rig.stands[0].at[0], rig.stands[-1].at[0]
+    x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
 
 

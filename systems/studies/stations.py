@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ropeway.components import catenary
 from ropeway.components.component import Kind as Part
-from ropeway.components.errors import EquilibriumError, InputError, RopewayError
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, Newton, Point, Slot
@@ -21,6 +20,11 @@ from ropeway.systems.state import LineState
 
 SIDE = 0.02
 """A carriage at a point saddle hangs this far beside it [m], on the side it was asked for."""
+
+
+SLACK = 3.0
+"""A rope whose own weight is more than this times its horizontal tension hangs on the slack branch: the least
+support tension of a level span comes at 3.02 (wL/2H = 1.20, sinh 1.20 = 1.51)."""
 
 
 class SpanModel:
@@ -48,6 +52,13 @@ class SpanModel:
         self._blank = LineState.cold(m).point
         self.run_of = {run.spans[0].name: r for r, run in enumerate(m.runs)}
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
+        # Ropes whose length or tension is an unknown have a slack root besides the taut one.
+        self._taut = [
+            (m.y.index[f"{s.name}.horizontal"], m.y.index[f"{s.name}.length"], run.rope.mass_per_length * rig.gravity)
+            for run in m.runs
+            for s in run.spans
+            if by_height or run.rope is not rig.skyline or run.nodes[0].name == "mainline"
+        ]
 
     def slot(self, name: str) -> Slot:
         """The vector and entry of a variable."""
@@ -101,25 +112,32 @@ class SpanModel:
                 point.p[m.p.index[f"{rig.carriage.name}.travel"]] = travel[self.span + 1]
         return point
 
-    def solve(self, station: float, payload: float, height: float | None = None, near: Point | None = None) -> Point:
+    def solve(
+        self,
+        station: float,
+        payload: float,
+        height: float | None = None,
+        near: Point | None = None,
+        *,
+        quick: bool = False,
+    ) -> Point:
         """The equilibrium at a station [m] with a payload [kg], and a height z [m] of the carriage where the
-        yarder sets it. near: a solved point to start from. Raises EquilibriumError."""
+        yarder sets it. near: a solved point to start from; quick: from there and from geometry only, without
+        the long way round. Raises EquilibriumError."""
         target = np.array([v for v, on in ((station, not self.rig.ideal), (height, self.by_height)) if on], dtype=float)
         last: EquilibriumError | None = None
-        for attempt in range(3 if near is not None else 2):
-            if attempt == 0 and near is not None:
-                point = near.copy()
-            else:
-                point = self.cold(station, payload, height)
+        ways = ([near] if near is not None else []) + ["geometry"] + ([] if quick else ["by degrees"])
+        for way in ways:
+            point = way.copy() if isinstance(way, Point) else self.cold(station, payload, height)
             point.p[self.payload] = payload
             if self.rig.ideal:
                 slot = self.place[0]
                 point.vector(slot[0])[slot[1]] = station
             try:
-                if attempt == 2 or (near is None and attempt == 1):
+                if way == "by degrees":
                     self._by_degrees(point, target, station, payload, height)
-                self.newton.solve(point, target=target, iterations=30 if attempt == 0 else 80)
-                self._check(point, station)
+                self.newton.solve(point, target=target, iterations=25 if quick or isinstance(way, Point) else 80)
+                self._check(point)
             except EquilibriumError as error:
                 last = error
                 continue
@@ -145,13 +163,18 @@ class SpanModel:
             share *= 0.4
         point.p[self.payload] = payload
 
-    def _check(self, point: Point, station: float) -> None:
+    def _check(self, point: Point) -> None:
         """Raises EquilibriumError for a root that no rope can have."""
         m = self.model
-        lengths = self.outputs(point)[self.lengths]
+        outputs = self.outputs(point)
+        lengths = outputs[self.lengths]
         if np.any(lengths <= 0.0):
             name = m.y.names[self.lengths[int(np.argmin(lengths))]].split(".")[0]
             raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
+        for horizontal, length, weight in self._taut:
+            if weight * outputs[length] > SLACK * outputs[horizontal]:
+                name = m.y.names[length].split(".")[0]
+                raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
 
@@ -181,36 +204,49 @@ class Solved:
 class Stations:
     """A rig's equilibria over stations; each solve starts from the last one in the same span.
 
-    Where the mainline would have to push, because the carriage stands beyond its rest point, its clamp holds
-    it on the skyline: solved with the ideal holding force along the bisector.
+    Where the mainline would have to push, because the carriage stands beyond its rest point, or to pull less
+    than its own weight does, the carriage's clamp holds it on the skyline: solved with the ideal holding force
+    along the bisector.
     """
 
     def __init__(self, rig: SkylineRig, *, by_height: bool = False) -> None:
         self.rig, self.by_height = rig, by_height
         self._last: dict[tuple[int, bool], Point] = {}
+        self._was_clamped: dict[int, bool] = {}
 
     def solve(self, station: float, payload: float, height: float | None = None) -> Solved:
         """Raises InputError outside the skyline, EquilibriumError where there is no equilibrium."""
         span = self.rig.span_of(station)
         x = self.beside(span, station)
         rig = self.rig
-        can_clamp = rig.mainline is not None and not rig.carriage.clamped and rig.haulback is None
-        if can_clamp and rig.kind is not Kind.RUNNING:
-            start = rig.start(span, x, payload, height)
-            # The start's pull is good to a few percent: only where it says little, is the exact one asked.
-            if start.pull < 0.02 * (payload + rig.carriage.mass) * rig.gravity:
-                held = self._solve(clamped_twin(rig), span, x, payload, height, clamp=True)
-                if held[f"{rig.carriage.name}.holding"] <= 0.0:
-                    return held
-        try:
+        can_clamp = rig.ideal is False and not rig.carriage.clamped and rig.haulback is None
+        if not can_clamp or rig.kind is Kind.RUNNING:
             return self._solve(rig, span, x, payload, height, clamp=False)
-        except EquilibriumError:
-            if not can_clamp or rig.kind is Kind.RUNNING:
-                raise
+        own = self._own_pull(span, x)
+        held = None
+        if self._was_clamped.get(span):
             held = self._solve(clamped_twin(rig), span, x, payload, height, clamp=True)
-            if held[f"{rig.carriage.name}.holding"] > 0.02 * (payload + rig.carriage.mass) * rig.gravity:
-                raise
-            return held
+            if held[f"{rig.carriage.name}.holding"] <= 0.0:
+                return held
+        try:
+            solved = self._solve(rig, span, x, payload, height, clamp=False, quick=True)
+        except EquilibriumError:
+            held = held or self._solve(clamped_twin(rig), span, x, payload, height, clamp=True)
+            if held[f"{rig.carriage.name}.holding"] <= own:
+                self._was_clamped[span] = True
+                return held
+            solved = self._solve(rig, span, x, payload, height, clamp=False)
+        self._was_clamped[span] = False
+        return solved
+
+    def _own_pull(self, span: int, x: float) -> float:
+        """What the mainline pulls by its own weight, at most [N]: below it, it cannot be kept taut."""
+        rope = self.rig.mainline
+        if rope is None:
+            return 0.0
+        stands = [node.at for node in self.rig.stands[: span + 1]]
+        ends = np.array([*stands, (x, stands[-1][1], self.rig.stands[span + 1].at[2])])
+        return float(np.abs(np.diff(ends, axis=0)).sum(axis=1).max() * rope.mass_per_length * self.rig.gravity)
 
     def beside(self, span: int, station: float) -> float:
         """The station, or a little beside a support that stands there."""
@@ -219,10 +255,18 @@ class Stations:
         return min(max(station, low + side), high - side)
 
     def _solve(
-        self, rig: SkylineRig, span: int, x: float, payload: float, height: float | None, *, clamp: bool
+        self,
+        rig: SkylineRig,
+        span: int,
+        x: float,
+        payload: float,
+        height: float | None,
+        *,
+        clamp: bool,
+        quick: bool = False,
     ) -> Solved:
         at = span_model(rig, span, self.by_height)
-        point = at.solve(x, payload, height, self._last.get((span, clamp)))
+        point = at.solve(x, payload, height, self._last.get((span, clamp)), quick=quick)
         self._last[span, clamp] = point
         held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
         return Solved(at, point, at.outputs(point), held_by)
@@ -238,7 +282,3 @@ def span_model(rig: SkylineRig, span: int, by_height: bool) -> SpanModel:
 def clamped_twin(rig: SkylineRig) -> SkylineRig:
     """The rig with its carriage held on the skyline instead of by its mainline."""
     return replace(rig, mainline=None, carriage=replace(rig.carriage, holding="bisector"))
-
-
-Progress = Callable[[float], None]
-__all__ = ["SIDE", "RopewayError", "Solved", "SpanModel", "Stations", "clamped_twin", "span_model"]

@@ -72,7 +72,8 @@ class Profile:
             missing = [c for c in ("station", "elevation") if c not in (reader.fieldnames or ())]
             if missing:
                 raise InputError(
-                    f"{path}, line 1: no column {', '.join(missing)}", "Give the columns station and elevation, in metres"
+                    f"{path}, line 1: no column {', '.join(missing)}",
+                    "Give the columns station and elevation, in metres",
                 )
             for row in reader:
                 try:
@@ -119,7 +120,7 @@ class Profile:
             )
         return float(np.interp(station, self.station, self.elevation))
 
-    def elevations(self, stations: ArrayLike) -> np.ndarray:
+    def elevations(self, stations: float | np.ndarray) -> np.ndarray:
         """Elevations [m] at stations [m], NaN outside the profile."""
         return np.asarray(np.interp(stations, self.station, self.elevation, left=np.nan, right=np.nan))
 
@@ -157,9 +158,9 @@ class Profile:
         along = np.concatenate([parallel, self._distances(piece, np.array([low, *inside, high]))])
         shape = np.ones_like(along)
         reach = segment((fx * shape, 0.0 * shape, v0 * shape), piece.weight, along, piece.strain).reach
-        # Rounding may put an end of the piece just outside the ground: the nearest ground is meant.
-        x = np.clip(x0 + reach[0], low, high)
+        x = x0 + reach[0]
         height = z0 + reach[2] - np.interp(x, self.station, self.elevation)
+        height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
         k = int(np.argmin(height))
         return Clearance(float(height[k]), float(x[k]))
 
