@@ -45,7 +45,7 @@ class ControlSheave(Wheel):
         return (
             *self.place(),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over", 0.0, site.length),
+            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over"),
             *self.wheel_outputs(site),
         )
 

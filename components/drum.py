@@ -64,7 +64,7 @@ class Drum(Node):
             return (
                 *self.place(),
                 Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-                Variable("travel", Kind.STATE, "m", travel, 0.0, site.length),
+                Variable("travel", Kind.STATE, "m", travel),
                 pull,
             )
         return (

@@ -170,20 +170,16 @@ def apply(state: LineState, crossing: Crossing) -> str:
     return "crossing forward" if crossing.forward else "crossing backward"
 
 
-def release(state: LineState) -> list[tuple[Crossing, float]]:
-    """For each load that stands on a sheave the larger of the two forces by which a side is ahead [N]:
-    positive when it leaves, forward or backward as the crossing says."""
+def pulls(state: LineState) -> list[tuple[Crossing, float]]:
+    """For each load that stands on a sheave, forward and backward, the force by which that side is ahead of
+    the other [N]: the load leaves when it is positive."""
     found = []
-    for r, layout in enumerate(state.model.layouts):
-        on = np.flatnonzero((layout.held >= 0) & (state.point.d[np.maximum(layout.held, 0)] > 0.0))
-        for k in on:
-            start = layout.start(state.point.p)[k]
-            place = start - state.point.d[layout.held_travel[k]]
-            load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
-            s = sides(state, r, int(k), load)
-            forward, backward = s.out_loaded - s.in_bare, s.in_loaded - s.out_bare
-            ahead = forward >= backward
-            found.append((Crossing(0.0, 0.0, r, int(k), load, ahead), max(forward, backward)))
+    for r, k, travel in state.standing():
+        place = state.model.layouts[r].start(state.point.p)[k] - travel
+        load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
+        s = sides(state, r, k, load)
+        found.append((Crossing(0.0, 0.0, r, k, load, True), s.out_loaded - s.in_bare))
+        found.append((Crossing(0.0, 0.0, r, k, load, False), s.in_loaded - s.out_bare))
     return found
 
 

@@ -16,7 +16,7 @@ from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, component_of
-from ropeway.systems.newton import Newton, Point, Slot, newton_of
+from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
@@ -41,7 +41,7 @@ class Equilibrium:
     @cached_property
     def outputs(self) -> np.ndarray:
         """Values of all outputs, in the order of `model.y`."""
-        return np.array(self.model.outputs(*self.point.arguments)).ravel()
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def __getitem__(self, name: str) -> float:
         kind, k = find(self.model, self.runs, self.passed, name)

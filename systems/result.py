@@ -8,14 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import casadi as ca
 import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.newton import newton_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, Record
 
@@ -53,13 +52,9 @@ class Result:
     @cached_property
     def outputs(self) -> np.ndarray:
         """All outputs at all records, shape (records, ny)."""
-        m = self.model
-        arguments = m.outputs.sx_in()
-        f = Buffered(ca.Function("outputs", arguments, [ca.densify(m.outputs.expand()(*arguments))]))
-        rows = np.empty((len(self.records), len(m.y)))
+        rows = np.empty((len(self.records), len(self.model.y)))
         for i in range(len(self.records)):
-            q = self._state(i).point
-            rows[i] = f(np.array([q.t]), q.x, q.z, q.u, q.p, q.d)[0]
+            rows[i] = self._state(i).outputs()
         return rows
 
     def _state(self, i: int) -> LineState:

@@ -15,10 +15,11 @@ from ropeway.components.errors import InputError, RopewayError, SimulationError,
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
+from ropeway.systems.blocks import blocks_of
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model, nearest
-from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.newton import Buffered, expanded, newton_of
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result
 from ropeway.systems.state import LineState, Record
@@ -42,7 +43,7 @@ def simulate(
 
     until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
     left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from;
-    tolerance: of IDAS, relative and absolute on scaled variables; stop_at: names of events at which to stop;
+    tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop;
     progress: show a bar (by default only on a terminal).
 
     Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
@@ -52,6 +53,9 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
+    known = {*model.limits.events, "load held"}
+    if unknown := [event for event in stop_at if event not in known]:
+        raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     rest = equilibrium(model) if start is None else start
     run = _Simulation(rest, signals, tolerance, tuple(stop_at))
     with bar("simulate", until, progress) as advance:
@@ -101,6 +105,8 @@ class _Simulation:
 
     short = 5e-3
     """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    tiny = 1e-4
+    """Stretches up to this [s] are a straight line: the second order is below rounding."""
 
     def __init__(
         self, start: Equilibrium, signals: Sequence[Signal], tolerance: float, stop_at: tuple[str, ...]
@@ -152,10 +158,12 @@ class _Simulation:
                 self.set_time(grid)
                 self.record(on_grid=True)
                 advance(grid)
-                if grid >= until or self.limit_reached():
+                if grid >= until:
                     return
                 count, grid = count + 1, min((count + 1) * every, until)
                 motion = self.solve(grid)
+            if self.stop_at and self.stopped():
+                return
 
     def set_time(self, t: float) -> None:
         """Sets the clock, and the inputs to their values then."""
@@ -176,14 +184,35 @@ class _Simulation:
     def solve(self, stop: float) -> _Motion:
         """Solves the algebraic variables; returns how everything moves from here."""
         state = self.state
-        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
-        x = rates_of(state.model)(*(np.atleast_1d(a) for a in state.point.arguments))[0].copy()
+        return self.motion(newton_of(state.model).solve(state.point, slope=self.slope(stop)))
+
+    def solve_beside(self, crossings: Sequence[loads.Crossing], motion: _Motion, stop: float) -> _Motion:
+        """Solves only the sections on both sides of the crossings anew."""
+        state, parts = self.state, blocks_of(self.state.model)
+        touched: set[int] = set()
+        for c in crossings:
+            layout = state.model.layouts[c.r]
+            beside = layout.force[max(c.k - 1, 0) : c.k + 1]
+            touched.update(int(parts.of[z]) for z in beside)
+        z = motion.z.copy()
+        parts.solve(state.point, sorted(touched), self.slope(stop), z)
+        return self.motion(z)
+
+    def motion(self, z: np.ndarray) -> _Motion:
+        """All rates, from those of the algebraic variables."""
+        state = self.state
+        x = rates_of(state.model)(*state.point.arguments)[0].copy()
         return _Motion(x, z, [layout.travel.read(x, z) for layout in state.model.layouts])
 
     def advance(self, h: float, motion: _Motion, stop: float) -> _Motion:
         """Moves the state on by `h` seconds, a little backwards too."""
         point, t = self.state.point, self.state.point.t
         if h == 0.0:
+            return motion
+        if abs(h) <= self.tiny:
+            point.x[:] += h * motion.x
+            point.z[:] += h * motion.z
+            self.set_time(t + h)
             return motion
         if abs(h) <= self.short:
             x = point.x.copy()
@@ -195,7 +224,8 @@ class _Simulation:
                 return end
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
-        point.x[:], point.z[:] = idas_of(self.state.model, self.tolerance).advance(point, h, self.slope(stop))
+        integrator = idas_of(self.state.model, self.tolerance)
+        point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
         self.set_time(t + h)
         return self.solve(stop)
 
@@ -231,7 +261,7 @@ class _Simulation:
             for crossing in crossings:
                 just.add((crossing.r, crossing.k))
                 self.note(crossing, loads.apply(self.state, crossing))
-            motion = self.solve(stop)
+            motion = self.solve_beside(crossings, motion, stop)
             crossings = loads.overrun(self.state, just)
             if not crossings:
                 self.record(on_grid=False)
@@ -244,20 +274,26 @@ class _Simulation:
 
     def let_go(self, before: LineState, stop: float) -> bool:
         """Releases a load that stands on a sheave when a side has gained the upper hand."""
-        scale = 1e-7 * float(self.state.model.z.nominals.max())
-        for _ in range(12):
-            ahead = max(loads.release(self.state), key=lambda found: found[1])
-            if ahead[1] <= scale:
+        enough = 1e-7 * float(self.state.model.z.nominals.max())
+        for _ in range(30):
+            found = loads.pulls(self.state)
+            i = int(np.argmax([pull for _, pull in found]))
+            leaving, pull = found[i]
+            if pull <= enough:
                 return False
-            was = max(loads.release(before), key=lambda found: found[1])[1]
-            h = self.state.point.t - before.point.t
-            if ahead[1] <= 1e3 * scale or was >= 0.0 or h < 1e-6:
+            was, h = loads.pulls(before)[i][1], self.state.point.t - before.point.t
+            if pull <= 10.0 * enough or h < 1e-9:
                 break
-            self.state = before.copy()
-            self.advance(h * was / (was - ahead[1]) * (1.0 + 1e-6), self.solve(stop), stop)
+            if was >= -10.0 * enough:
+                self.state = before
+                break
+            self.state, end = before.copy(), self.state
+            self.advance(h * was / (was - pull), self.solve(stop), stop)
+            if max(p for _, p in loads.pulls(self.state)) <= enough:  # still on the sheave: the root is beyond
+                before, self.state = self.state.copy(), end
         self.record(on_grid=False)
-        loads.let_go(self.state, ahead[0])
-        self.note(ahead[0], "load released forward" if ahead[0].forward else "load released backward")
+        loads.let_go(self.state, leaving)
+        self.note(leaving, "load released forward" if leaving.forward else "load released backward")
         self.solve(stop)
         self.record(on_grid=False)
         return True
@@ -273,12 +309,15 @@ class _Simulation:
         self.records.append(self.state.snapshot())
         self.on_grid.append(on_grid)
 
-    def limit_reached(self) -> bool:
+    def stopped(self) -> bool:
         """Whether an event has come at which the run stops."""
-        if not self.stop_at:
+        limits = self.state.model.limits
+        broken = np.flatnonzero(limits.broken(self.state.outputs()))
+        now = {limits.events[i] for i in broken} | ({"load held"} if self.state.held else set())
+        if now.isdisjoint(self.stop_at):
             return False
-        broken = self.state.model.limits.broken(self.state.outputs())
-        return any(self.state.model.limits.events[i] in self.stop_at for i in np.flatnonzero(broken))
+        self.record(on_grid=False)
+        return True
 
 
 @lru_cache(maxsize=16)
@@ -291,4 +330,4 @@ def idas_of(model: Model, tolerance: float) -> Idas:
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
     arguments = model.dae.sx_in()
-    return Buffered(ca.Function("rates", arguments, [ca.densify(model.dae.expand()(*arguments)[0])]))
+    return Buffered(ca.Function("rates", arguments, [ca.densify(expanded(model)(*arguments)[0])]))

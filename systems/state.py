@@ -12,7 +12,7 @@ from ropeway.components.errors import EquilibriumError, InputError, UnknownNameE
 from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Balance, Model, nearest
-from ropeway.systems.newton import VECTORS, Point, Slot
+from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.run import Run, extended, loads_passed
 from ropeway.systems.start import run_start
 
@@ -60,7 +60,8 @@ class LineState:
     def restart(self) -> None:
         """Starting values from geometry for the present lengths and loads."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
-            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start])
+            travel = layout.travel.read(self.point.x, np.zeros_like(self.point.z))
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel)
             for axis in range(3):
                 self.point.z[layout.force + axis] = start.force[:, axis]
             layout.travel.write(start.travel, self.point.x, self.point.z)
@@ -138,7 +139,7 @@ class LineState:
 
     def outputs(self) -> np.ndarray:
         """Values of all outputs, shape (ny,)."""
-        return np.array(self.model.outputs(*self.point.arguments)).ravel()
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def hold(self, r: int, k: int, load: int) -> None:
         """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
 from ropeway.components import catenary
@@ -13,7 +12,7 @@ from ropeway.components.component import Kind as Part
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, Newton, Point, Slot
+from ropeway.systems.newton import Newton, Point, Slot, outputs_of
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.state import LineState
@@ -47,8 +46,6 @@ class SpanModel:
             freed.append(self.slot("haulback.tension" if rig.kind is Kind.RUNNING else f"{rig.headspar.name}.travel"))
         self.given = given
         self.newton = Newton(m, freed, given)
-        arguments = m.outputs.sx_in()
-        self._outputs = Buffered(ca.Function("y", arguments, [ca.densify(m.outputs.expand()(*arguments))]))
         self._blank = LineState.cold(m).point
         self.run_of = {run.spans[0].name: r for r, run in enumerate(m.runs)}
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
@@ -73,8 +70,7 @@ class SpanModel:
 
     def outputs(self, point: Point) -> np.ndarray:
         """All outputs at a point, shape (ny,)."""
-        q = point
-        return self._outputs(np.array([q.t]), q.x, q.z, q.u, q.p, q.d)[0].copy()
+        return outputs_of(self.model)(*point.arguments)[0].copy()
 
     def cold(self, station: float, payload: float, height: float | None) -> Point:
         """Starting values from geometry."""

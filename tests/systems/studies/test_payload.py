@@ -55,9 +55,9 @@ def test_exact_payloads_of_harveys_profiles(drop: float, clamped: float, rolling
 def test_a_corridor_with_all_limits() -> None:
     rig = corridor()
     rw.payload(corridor(), stations=[100.0])
-    begin = time.perf_counter()
+    begin = time.process_time()
     study = rw.payload(rig, safety_factor=3.0, clearance=1.0, stations=np.linspace(4.0, 476.0, 100))
-    assert time.perf_counter() - begin < 3.0
+    assert time.process_time() - begin < 3.0
     frame = study.frame
     assert (frame.payload > 3500.0).all()
     assert study.limiting.payload == frame.payload.min() == study.payload
