@@ -94,6 +94,9 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.load_path import load_path as load_path
     from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
     from ropeway.systems.studies.payload import payload as payload
+    from ropeway.systems.studies.set_up import SetUp as SetUp
+    from ropeway.systems.studies.set_up import set_up as set_up
+    from ropeway.systems.studies.set_up import tension_history as tension_history
     from ropeway.systems.studies.terrain import Profile as Profile
     from ropeway.systems.system import System as System
 
@@ -118,6 +121,7 @@ _HOMES = {
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
     "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.system": "System",
 }

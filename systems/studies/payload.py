@@ -36,6 +36,7 @@ class PayloadStudy:
     rig: SkylineRig
     frame: pd.DataFrame
     safety_factor: float
+    mainline_safety_factor: float
     clearance: float | None
 
     @cached_property
@@ -96,7 +97,7 @@ def payload(
     frame = pd.DataFrame(rows)
     frame.attrs["units"] = {c: UNITS.get(c, "N" if c.endswith("_force") else "") for c in frame.columns}
     frame.attrs["units"]["payload"] = "kg"
-    return PayloadStudy(rig, frame, safety_factor, clearance)
+    return PayloadStudy(rig, frame, safety_factor, others, clearance)
 
 
 def _margins(
