@@ -31,6 +31,12 @@ if TYPE_CHECKING:
         Elastic as Elastic,
     )
     from ropeway.components import (
+        GuyedSpar as GuyedSpar,
+    )
+    from ropeway.components import (
+        Guyline as Guyline,
+    )
+    from ropeway.components import (
         HeadSpar as HeadSpar,
     )
     from ropeway.components import (
@@ -50,6 +56,9 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Span as Span,
+    )
+    from ropeway.components import (
+        SpringAnchor as SpringAnchor,
     )
     from ropeway.components import (
         Tailhold as Tailhold,
@@ -84,6 +93,7 @@ if TYPE_CHECKING:
     from ropeway.systems.equilibrium import equilibrium as equilibrium
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
+    from ropeway.systems.rigs.guylines import string_guylines as string_guylines
     from ropeway.systems.rigs.live_skyline import gravity_skyline as gravity_skyline
     from ropeway.systems.rigs.live_skyline import live_skyline as live_skyline
     from ropeway.systems.rigs.monocable import monocable as monocable
@@ -102,8 +112,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic HeadSpar IntermediateSupport Load Rope "
-        "Schedule Sheave Span TailSpar Tailhold"
+        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
+        "IntermediateSupport Load Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
@@ -115,6 +125,7 @@ _HOMES = {
     "ropeway.systems.result": "Result",
     "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
+    "ropeway.systems.rigs.guylines": "string_guylines",
     "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
     "ropeway.systems.rigs.running_skyline": "running_skyline",
     "ropeway.systems.rigs.skyline": "SkylineRig",

@@ -4,6 +4,7 @@ from ropeway.components.anchor import Anchor
 from ropeway.components.carriage import Carriage
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
+from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.load import Load
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
@@ -21,6 +22,8 @@ __all__ = [
     "ControlSheave",
     "Drum",
     "Elastic",
+    "GuyedSpar",
+    "Guyline",
     "HeadSpar",
     "IntermediateSupport",
     "Load",
@@ -28,6 +31,7 @@ __all__ = [
     "Schedule",
     "Sheave",
     "Span",
+    "SpringAnchor",
     "TailSpar",
     "Tailhold",
 ]

@@ -90,10 +90,16 @@ class System:
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
 
     def string(
-        self, rope: Rope, *over: Node | Seat, length: float | None = None, tension: float | None = None
+        self,
+        rope: Rope,
+        *over: Node | Seat,
+        length: float | None = None,
+        tension: float | None = None,
+        name: str | None = None,
     ) -> tuple[Span, ...]:
-        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`. A seat
-        stands for its node where that has several to choose from.
+        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`, or
+        `name_from_to` where two ropes run between the same two. A seat stands for its node where that has
+        several to choose from.
 
         length: total unstretched length of the rope [m]; or tension: of the empty rope at rest at the first
         support [N] (taut). The empty rope at rest has equal tension on both sides of each support; this sets
@@ -112,7 +118,8 @@ class System:
             if before.at == after.at:
                 raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
         points = [node.at for node in nodes]
-        names = [f"{a.name}_{b.name}" for a, b in pairwise(nodes)]
+        prefix = "" if name is None else f"{name}_"
+        names = [f"{prefix}{a.name}_{b.name}" for a, b in pairwise(nodes)]
         weight = rope.mass_per_length * self.gravity
         if length is not None:
             check.positive(length, f"Rope {names[0]} ...", "length", "m")

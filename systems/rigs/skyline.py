@@ -15,12 +15,14 @@ from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.component import Node
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
 from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.rigs import carriage_start
+from ropeway.systems.rigs.guylines import string_guylines
 from ropeway.systems.system import System
 
 
@@ -124,6 +126,8 @@ class SkylineRig:
         place = (x, here[1] + share * (there[1] - here[1]), start.z)
         carriage = replace(self.carriage, at=place, payload=mass)
         system = System(self.name, gravity=self.gravity)
+        if isinstance(self.headspar, GuyedSpar):
+            string_guylines(system, self.headspar)
         if self.kind is Kind.RUNNING:
             self._running(system, carriage)
         else:
@@ -167,15 +171,20 @@ class SkylineRig:
         if rope is None:
             return
         rollers = [Sheave(f"{s.name}_mainline", at=s.at) for s in self.supports[:span]]
-        _string(system, rope, [Drum("mainline", at=self.headspar.at), *rollers, carriage.mainline], pull)
+        if isinstance(self.headspar, GuyedSpar):
+            over: list[Any] = [Drum("mainline", at=self.headspar.foot), self.headspar.block_in, *rollers]
+            _string(system, rope, [*over, carriage.mainline], pull, "line")
+        else:
+            over = [Drum("mainline", at=self.headspar.at), *rollers]
+            _string(system, rope, [*over, carriage.mainline], pull)
 
 
-def _string(system: System, rope: Rope, over: Sequence[Any], tension: float) -> None:
+def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, name: str | None = None) -> None:
     """Runs a rope with about a tension [N], and not less than its own weight needs."""
     nodes = [o if isinstance(o, Node) else o.owner for o in over]
     points = np.array([node.at for node in nodes])
     lengths = carriage_start.rope_lengths(points, rope.mass_per_length * system.gravity, rope.strain, tension)
-    system.string(rope, *over, length=float(lengths.sum()))
+    system.string(rope, *over, length=float(lengths.sum()), name=name)
 
 
 def joined(
@@ -202,6 +211,10 @@ def joined(
     tail = tailspar.placed(terrain)
     if tail.tailhold is not None:
         tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
+    if isinstance(head, GuyedSpar):
+        if kind is not Kind.STANDING:
+            raise InputError(f"{head.label} holds a standing skyline only", "Take a HeadSpar")
+        head = replace(head, mainline_block=mainline is not None and not carriage.clamped)
     between = tuple(support.placed(terrain) for support in supports)
     stands = (head, *between, tail)
     for before, after in pairwise(stands):

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.stations import Solved, Stations
 from ropeway.systems.studies.terrain import Piece, Profile, deflection
@@ -31,6 +31,9 @@ UNITS = {
     "deflection": "%",
     "clearance": "m",
     "rope_clearance": "m",
+    "spar_compression": "N",
+    "spar_lean": "m",
+    "payload": "kg",
 }
 
 
@@ -67,8 +70,13 @@ def load_path(
         z = None if height is None else carriage_height(rig, float(x), height)
         rows.append(row(solver.solve(float(x), payload, z), float(x)))
     frame = pd.DataFrame(rows)
-    frame.attrs["units"] = {c: UNITS.get(c, "N" if c.endswith("_force") else "") for c in frame.columns}
+    frame.attrs["units"] = units_of(frame)
     return frame
+
+
+def units_of(frame: pd.DataFrame) -> dict[str, str]:
+    """The unit of each column."""
+    return {c: UNITS.get(c, "N" if c.endswith(("_force", "_tension")) else "") for c in frame.columns}
 
 
 def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
@@ -91,7 +99,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
     x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
     a, b = rig.stands[k].at, rig.stands[k + 1].at
     sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
-    sky = next(run for run in model.runs if run.rope is rig.skyline and run.nodes[0].name != "mainline")
+    sky = model.runs[solved.at.skyline]
     ends = [solved[f"{s.name}.tension_{end}"] for s in sky.spans for end in "ab"]
     into_tail = next(s for s, node in zip(sky.spans, sky.nodes[1:], strict=True) if node.name == tail.name)
     at_carriage = max(solved[f"{name}.tension_a"], solved[f"{name}.tension_b"])
@@ -122,33 +130,29 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         "span": k + 1,
         "held_by": solved.held_by,
     }
+    if isinstance(head, GuyedSpar):
+        values["spar_compression"] = solved[f"{head.name}.compression"]
+        values["spar_lean"] = solved[f"{head.name}.lean"]
+        values.update({f"{g.name}_tension": solved[f"{g.name}_{head.name}.tension_b"] for g in head.guylines})
     if isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
-    _ = head
     return values
 
 
 def rope_clearance(solved: Solved, ground: Profile) -> float:
     """Least height of the skyline over the ground between headspar and tailspar [m]."""
     rig, at = solved.at.rig, solved.at
-    least = np.inf
-    for r, run in enumerate(at.model.runs):
-        if run.rope is not rig.skyline or run.nodes[0].name == "mainline":
-            continue
-        strain = run.rope.strain
-        for k, span in enumerate(run.spans):
-            force = at.curve(solved.point, k, r)
-            start = [solved[f"{run.nodes[k].name}.{axis}"] for axis in "xz"]
-            if force[0] > 0.0:
-                piece = Piece(
-                    (start[0], start[1]),
-                    force,
-                    run.rope.mass_per_length * rig.gravity,
-                    solved[f"{span.name}.length"],
-                    Strain(strain.c1, strain.c2),
-                )
-                least = min(least, ground.clearance(piece).height)
-            if run.nodes[k + 1].name == rig.tailspar.name:
-                break
+    least, r = np.inf, at.skyline
+    run = at.model.runs[r]
+    strain = run.rope.strain
+    for k, span in enumerate(run.spans):
+        force = at.curve(solved.point, k, r)
+        start = (solved[f"{run.nodes[k].name}.x"], solved[f"{run.nodes[k].name}.z"])
+        if force[0] > 0.0:
+            weight = run.rope.mass_per_length * rig.gravity
+            piece = Piece(start, force, weight, solved[f"{span.name}.length"], strain)
+            least = min(least, ground.clearance(piece).height)
+        if run.nodes[k + 1].name == rig.tailspar.name:
+            break
     return float(least)

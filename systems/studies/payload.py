@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import UNITS, carriage_height, default_stations, row
+from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
 from ropeway.systems.studies.stations import Solved, Stations
 
 if TYPE_CHECKING:
@@ -69,8 +70,8 @@ def payload(
 ) -> PayloadStudy:
     """The largest payload at `stations` [m] (by default about every 5 m) within all limits.
 
-    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline and haulback
-    unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
+    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback and
+    guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
     rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
     stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
     running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
@@ -95,8 +96,7 @@ def payload(
     for x in where:
         rows.append(search.at(float(x)))
     frame = pd.DataFrame(rows)
-    frame.attrs["units"] = {c: UNITS.get(c, "N" if c.endswith("_force") else "") for c in frame.columns}
-    frame.attrs["units"]["payload"] = "kg"
+    frame.attrs["units"] = units_of(frame)
     return PayloadStudy(rig, frame, safety_factor, others, clearance)
 
 
@@ -128,6 +128,9 @@ def _margins(
     if rig.headspar.capacity is not None:
         head = rig.headspar
         found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
+    if isinstance(rig.headspar, GuyedSpar):
+        for guy in rig.headspar.guylines:
+            found[f"guyline {guy.name}"] = tension(f"{guy.name}_tension", guy.rope.breaking_load / others)
     tail, hold = rig.tailspar, rig.tailspar.tailhold
     if tail.capacity is not None:
         through = hold is not None or rig.kind is Kind.RUNNING
@@ -139,10 +142,13 @@ def _margins(
 
 
 def head_load(solved: Solved) -> float:
-    """Resultant of all ropes at the headspar's top [N]."""
+    """Resultant of all ropes at the headspar's top, or the compression of a guyed one [N]."""
+    head = solved.at.rig.headspar
+    if isinstance(head, GuyedSpar):
+        return solved[f"{head.name}.compression"]
     total = np.zeros(3)
     for r, run in enumerate(solved.at.model.runs):
-        if run.nodes[0].at == solved.at.rig.headspar.at:
+        if run.nodes[0].at == head.at:
             total += solved.at.curve(solved.point, 0, r)
     return float(np.linalg.norm(total))
 

@@ -78,7 +78,7 @@ def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], 
 def _ropes(axis: Axes, shown: Solved) -> None:
     rig, model = shown.at.rig, shown.at.model
     for r, run in enumerate(model.runs):
-        sky = run.rope is rig.skyline and run.nodes[0].name != "mainline"
+        sky = r == shown.at.skyline
         colour, width = ("black", 1.5) if sky else ("tab:red", 1.0)
         first = True
         for k, span in enumerate(run.spans):
@@ -89,7 +89,8 @@ def _ropes(axis: Axes, shown: Solved) -> None:
             curve = catenary.profile(
                 shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
             )
-            name = run.nodes[0].name if not sky else "haulback" if rig.kind is Kind.RUNNING else "skyline"
+            name = shown.at.roles[r] or "guylines"
+            name = "haulback" if sky and rig.kind is Kind.RUNNING else name
             label = name if first else None
             axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
             first = False

@@ -10,11 +10,13 @@ import numpy as np
 from ropeway.components import catenary
 from ropeway.components.component import Kind as Part
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, outputs_of
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.run import Run
 from ropeway.systems.state import LineState
 
 SIDE = 0.02
@@ -47,14 +49,14 @@ class SpanModel:
         self.given = given
         self.newton = Newton(m, freed, given)
         self._blank = LineState.cold(m).point
-        self.run_of = {run.spans[0].name: r for r, run in enumerate(m.runs)}
+        self.roles = tuple(_role(rig, run) for run in m.runs)
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
         # Ropes whose length or tension is an unknown have a slack root besides the taut one.
         self._taut = [
             (m.y.index[f"{s.name}.horizontal"], m.y.index[f"{s.name}.length"], run.rope.mass_per_length * rig.gravity)
-            for run in m.runs
+            for run, role in zip(m.runs, self.roles, strict=True)
             for s in run.spans
-            if by_height or run.rope is not rig.skyline or run.nodes[0].name == "mainline"
+            if role in ("mainline", "haulback") or (role == "skyline" and by_height)
         ]
 
     def slot(self, name: str) -> Slot:
@@ -84,12 +86,11 @@ class SpanModel:
             point.z[m.z.index[f"{rig.carriage.name}.holding"]] = start.pull
         if rig.kind is Kind.RUNNING and self.by_height:
             point.p[m.p.index["haulback.tension"]] = start.tension
-        for run, layout in zip(m.runs, m.layouts, strict=True):
-            line = run.nodes[0].name
-            on_skyline = run.rope == rig.skyline and line != "mainline"
-            pull = start.tension if on_skyline else start.pull
-            if line == "haulback" and not on_skyline:
-                pull = rig.haulback_tension or 0.0
+        pulls = {"skyline": start.tension, "mainline": start.pull, "haulback": rig.haulback_tension or 0.0}
+        for run, layout, role in zip(m.runs, m.layouts, self.roles, strict=True):
+            if role not in pulls:
+                continue
+            pull = pulls[role]
             points = np.array([here if node.name == rig.carriage.name else node.at for node in run.nodes])
             weight = run.rope.mass_per_length * rig.gravity
             lengths = carriage_start.rope_lengths(points, weight, run.rope.strain, pull)
@@ -104,7 +105,7 @@ class SpanModel:
             for k in range(len(run.spans) - 1, -1, -1):
                 travel[k] = lengths[k] - point.p[layout.length_start[k]] + travel[k + 1]
             layout.travel.write(travel, point.x, point.z)
-            if rig.carriage.clamped and on_skyline:
+            if rig.carriage.clamped and role == "skyline":
                 point.p[m.p.index[f"{rig.carriage.name}.travel"]] = travel[self.span + 1]
         return point
 
@@ -174,10 +175,23 @@ class SpanModel:
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
 
+    @property
+    def skyline(self) -> int:
+        """Index of the skyline's run (of the haulback's, for a running skyline)."""
+        return self.roles.index("skyline")
+
     def curve(self, point: Point, k: int, r: int) -> catenary.Vector:
         """Tension vector at the start of span k of run r."""
         f = int(self.model.layouts[r].force[k])
         return (float(point.z[f]), float(point.z[f + 1]), float(point.z[f + 2]))
+
+
+def _role(rig: SkylineRig, run: Run) -> str:
+    """What a run is to the carriage: "skyline", "mainline", "haulback", or "" for a guyline."""
+    for node, seat in zip(run.nodes, run.seats, strict=True):
+        if node.name == rig.carriage.name:
+            return "skyline" if seat.name == "a" else seat.name
+    return ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,4 +291,7 @@ def span_model(rig: SkylineRig, span: int, by_height: bool) -> SpanModel:
 @lru_cache(maxsize=64)
 def clamped_twin(rig: SkylineRig) -> SkylineRig:
     """The rig with its carriage held on the skyline instead of by its mainline."""
-    return replace(rig, mainline=None, carriage=replace(rig.carriage, holding="bisector"))
+    head = rig.headspar
+    if isinstance(head, GuyedSpar):
+        head = replace(head, mainline_block=False)
+    return replace(rig, headspar=head, mainline=None, carriage=replace(rig.carriage, holding="bisector"))
