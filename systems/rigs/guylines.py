@@ -16,7 +16,7 @@ def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
     """Strings all guylines of a spar, from their anchors `GUYLINE` to its top, with the lengths that give their
     pretension while the spar stands upright; released, the spar finds its own place. Raises SlackRopeError,
     EquilibriumError."""
-    found = []
+    found: list[Span] = []
     for guy in spar.guylines:
         length = pretensioned(guy, spar.at, system.gravity)
         found += system.string(guy.rope, anchor(guy), spar.guy(guy.name), length=length)

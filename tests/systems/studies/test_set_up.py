@@ -8,7 +8,7 @@ import ropeway as rw
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450.3e3)
 
 
-def rig(rope: rw.Rope = ROPE, **how: float) -> rw.SkylineRig:
+def rig(rope: rw.Rope = ROPE, tension: float | None = None, length: float | None = None) -> rw.SkylineRig:
     return rw.standing_skyline(
         None,
         headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
@@ -16,7 +16,8 @@ def rig(rope: rw.Rope = ROPE, **how: float) -> rw.SkylineRig:
         tailspar=rw.TailSpar("tail", at=(330.0, -30.0)),
         skyline=rope,
         carriage=rw.Carriage("carriage", mass=400.0),
-        **(how or {"tension": 60e3}),
+        tension=60e3 if tension is None and length is None else tension,
+        length=length,
     )
 
 
