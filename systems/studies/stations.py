@@ -229,8 +229,7 @@ class Stations:
         span = self.rig.span_of(station)
         x = self.beside(span, station)
         rig = self.rig
-        can_clamp = rig.ideal is False and not rig.carriage.clamped and rig.haulback is None
-        if not can_clamp or rig.kind is Kind.RUNNING:
+        if rig.ideal or rig.carriage.clamped:
             return self._solve(rig, span, x, payload, height, clamp=False)
         own = self._own_pull(span, x)
         held = None
@@ -243,6 +242,13 @@ class Stations:
         except EquilibriumError:
             held = held or self._solve(clamped_twin(rig), span, x, payload, height, clamp=True)
             if held[f"{rig.carriage.name}.holding"] <= own:
+                if rig.kind is Kind.RUNNING:
+                    raise EquilibriumError(
+                        f"At station {station:g} m the carriage of {rig.name!r} is beyond its rest point with "
+                        f"{payload:g} kg: the mainline would have to push",
+                        "Raise the haulback's tension, or stay nearer to the headspar",
+                        rig.carriage.name,
+                    ) from None
                 self._was_clamped[span] = True
                 return held
             solved = self._solve(rig, span, x, payload, height, clamp=False)
