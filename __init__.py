@@ -40,10 +40,22 @@ if TYPE_CHECKING:
         HeadSpar as HeadSpar,
     )
     from ropeway.components import (
+        HydraulicDrive as HydraulicDrive,
+    )
+    from ropeway.components import (
+        HydraulicPowerUnit as HydraulicPowerUnit,
+    )
+    from ropeway.components import (
+        IdealDrive as IdealDrive,
+    )
+    from ropeway.components import (
         IntermediateSupport as IntermediateSupport,
     )
     from ropeway.components import (
         Load as Load,
+    )
+    from ropeway.components import (
+        ProportionalResponse as ProportionalResponse,
     )
     from ropeway.components import (
         Rope as Rope,
@@ -65,6 +77,12 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         TailSpar as TailSpar,
+    )
+    from ropeway.components import (
+        TensionedReturn as TensionedReturn,
+    )
+    from ropeway.components import (
+        ThresholdResponse as ThresholdResponse,
     )
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
@@ -91,8 +109,10 @@ if TYPE_CHECKING:
     from ropeway.systems.assembly import assemble as assemble
     from ropeway.systems.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.equilibrium import equilibrium as equilibrium
+    from ropeway.systems.intervention import Intervention as Intervention
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
+    from ropeway.systems.rigs.endless import endless as endless
     from ropeway.systems.rigs.guylines import string_guylines as string_guylines
     from ropeway.systems.rigs.live_skyline import gravity_skyline as gravity_skyline
     from ropeway.systems.rigs.live_skyline import live_skyline as live_skyline
@@ -101,19 +121,67 @@ if TYPE_CHECKING:
     from ropeway.systems.rigs.skyline import SkylineRig as SkylineRig
     from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
     from ropeway.systems.simulation import simulate as simulate
+    from ropeway.systems.studies.cable_stretch import (
+        UnstretchedLength as UnstretchedLength,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        fit_construction_stretch as fit_construction_stretch,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        stretched_position as stretched_position,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        unstretched_length as unstretched_length,
+    )
+    from ropeway.systems.studies.cable_stretch_cases import twelve_cases as twelve_cases
+    from ropeway.systems.studies.catenary_fundamentals import (
+        CatenaryCurve as CatenaryCurve,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_horizontal as catenary_for_horizontal,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_length as catenary_for_length,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_sag as catenary_for_sag,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_tension as catenary_for_tension,
+    )
     from ropeway.systems.studies.load_path import load_path as load_path
+    from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
+    from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
     from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
     from ropeway.systems.studies.payload import payload as payload
+    from ropeway.systems.studies.payload_comparison import (
+        compare_payload_methods as compare_payload_methods,
+    )
+    from ropeway.systems.studies.payload_comparison import (
+        method_errors as method_errors,
+    )
+    from ropeway.systems.studies.payload_exact import elastic_load as elastic_load
+    from ropeway.systems.studies.payload_exact import exact_load as exact_load
+    from ropeway.systems.studies.payload_methods import (
+        payload_for_tension as payload_for_tension,
+    )
+    from ropeway.systems.studies.payload_methods import (
+        tension_for_payload as tension_for_payload,
+    )
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
     from ropeway.systems.studies.terrain import Profile as Profile
+    from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
+    from ropeway.systems.studies.turk_solvers import solve_span as solve_span
+    from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
     from ropeway.systems.system import System as System
 
 _HOMES = {
     "ropeway.components": (
         "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
-        "IntermediateSupport Load Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold"
+        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load ProportionalResponse Rope Schedule "
+        "Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
@@ -121,8 +189,10 @@ _HOMES = {
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
+    "ropeway.systems.intervention": "Intervention",
     "ropeway.systems.model": "Model",
     "ropeway.systems.result": "Result",
+    "ropeway.systems.rigs.endless": "endless",
     "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
     "ropeway.systems.rigs.guylines": "string_guylines",
@@ -134,6 +204,20 @@ _HOMES = {
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
     "ropeway.systems.studies.terrain": "Profile",
+    "ropeway.systems.studies.cable_stretch": (
+        "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"
+    ),
+    "ropeway.systems.studies.cable_stretch_cases": "twelve_cases",
+    "ropeway.systems.studies.catenary_fundamentals": (
+        "CatenaryCurve catenary_for_horizontal catenary_for_length catenary_for_sag catenary_for_tension"
+    ),
+    "ropeway.systems.studies.loaded_span": "LoadedSpan",
+    "ropeway.systems.studies.longest_rope": "longest_rope",
+    "ropeway.systems.studies.payload_comparison": "compare_payload_methods method_errors",
+    "ropeway.systems.studies.payload_exact": "elastic_load exact_load",
+    "ropeway.systems.studies.payload_methods": "payload_for_tension tension_for_payload",
+    "ropeway.systems.studies.turk_solvers": "SpanProblem solve_span",
+    "ropeway.systems.studies.worksheet": "lira_worksheet",
     "ropeway.systems.system": "System",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}

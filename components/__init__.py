@@ -3,10 +3,14 @@
 from ropeway.components.anchor import Anchor
 from ropeway.components.carriage import Carriage
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.load import Load
+from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.components.response import ProportionalResponse, ThresholdResponse
+from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
@@ -25,8 +29,12 @@ __all__ = [
     "GuyedSpar",
     "Guyline",
     "HeadSpar",
+    "HydraulicDrive",
+    "HydraulicPowerUnit",
+    "IdealDrive",
     "IntermediateSupport",
     "Load",
+    "ProportionalResponse",
     "Rope",
     "Schedule",
     "Sheave",
@@ -34,4 +42,6 @@ __all__ = [
     "SpringAnchor",
     "TailSpar",
     "Tailhold",
+    "TensionedReturn",
+    "ThresholdResponse",
 ]

@@ -2,7 +2,7 @@
 
 One implementation for numbers, NumPy arrays and CasADi symbols alike. A segment starts with the tension
 vector `force` = (fx, fy, v): its components in the direction of travel, z up, so that v > 0 where the rope
-rises. With w the weight and d the length per unstretched metre, the forms of `EQUATIONS` section 5 follow
+rises. With w the weight and d the length per unstretched metre, these forms follow
 from Irvine's and Sinclair's sums (Turk 1988, eq. 2.48-2.52 and 2.111-2.116, corrected) by taking the
 differences analytically: no asinh difference, nothing cancels, d -> 0, slack, steep and taut pieces alike.
 The strain law is eps(T) = c1 T + c2 T^2 (c1 = 1/EA elastic, c2 construction stretch; Lyons 2008, eq. 14).
@@ -33,7 +33,7 @@ class Strain(NamedTuple):
     def potential(self, tension: Any) -> Any:
         """Integral of (1 + eps) dT [N]: along a load-free piece it changes by w times the height gained.
 
-        T + T^2/(2 EA) for an elastic rope (EQUATIONS T17).
+        T + T^2/(2 EA) for an elastic rope.
         """
         return tension * (1 + tension * (self.c1 / 2 + self.c2 * tension / 3))
 

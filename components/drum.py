@@ -69,7 +69,7 @@ class Drum(Node):
             )
         return (
             *self.place(),
-            Variable("tension", Kind.PARAMETER, "N", "tension kept by the drum", self.tension, site.force),
+            Variable("tension", Kind.PARAMETER, "N", "tension kept", self.tension, site.force, positive=True),
             Variable("travel", Kind.ALGEBRAIC, "m", travel, 0.0, site.length),
             Variable("tension_kept", Kind.RESIDUAL, "N", "the drum keeps its tension", 0.0, site.force),
             pull,

@@ -59,11 +59,11 @@ class Span(Component):
             return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
 
         return (
-            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length),
-            Variable("mass_per_length", par, "kg/m", "mass per unstretched length", rope.mass_per_length),
+            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length, positive=True),
+            Variable("mass_per_length", par, "kg/m", "mass per length", rope.mass_per_length, positive=True),
             Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8),
             Variable("construction", par, "1/N2", "construction strain per tension squared", strain.c2, 1e-14),
-            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force),
+            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, positive=True),
             *(
                 Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
                 for axis, start in zip("xyz", site.tension, strict=True)
@@ -89,10 +89,12 @@ class Span(Component):
         length = v.length_start + v.a.travel - v.b.travel
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
+        strain = catenary.Strain(v.compliance, v.construction)
+        weight = v.mass_per_length * v.gravity
         stations = catenary.loaded(
             force,
-            v.mass_per_length * v.gravity,
-            catenary.Strain(v.compliance, v.construction),
+            weight,
+            strain,
             length,
             [distance[j] for j in range(n)],
             [v.slot_mass[j] * v.gravity for j in range(n)],
@@ -120,4 +122,5 @@ class Span(Component):
                 "slot_distance": distance,
             },
             forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
+            carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
         )

@@ -8,7 +8,7 @@ side; it then stands on the sheave, which carries it, until one side wins.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,6 +66,14 @@ def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
             load = int(state.passed[r][k]) - (0 if forward else 1)
             best = Crossing(float(times[k]), float(gap.ahead[k] if forward else gap.behind[k]), r, k, load, forward)
     return best
+
+
+def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Crossing:
+    """The same crossing from here: its time and gap anew."""
+    gap, rate = gaps(state, crossing.r), float(rates[crossing.r][crossing.k])
+    value = float((gap.ahead if crossing.forward else gap.behind)[crossing.k])
+    way = rate if crossing.forward else -rate
+    return replace(crossing, gap=value, time=value / way if way > 1e-12 else np.inf)
 
 
 def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Crossing]:
@@ -156,7 +164,8 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
 
 
 def apply(state: LineState, crossing: Crossing) -> str:
-    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
+    """Moves the load, or leaves it on the support; returns what happened, nothing for the other half of a
+    crossing at the wheel where an endless rope begins and ends. The line is not solved anew."""
     run, k = state.runs[crossing.r], crossing.k
     if not passes(state, crossing):
         state.hold(crossing.r, k, crossing.load)
@@ -165,7 +174,9 @@ def apply(state: LineState, crossing: Crossing) -> str:
     state.write_slots()
     last = len(run.nodes) - 1
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
-    if k in (0, last):
+    if run.closed and k == last:
+        return ""
+    if k in (0, last) and not run.closed:
         return "load put on" if entering else "load taken off"
     return "crossing forward" if crossing.forward else "crossing backward"
 

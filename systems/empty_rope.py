@@ -1,7 +1,7 @@
 """The empty rope at rest over its supports: how its length is shared out between them.
 
 At rest the tension is equal on both sides of each support, and along each span the strain potential
-changes by w times the height gained (EQUATIONS T17). So the tension at every support follows in closed
+changes by w times the height gained. So the tension at every support follows in closed
 form from the first one, and each span is a small problem of its own: they are solved side by side.
 """
 

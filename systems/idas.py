@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.errors import SimulationError
+from ropeway.systems.commanded import commanded_of
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, Point, expanded
 
@@ -64,12 +65,7 @@ class Idas:
             },
         )
         self._f = Buffered(integrator)
-        solved = set(ca.jacobian_sparsity(ode, ca.vertcat(w, zeta)).row())
-        self._commanded = [i for i in range(nx) if i not in solved]
-        known = ca.densify(ode[self._commanded])
-        # Simpson's rule: exact for rates up to the third power of time.
-        ends = [ca.substitute(known, tau, at) for at in (0.0, 0.5, 1.0)]
-        self._gain = ca.Function("gain", [knowns], [h / 6.0 * (ends[0] + 4.0 * ends[1] + ends[2])])
+        self._commanded = commanded_of(model)
         self._zero = np.zeros(nx), np.zeros(nz)
 
     def advance(
@@ -91,6 +87,5 @@ class Idas:
                 point.t,
             ) from error
         x = point.x + h * x_rate + end[0] * m.x.nominals
-        if self._commanded:
-            x[self._commanded] = point.x[self._commanded] + self._gain(knowns).full().ravel()
+        self._commanded.put(x, point, h, slope)
         return x, point.z + h * z_rate + end[1] * m.z.nominals

@@ -12,6 +12,7 @@ import numpy as np
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
+from ropeway.systems.sampling import Clock
 from ropeway.systems.system import System
 
 
@@ -24,6 +25,7 @@ class Table:
     descriptions: tuple[str, ...]
     values: np.ndarray
     nominals: np.ndarray
+    positive: np.ndarray
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -94,13 +96,14 @@ class Slots:
 
 @dataclass(frozen=True)
 class Layout:
-    """A run's places in the vectors of the model: travels, slots, each span's starting length and tension
-    vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot; `grip`: the travel
-    that a rough saddle's friction counts from, -1 where there is none."""
+    """A run's places in the vectors of the model: travels, slots, each span's starting length, compliance and
+    tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot; `grip`: the
+    travel that a rough saddle's friction counts from, -1 where there is none."""
 
     travel: Travel
     slots: Slots
     length_start: np.ndarray
+    compliance: np.ndarray
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray
@@ -145,7 +148,8 @@ class Model:
     `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
     units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
     a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
-    the output is solved for. `system` holds the declarations it was made from.
+    the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
+    follow from where the loads are. `system` holds the declarations it was made from.
     """
 
     system: System
@@ -158,6 +162,8 @@ class Model:
     balances: tuple[Balance, ...]
     swaps: dict[str, str]
     limits: Limits
+    clocks: tuple[Clock, ...]
+    kept: np.ndarray
 
     @property
     def name(self) -> str:

@@ -34,14 +34,16 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A simulation. `records` are all states written down, both sides of every event among them, `on_grid`
-    marks those of the frame; `parameters` is the model's parameter vector of the run."""
+    """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
+    marks those of the frame, `exact` those in which every section of the line was solved: the others are
+    solved when they are asked for. `parameters` is the model's parameter vector of the run."""
 
     model: Model
     runs: tuple[Run, ...]
     parameters: np.ndarray
     records: tuple[Record, ...]
     on_grid: np.ndarray
+    exact: np.ndarray
     crossings: tuple[Event, ...]
 
     @property
@@ -50,30 +52,39 @@ class Result:
         return np.array([r.time for r in self.records])
 
     @cached_property
+    def _solved(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outputs and algebraic variables at all records."""
+        y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
+        for i in range(len(self.records)):
+            state = self._state(i)
+            y[i], z[i] = state.outputs(), state.point.z
+        return y, z
+
+    @property
     def outputs(self) -> np.ndarray:
         """All outputs at all records, shape (records, ny)."""
-        rows = np.empty((len(self.records), len(self.model.y)))
-        for i in range(len(self.records)):
-            rows[i] = self._state(i).outputs()
-        return rows
+        return self._solved[0]
 
     def _state(self, i: int) -> LineState:
-        return LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        if not self.exact[i]:
+            newton_of(self.model).solve(state.point)
+        return state
 
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, at all records: both sides of each event."""
         m = self.model
         keep = [i for i, name in enumerate(m.y.names) if ".slot_" not in name]
-        travel = [i for i, name in enumerate(m.z.names) if name.endswith(".travel")]
-        z = np.array([r.z[travel] for r in self.records])
+        moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
+        z = self._solved[1][:, moves]
         blocks = [
             self.outputs[:, keep],
             z,
             np.array([r.x for r in self.records]),
             np.array([r.u for r in self.records]),
         ]
-        tables = [(m.y, keep), (m.z, travel), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
         frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}

@@ -3,4 +3,8 @@
 import sys
 from pathlib import Path
 
+from hypothesis import settings
+
 sys.path.insert(0, str(Path(__file__).parent))
+settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)
+settings.load_profile("ropeway")

@@ -14,8 +14,9 @@ KINDS = ("anchor", "drum", "idler", "control", "return")
 _COLUMNS = ("name", "x", "y", "z", "kind")
 
 
-def read_supports(source: str | Path | pd.DataFrame) -> pd.DataFrame:
-    """The table of supports, checked: name, x, y, z [m], kind, in the order of the rope.
+def read_supports(source: str | Path | pd.DataFrame, *, endless: bool = False) -> pd.DataFrame:
+    """The table of supports, checked: name, x, y, z [m], kind, in the order of the rope; an endless rope begins
+    and ends at the first one, a control sheave.
 
     Raises InputError that names file and line.
     """
@@ -43,8 +44,11 @@ def read_supports(source: str | Path | pd.DataFrame) -> pd.DataFrame:
                 raise InputError(f"{line}: {axis} of {row.name!r} is {getattr(row, axis)!r}", "Give metres")
         if row.kind not in KINDS:
             raise InputError(f"{line}: kind of {row.name!r} is {row.kind!r}", f"Kinds are {', '.join(KINDS)}")
-        end = i in (0, len(table) - 1)
-        if end != (row.kind in ("anchor", "drum")):
+        end = i in (0, len(table) - 1) and not endless
+        wrong = end != (row.kind in ("anchor", "drum")) or (endless and i == 0 and row.kind != "control")
+        if wrong:
             remedy = "The first and the last are an anchor or a drum, those between an idler, a control or a return"
+            if endless:
+                remedy = "An endless rope begins at a control, the others are idlers, controls or returns"
             raise InputError(f"{line}: {row.name!r} is {row.kind} at place {i + 1} of {len(table)}", remedy)
     return table[list(_COLUMNS)]
