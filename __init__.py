@@ -149,6 +149,8 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.catenary_fundamentals import (
         catenary_for_tension as catenary_for_tension,
     )
+    from ropeway.systems.studies.inhaul import Inhaul as Inhaul
+    from ropeway.systems.studies.inhaul import inhaul as inhaul
     from ropeway.systems.studies.load_path import load_path as load_path
     from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
     from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
@@ -200,6 +202,7 @@ _HOMES = {
     "ropeway.systems.rigs.running_skyline": "running_skyline",
     "ropeway.systems.rigs.skyline": "SkylineRig",
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
+    "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ropeway.systems.studies.inhaul import Inhaul
     from ropeway.systems.studies.payload import PayloadStudy
 
 
@@ -209,3 +210,44 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
     axis.set_ylabel(f"tension with {study.payload / 1000.0:.2f} t [kN]")
     axis.grid(alpha=0.3)
     axis.legend(loc="lower left", ncols=2, fontsize="small", framealpha=0.9)
+
+
+def inhaul_figure(run: Inhaul) -> Figure:
+    """Station of the carriage, rope tensions and drum power over time."""
+    from matplotlib.figure import Figure
+
+    frame, time = run.frame, run.frame.index.to_numpy()
+    figure = Figure(figsize=(11.0, 8.0), layout="constrained")
+    top, middle, bottom = figure.subplots(3, 1, sharex=True)
+    top.plot(time, frame["carriage_x"], color="black", lw=1.3)
+    top.set_ylabel("station of the carriage [m]")
+    for support in run.rig.supports:
+        x, *_ = support.at
+        top.axhline(x, color="tab:brown", lw=0.9, ls="--")
+        top.annotate(support.name, (time[0], x), xytext=(3, 3), textcoords="offset points", fontsize="small")
+    lines = (("highest_tension", "skyline, highest", "black"), ("mainline_tension", "mainline at its drum", "tab:red"))
+    for column, label, colour in (*lines, ("haulback_tension", "haulback", "tab:blue")):
+        if float(frame[column].max()) > 0.0:
+            middle.plot(time, frame[column] / 1e3, color=colour, lw=1.2, label=label)
+    middle.set_ylabel("tension [kN]")
+    bottom.plot(time, frame["drum_power"] / 1e3, color="tab:red", lw=1.2, label="mainline drum")
+    if float(frame["haulback_power"].abs().max()) > 0.0:
+        bottom.plot(
+            time, frame["haulback_power"] / 1e3, color="tab:blue", lw=1.2, label="haulback drum (below 0: brakes)"
+        )
+    bottom.axhline(0.0, color="0.4", lw=0.8)
+    bottom.set_ylabel("power [kW]")
+    bottom.set_xlabel("time [s]")
+    for axis in (middle, bottom):
+        axis.legend(loc="upper right", fontsize="small")
+    for axis in (top, middle, bottom):
+        axis.grid(alpha=0.3)
+        for event in run.events.itertuples():
+            axis.axvline(float(event.time), color="0.6", lw=0.8, ls=":")
+    for event in run.events.itertuples():
+        if str(event.event).startswith("payload"):
+            top.annotate(
+                str(event.event), (float(event.time), float(event.station)), xytext=(5, 5), textcoords="offset points"
+            )
+    top.set_title(f"{run.rig.name}: inhaul")
+    return figure

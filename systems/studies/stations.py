@@ -134,7 +134,7 @@ class SpanModel:
                 if way == "by degrees":
                     self._by_degrees(point, target, station, payload, height)
                 self.newton.solve(point, target=target, iterations=25 if quick or isinstance(way, Point) else 80)
-                self._check(point)
+                self.check(point)
             except EquilibriumError as error:
                 last = error
                 continue
@@ -160,7 +160,7 @@ class SpanModel:
             share *= 0.4
         point.p[self.payload] = payload
 
-    def _check(self, point: Point) -> None:
+    def check(self, point: Point) -> None:
         """Raises EquilibriumError for a root that no rope can have."""
         m = self.model
         outputs = self.outputs(point)
