@@ -27,8 +27,9 @@ def along(
     share = station / length
     east = start[0] + share * (end[0] - start[0])
     north = start[1] + share * (end[1] - start[1])
-    column, row = ~raster.transform * (east, north)
-    column, row = column - 0.5, row - 0.5
+    back = ~raster.transform
+    column = back.a * east + back.b * north + back.c - 0.5
+    row = back.d * east + back.e * north + back.f - 0.5
     if column.min() < -0.5 or row.min() < -0.5 or column.max() > raster.width - 0.5 or row.max() > raster.height - 0.5:
         bounds = raster.bounds
         raise InputError(

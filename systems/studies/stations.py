@@ -23,9 +23,9 @@ SIDE = 0.02
 """A carriage at a point saddle hangs this far beside it [m], on the side it was asked for."""
 
 
-SLACK = 3.0
-"""A rope whose own weight is more than this times its horizontal tension hangs on the slack branch: the least
-support tension of a level span comes at 3.02 (wL/2H = 1.20, sinh 1.20 = 1.51)."""
+SLACK = 2.4
+"""A rope with w L / H above this hangs on the slack branch: the least support tension of a level span comes at
+w L / H = 2.40. The difference asinh(v/H) between both ends is w L / H, for steep ropes too."""
 
 
 class SpanModel:
@@ -53,7 +53,7 @@ class SpanModel:
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
         # Ropes whose length or tension is an unknown have a slack root besides the taut one.
         self._taut = [
-            (m.y.index[f"{s.name}.horizontal"], m.y.index[f"{s.name}.length"], run.rope.mass_per_length * rig.gravity)
+            [m.y.index[f"{s.name}.{quantity}"] for quantity in ("horizontal", "vertical_a", "vertical_b")]
             for run, role in zip(m.runs, self.roles, strict=True)
             for s in run.spans
             if role in ("mainline", "haulback") or (role == "skyline" and by_height)
@@ -168,9 +168,10 @@ class SpanModel:
         if np.any(lengths <= 0.0):
             name = m.y.names[self.lengths[int(np.argmin(lengths))]].split(".")[0]
             raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
-        for horizontal, length, weight in self._taut:
-            if weight * outputs[length] > SLACK * outputs[horizontal]:
-                name = m.y.names[length].split(".")[0]
+        for entries in self._taut:
+            horizontal, down_a, up_b = outputs[entries]
+            if np.arcsinh(up_b / horizontal) + np.arcsinh(down_a / horizontal) > SLACK:
+                name = m.y.names[entries[0]].split(".")[0]
                 raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
