@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 import rasterio
-from rasterio.transform import from_origin
 
 import ropeway as rw
 
@@ -22,7 +21,7 @@ def write(path: Path, heights: np.ndarray, crs: str = "EPSG:2056", cell: float =
         count=1,
         dtype="float64",
         crs=crs,
-        transform=from_origin(1000.0, 2000.0, cell, cell),
+        transform=rasterio.Affine(cell, 0.0, 1000.0, 0.0, -cell, 2000.0),
         nodata=-9999.0,
     ) as file:
         file.write(heights, 1)
