@@ -154,6 +154,10 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.load_path import load_path as load_path
     from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
     from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
+    from ropeway.systems.studies.optimise_supports import Candidate as Candidate
+    from ropeway.systems.studies.optimise_supports import SupportPlan as SupportPlan
+    from ropeway.systems.studies.optimise_supports import optimise_supports as optimise_supports
+    from ropeway.systems.studies.optimise_supports import support_range as support_range
     from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
     from ropeway.systems.studies.payload import payload as payload
     from ropeway.systems.studies.payload_comparison import (
@@ -204,6 +208,7 @@ _HOMES = {
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
     "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",
+    "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
     "ropeway.systems.studies.terrain": "Profile",

@@ -249,6 +249,12 @@ def joined(
     return rig if kind is Kind.RUNNING else _with_length(rig)
 
 
+def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
+    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError."""
+    placed = tuple(support.placed(rig.terrain) for support in supports)
+    return _with_length(replace(rig, supports=placed, length=None))
+
+
 def _with_length(rig: SkylineRig) -> SkylineRig:
     """With the skyline's length for its tension, checked against its strength."""
     rope, points = rig.skyline, rig.points

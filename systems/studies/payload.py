@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 Margin = Callable[[Row, Solved], float]
+"""How far a solved station stays from a limit, in parts of it; negative beyond it."""
 
 MOST = 1e7
 """A payload [kg] that no limit stops is reported as this."""
@@ -90,7 +91,7 @@ def payload(
         raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
     for x in where:
         check.number(float(x), rig.name, "a station", "m")
-    margins = _margins(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
+    margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
     search = _Search(rig, margins, clearance if rig.kind is not Kind.STANDING else None, rope_clearance)
     rows = []
     for x in where:
@@ -100,7 +101,7 @@ def payload(
     return PayloadStudy(rig, frame, safety_factor, others, clearance)
 
 
-def _margins(
+def margins_of(
     rig: SkylineRig, safety_factor: float, others: float, clearances: tuple[float | None, float], lift_off: bool
 ) -> dict[str, Margin]:
     """For each limit how far a loaded rig stays from it, in parts of the limit (of 10 m for clearances)."""
