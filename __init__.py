@@ -55,6 +55,9 @@ if TYPE_CHECKING:
         Load as Load,
     )
     from ropeway.components import (
+        Log as Log,
+    )
+    from ropeway.components import (
         ProportionalResponse as ProportionalResponse,
     )
     from ropeway.components import (
@@ -186,7 +189,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "ropeway.components": (
         "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
-        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load ProportionalResponse Rope Schedule "
+        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope Schedule "
         "Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",

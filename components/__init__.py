@@ -8,6 +8,7 @@ from ropeway.components.drum import Drum
 from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.load import Load
+from ropeway.components.log import Log
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.components.response import ProportionalResponse, ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
@@ -34,6 +35,7 @@ __all__ = [
     "IdealDrive",
     "IntermediateSupport",
     "Load",
+    "Log",
     "ProportionalResponse",
     "Rope",
     "Schedule",

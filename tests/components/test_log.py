@@ -1,0 +1,72 @@
+"""The log: closed form of a rigid log in partial suspension, full suspension, and the way from one to the other."""
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+
+G = 9.80665
+LINE = rw.Rope(mass_per_length=0.5, axial_stiffness=6e6, breaking_load=100e3)
+
+
+def hang(drop: float, *, slope: float = 0.2, moving: float = -1.0) -> rw.Equilibrium:
+    """A log of 9 m on a line of `drop` metres under a point 10 m over sloping ground."""
+    s = rw.System("log")
+    at = (-0.2 * moving * drop, 10.0 - 0.98 * drop)
+    log = rw.Log("log", at=at, mass=1200.0, length=9.0, friction=0.6, slope=slope, ground_z=0.0, moving=moving)
+    s.string(LINE, rw.Anchor("carriage", at=(0.0, 10.0)), log, length=drop)
+    return rw.equilibrium(s)
+
+
+@pytest.mark.parametrize("drop", [3.0, 5.0, 7.0, 8.0])
+@pytest.mark.parametrize("slope", [-0.3, 0.0, 0.4])
+@pytest.mark.parametrize("moving", [-1.0, 0.0, 1.0])
+def test_partial_suspension_is_the_rigid_log(drop: float, slope: float, moving: float) -> None:
+    eq = hang(drop, slope=slope, moving=moving)
+    front = np.array([eq["log.x"], eq["log.z"]])
+    rear = np.array([eq["log.rear_x"], eq["log.rear_z"]])
+    if eq["log.normal"] < 1e-3:
+        return  # it hangs free
+    assert rear[1] == pytest.approx(slope * rear[0], abs=1e-9)
+    assert np.linalg.norm(rear - front) == pytest.approx(9.0, rel=1e-9)
+    # Moments about the front: the ground's force from the weight alone; then what the line carries.
+    normal = np.array([-slope, 1.0]) / np.hypot(1.0, slope)
+    tangent = np.array([1.0, slope]) / np.hypot(1.0, slope)
+    reaction = normal - moving * 0.6 * tangent
+    arm = rear - front
+    n = 1200.0 * G * 0.5 * arm[0] / (arm[0] * reaction[1] - arm[1] * reaction[0])
+    assert eq["log.normal"] == pytest.approx(n, rel=1e-9)
+    pull = np.array([0.0, 1200.0 * G]) - n * reaction
+    assert eq["log.line_pull"] == pytest.approx(np.linalg.norm(pull), rel=1e-9)
+    assert eq["carriage_log.tension_b"] == pytest.approx(np.linalg.norm(pull), rel=1e-9)
+
+
+def test_full_suspension_hangs_below_its_front() -> None:
+    eq = hang(0.5)
+    assert eq["log.normal"] == pytest.approx(0.0, abs=1e-6)
+    assert eq["log.rear_x"] == pytest.approx(eq["log.x"], abs=1e-6)
+    assert eq["log.line_pull"] == pytest.approx(1200.0 * G, rel=1e-9)
+    assert eq["log.gap"] > 0.0
+
+
+def test_from_dragging_to_hanging_without_a_jump() -> None:
+    """As the line gets shorter, the normal force falls to zero, steeply at last, and stays there."""
+    drops = np.linspace(4.0, 0.4, 37)
+    found = [hang(float(d)) for d in drops]
+    normals = np.array([eq["log.normal"] for eq in found])
+    assert normals[0] > 1e3
+    assert normals[-1] < 1e-6
+    assert (np.diff(normals) < 1e-6).all()
+    k = int(np.argmax(normals < 1e-3))
+    low, high = float(drops[k]), float(drops[k - 1])
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if hang(middle)["log.normal"] < 1e-3 else (low, middle)
+    before, after = hang(high + 1e-9), hang(low - 1e-9)
+    assert before["log.line_pull"] == pytest.approx(after["log.line_pull"], rel=2e-3)
+
+
+def test_bad_logs_are_refused() -> None:
+    for how in ({"mass": 0.0}, {"length": -1.0}, {"centre": 1.0}, {"moving": 0.5}, {"friction": -0.1}):
+        with pytest.raises(rw.InputError):
+            rw.Log("log", **{"mass": 100.0, "length": 5.0, **how})
