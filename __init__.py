@@ -122,6 +122,7 @@ if TYPE_CHECKING:
     from ropeway.systems.rigs.monocable import monocable as monocable
     from ropeway.systems.rigs.running_skyline import running_skyline as running_skyline
     from ropeway.systems.rigs.skyline import SkylineRig as SkylineRig
+    from ropeway.systems.rigs.skyline import Turn as Turn
     from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
     from ropeway.systems.simulation import simulate as simulate
     from ropeway.systems.studies.cable_stretch import (
@@ -207,7 +208,7 @@ _HOMES = {
     "ropeway.systems.rigs.guylines": "string_guylines",
     "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
     "ropeway.systems.rigs.running_skyline": "running_skyline",
-    "ropeway.systems.rigs.skyline": "SkylineRig",
+    "ropeway.systems.rigs.skyline": "SkylineRig Turn",
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
     "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",

@@ -23,6 +23,10 @@ class Ground(Protocol):
         """Raises InputError outside the terrain."""
         ...
 
+    def plane_at(self, station: float) -> tuple[float, float, float]:
+        """Slope (rise over run) of the ground at a station, and a point of it: station and elevation [m]."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class Standing(Node):

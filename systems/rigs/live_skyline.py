@@ -8,7 +8,7 @@ from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
-from ropeway.systems.rigs.skyline import Kind, SkylineRig, joined
+from ropeway.systems.rigs.skyline import Kind, SkylineRig, Turn, joined
 from ropeway.systems.system import GRAVITY
 
 
@@ -26,6 +26,7 @@ def live_skyline(
     haulback: Rope | None = None,
     haulback_tension: float | None = None,
     holding: Holding = "bisector",
+    turn: Turn | None = None,
     name: str = "live skyline",
     gravity: float = GRAVITY,
 ) -> SkylineRig:
@@ -47,6 +48,7 @@ def live_skyline(
         haulback_tension=haulback_tension,
         carriage=carriage,
         holding=holding,
+        turn=turn,
         name=name,
         gravity=gravity,
     )

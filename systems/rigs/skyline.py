@@ -17,6 +17,7 @@ from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.log import Log
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
@@ -33,6 +34,39 @@ class Kind(Enum):
     LIVE = "live"
     GRAVITY = "gravity"
     RUNNING = "running"
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What hangs under the carriage: a `log` on a `dropline` of unstretched `length` [m]. The payload is the
+    log's mass. Raises InputError."""
+
+    log: Log
+    dropline: Rope
+    length: float
+
+    def __post_init__(self) -> None:
+        check.positive(self.length, f"Dropline of {self.log.name!r}", "length", "m")
+
+    def under(self, x: float, y: float, z: float, mass: float, ground: Ground | None) -> Log:
+        """The log about where it hangs under a carriage at (x, y, z), with the ground under its rear."""
+        lag = 0.2 * self.length * (-self.log.moving or 1.0)
+        log = replace(self.log, at=(x + lag, y, z - 0.98 * self.length), mass=max(mass, LEAST))
+        for _ in range(3):
+            log = on_ground(log, ground, log.rear_start()[0])
+        return log
+
+
+LEAST = 1.0
+"""A log's least mass [kg]: a payload of nothing is one of this."""
+
+
+def on_ground(log: Log, ground: Ground | None, x: float) -> Log:
+    """A log with the plane of the ground under a point x; far below where there is none."""
+    if ground is None:
+        return log
+    slope, at, z = ground.plane_at(x)
+    return replace(log, slope=slope, ground_x=at, ground_z=z)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,6 +89,7 @@ class SkylineRig:
     haulback: Rope | None
     haulback_tension: float | None
     carriage: Carriage
+    turn: Turn | None
     name: str
     gravity: float
 
@@ -124,7 +159,7 @@ class SkylineRig:
         start = self.start(span, x, mass)
         share = (x - here[0]) / (there[0] - here[0])
         place = (x, here[1] + share * (there[1] - here[1]), start.z)
-        carriage = replace(self.carriage, at=place, payload=mass)
+        carriage = replace(self.carriage, at=place, payload=mass if self.turn is None else 0.0)
         system = System(self.name, gravity=self.gravity)
         if isinstance(self.headspar, GuyedSpar):
             string_guylines(system, self.headspar)
@@ -137,6 +172,9 @@ class SkylineRig:
         if self.haulback is not None and not carriage.clamped and self.kind is not Kind.RUNNING:
             drum = Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)
             _string(system, self.haulback, [drum, carriage.haulback], self.haulback_tension or 0.0)
+        if self.turn is not None:
+            log = self.turn.under(*place, mass, self.terrain)
+            system.string(self.turn.dropline, carriage.dropline, log, length=self.turn.length)
         return system
 
     def _skyline(self, system: System, carriage: Carriage, span: int) -> None:
@@ -204,6 +242,7 @@ def joined(
     holding: Holding,
     name: str,
     gravity: float,
+    turn: Turn | None = None,
 ) -> SkylineRig:
     """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError."""
     check.positive(gravity, name, "gravity", "m/s2")
@@ -229,6 +268,8 @@ def joined(
         check.positive(haulback_tension, name, "haulback_tension", "N")
     if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
         raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
+    if turn is not None and (terrain is None or kind is Kind.RUNNING):
+        raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
     ideal = mainline is None and not carriage.clamped
     rig = SkylineRig(
         kind=kind,
@@ -243,6 +284,7 @@ def joined(
         haulback=haulback,
         haulback_tension=haulback_tension,
         carriage=replace(carriage, holding=holding if ideal else None),
+        turn=turn,
         name=name,
         gravity=gravity,
     )

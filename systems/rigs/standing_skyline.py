@@ -8,7 +8,7 @@ from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
-from ropeway.systems.rigs.skyline import Kind, SkylineRig, joined
+from ropeway.systems.rigs.skyline import Kind, SkylineRig, Turn, joined
 from ropeway.systems.system import GRAVITY
 
 
@@ -26,6 +26,7 @@ def standing_skyline(
     haulback: Rope | None = None,
     haulback_tension: float | None = None,
     holding: Holding = "bisector",
+    turn: Turn | None = None,
     name: str = "standing skyline",
     gravity: float = GRAVITY,
 ) -> SkylineRig:
@@ -35,8 +36,8 @@ def standing_skyline(
     bare rope at the headspar [N]; or length: unstretched, whole skyline [m]. mainline: from the headspar over
     rollers at the supports to the carriage; without one an ideal force holds a rolling carriage, along the
     bisector of the skyline's tangents or horizontal (`holding`). A clamped carriage holds by its clamp.
-    haulback: from a block at the tailspar, which keeps `haulback_tension` [N]. Raises InputError,
-    SlackRopeError.
+    haulback: from a block at the tailspar, which keeps `haulback_tension` [N]. turn: a log on a dropline, which
+    drags on the ground or hangs free; the payload is then its mass. Raises InputError, SlackRopeError.
     """
     return joined(
         Kind.STANDING,
@@ -52,6 +53,7 @@ def standing_skyline(
         haulback_tension=haulback_tension,
         carriage=carriage,
         holding=holding,
+        turn=turn,
         name=name,
         gravity=gravity,
     )

@@ -73,6 +73,8 @@ def inhaul(
     check.not_negative(payload, rig.name, "payload", "kg")
     if rig.mainline is None or rig.carriage.clamped:
         raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")
+    if rig.turn is not None:
+        raise InputError(f"{rig.name} drags a log", "Take it as a payload of the carriage: turn=None")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")
@@ -159,7 +161,7 @@ class _Run:
             self.payload = self.changes.pop(0)[1]
             self.events.append(Happening(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"]))
             point = eq.point.copy()
-            point.p[at.payload] = self.payload
+            at.load(point, self.payload)
             newton_of(at.model).solve(point)
             eq = self.rest(at, point)
             self.record(at, eq, speed)

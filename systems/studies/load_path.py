@@ -53,13 +53,17 @@ def load_path(
     and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
     one of all ropes; for each support `NAME_force`, upward on the rope, negative where it lifts off; span
     (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
-    holding.
+    holding. A guyed spar adds spar_compression, spar_lean [m] and for each guyline `NAME_tension` at its top.
+    A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance that of its
+    lower end, of its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
     over the ground [m]. At a support's own station the carriage hangs 2 cm before it. Raises InputError,
     EquilibriumError.
     """
     check.not_negative(payload, rig.name, "payload", "kg")
+    if height is not None and rig.turn is not None:
+        raise InputError(f"{rig.name} carries a log on a dropline", "Its height follows: leave height out")
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)
@@ -134,7 +138,16 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         values["spar_compression"] = solved[f"{head.name}.compression"]
         values["spar_lean"] = solved[f"{head.name}.lean"]
         values.update({f"{g.name}_tension": solved[f"{g.name}_{head.name}.tension_b"] for g in head.guylines})
-    if isinstance(rig.terrain, Profile):
+    if rig.turn is not None and isinstance(rig.terrain, Profile):
+        log = rig.turn.log.name
+        drags = solved[f"{log}.ground_force"] > 1.0
+        end = ("x", "z") if drags else ("rear_x", "rear_z")
+        values["ground_force"] = solved[f"{log}.ground_force"]
+        values["dropline_tension"] = solved[f"{name}.dropline_pull"]
+        values["suspension"] = "partial" if drags else "full"
+        values["clearance"] = solved[f"{log}.{end[1]}"] - float(rig.terrain.elevations(solved[f"{log}.{end[0]}"]))
+        values["rope_clearance"] = rope_clearance(solved, rig.terrain)
+    elif isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
     return values

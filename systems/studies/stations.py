@@ -15,7 +15,7 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, outputs_of
 from ropeway.systems.rigs import carriage_start
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.rigs.skyline import LEAST, Kind, SkylineRig, Turn
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState
 
@@ -37,7 +37,8 @@ class SpanModel:
         self.model: Model = assemble(rig.system(span))
         m = self.model
         name = rig.carriage.name
-        self.payload = m.p.index[f"{name}.payload"]
+        self.log = None if rig.turn is None else rig.turn.log.name
+        self._mass = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
         self.place = [self.slot(f"{name}.{axis}") for axis in "xyz"]
         freed, given = [], []
         if not rig.ideal:
@@ -58,6 +59,10 @@ class SpanModel:
             for s in run.spans
             if role in ("mainline", "haulback") or (role == "skyline" and by_height)
         ]
+
+    def load(self, point: Point, payload: float) -> None:
+        """Gives a point a payload [kg]."""
+        point.p[self._mass] = payload if self.log is None else max(payload, LEAST)
 
     def slot(self, name: str) -> Slot:
         """The vector and entry of a variable."""
@@ -84,6 +89,8 @@ class SpanModel:
             point.vector(slot[0])[slot[1]] = value
         if rig.ideal:
             point.z[m.z.index[f"{rig.carriage.name}.holding"]] = start.pull
+        if rig.turn is not None:
+            self._place_log(rig.turn, point, here, payload)
         if rig.kind is Kind.RUNNING and self.by_height:
             point.p[m.p.index["haulback.tension"]] = start.tension
         pulls = {"skyline": start.tension, "mainline": start.pull, "haulback": rig.haulback_tension or 0.0}
@@ -109,6 +116,21 @@ class SpanModel:
                 point.p[m.p.index[f"{rig.carriage.name}.travel"]] = travel[self.span + 1]
         return point
 
+    def _place_log(self, turn: Turn, point: Point, here: np.ndarray, payload: float) -> None:
+        """Starting values of the log and its dropline under a carriage at `here`."""
+        z, p, name = self.model.z.index, self.model.p.index, turn.log.name
+        log = turn.under(*(float(v) for v in here), payload, self.rig.terrain)
+        rear_x, rear_z, normal = log.rear_start()
+        for field in ("slope", "ground_x", "ground_z"):
+            point.p[p[f"{name}.{field}"]] = getattr(log, field)
+        found = {"x": log.at[0], "y": log.at[1], "z": log.at[2], "rear_x": rear_x, "rear_z": rear_z, "normal": normal}
+        for field, value in found.items():
+            point.z[z[f"{name}.{field}"]] = value
+        way = np.array(log.at) - here
+        force = way / np.linalg.norm(way) * (log.mass * self.rig.gravity - 0.8 * normal)
+        k = int(self.model.layouts[self.roles.index("dropline")].force[0])
+        point.z[k : k + 3] = force
+
     def solve(
         self,
         station: float,
@@ -126,7 +148,7 @@ class SpanModel:
         ways = ([near] if near is not None else []) + ["geometry"] + ([] if quick else ["by degrees"])
         for way in ways:
             point = way.copy() if isinstance(way, Point) else self.cold(station, payload, height)
-            point.p[self.payload] = payload
+            self.load(point, payload)
             if self.rig.ideal:
                 slot = self.place[0]
                 point.vector(slot[0])[slot[1]] = station
@@ -134,6 +156,7 @@ class SpanModel:
                 if way == "by degrees":
                     self._by_degrees(point, target, station, payload, height)
                 self.newton.solve(point, target=target, iterations=25 if quick or isinstance(way, Point) else 80)
+                self._on_ground(point, target)
                 self.check(point)
             except EquilibriumError as error:
                 last = error
@@ -146,6 +169,28 @@ class SpanModel:
             None if last is None else last.component,
         )
 
+    def _on_ground(self, point: Point, target: np.ndarray) -> None:
+        """Solves again until the rear of the log lies over the ground it was taken to. Where it changes to and
+        fro it lies at a vertex of the profile: the plane half-way between both sides through it."""
+        if self.log is None or self.rig.terrain is None:
+            return
+        p, rear = self.model.p.index, self.model.z.index[f"{self.log}.rear_x"]
+        entries = [p[f"{self.log}.{field}"] for field in ("slope", "ground_x", "ground_z")]
+        seen: list[tuple[float, float, float]] = []
+        for _ in range(12):
+            plane = self.rig.terrain.plane_at(float(point.z[rear]))
+            if plane == tuple(point.p[entries]):
+                return
+            if plane in seen:
+                other = tuple(point.p[entries])
+                vertex = max((plane, other), key=lambda side: side[1])
+                point.p[entries] = (0.5 * (plane[0] + other[0]), vertex[1], vertex[2])
+                self.newton.solve(point, target=target, iterations=80)
+                return
+            seen.append(plane)
+            point.p[entries] = plane
+            self.newton.solve(point, target=target, iterations=80)
+
     def _by_degrees(
         self, point: Point, target: np.ndarray, station: float, payload: float, height: float | None
     ) -> None:
@@ -155,10 +200,10 @@ class SpanModel:
         point.z[:], point.x[:] = start.z, start.x
         share = 1.0
         while share > 1e-3:
-            point.p[self.payload] = payload + share * extra
+            self.load(point, payload + share * extra)
             self.newton.solve(point, target=target, iterations=80)
             share *= 0.4
-        point.p[self.payload] = payload
+        self.load(point, payload)
 
     def check(self, point: Point) -> None:
         """Raises EquilibriumError for a root that no rope can have."""

@@ -130,6 +130,13 @@ class Profile:
         k = min(int(np.searchsorted(self.station, station, side="right")) - 1, len(self.station) - 2)
         return float(np.diff(self.elevation[k : k + 2])[0] / np.diff(self.station[k : k + 2])[0])
 
+    def plane_at(self, station: float) -> tuple[float, float, float]:
+        """Slope of the segment under a station, and its first point (station, elevation); beyond the profile's
+        ends that of its outermost segments."""
+        k = int(np.clip(np.searchsorted(self.station, station, side="right") - 1, 0, len(self.station) - 2))
+        rise, run = self.elevation[k + 1] - self.elevation[k], self.station[k + 1] - self.station[k]
+        return float(rise / run), float(self.station[k]), float(self.elevation[k])
+
     def chord_slope(self, start: float, end: float) -> float:
         """Slope of the straight line between the ground at two stations (rise over run)."""
         if start == end:

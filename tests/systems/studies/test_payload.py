@@ -92,13 +92,10 @@ def test_lift_off_governs_at_a_saddle_in_a_hollow() -> None:
         tension=40e3,
         carriage=rw.Carriage("carriage", mass=300.0),
     )
-    bare = rw.load_path(low, 0.0, [225.0]).iloc[0]
     study = rw.payload(low, stations=[225.0])
-    if bare.jack_force < 0.0:
-        assert study.payload == 0.0
     assert study.limiting.limited_by == "lift-off at jack"
-    allowed = rw.payload(low, stations=[225.0], lift_off=False)
-    assert allowed.payload > 1000.0
+    assert study.limiting.jack_force <= 1e-6
+    assert rw.payload(low, stations=[225.0], lift_off=False).payload > 1000.0
 
 
 def test_capacities_govern() -> None:
