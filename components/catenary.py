@@ -87,6 +87,32 @@ def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) ->
     return length + strain.c1 * tension_integral + strain.c2 * square_integral
 
 
+class Energy(NamedTuple):
+    """Energy of a load-free piece [J]: elastic, and of its weight over the height of its start."""
+
+    elastic: Any
+    gravity: Any
+
+
+def energy(force: Vector, weight: Any, length: Any, c1: Any) -> Energy:
+    """Energies of a linearly elastic piece, eps = c1 T.
+
+    From z = (T - T0)/w + c1 (v^2 - v0^2)/(2 w) along the piece and the integrals of T, T^2 and v^2.
+    """
+    fx, fy, v0 = force
+    xp = namespace(*force, length, weight)
+    v1 = v0 + weight * length
+    h2 = fx * fx + fy * fy
+    t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
+    s, v = t0 + t1, v0 + v1
+    tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
+    square_integral = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
+    return Energy(
+        c1 / 2 * (h2 * length + square_integral),
+        tension_integral - t0 * length + c1 / 2 * (square_integral - v0 * v0 * length),
+    )
+
+
 def loaded(
     force: Vector, weight: Any, strain: Strain, length: Any, distances: Sequence[Any], loads: Sequence[Any]
 ) -> list[Segment]:

@@ -21,7 +21,9 @@ class Log(Node):
     with Coulomb `friction` against its motion; `moving` is the sign of its way in x (-1 towards smaller x,
     0 at rest without friction). Full suspension: it hangs free. Which of both follows from the contact law,
     normal force * gap = 0, both not negative, written as Fischer and Burmeister's function; `smoothing` [m]
-    rounds its corner: normal force / 1e4 N * gap = smoothing^2 / 2.
+    rounds its corner: normal force / 1e4 N * gap = smoothing^2 / 2. With friction a log just about to come off
+    the ground can be at rest in both ways, dragging on a line that slopes or hanging on a plumb one: which of
+    them is found depends on where the search starts.
     `at`: where its front is about; centre: of gravity, in parts of the length from the front. It trails its
     front to start from. After the rigid-log statics of Kendrick and Sessions, derived anew here.
     Raises InputError.

@@ -79,6 +79,8 @@ class Span(Component):
             Variable("vertical_a", out, "N", "upward force of the support on the rope at end a", nominal=force),
             Variable("vertical_b", out, "N", "upward force of the support on the rope at end b", nominal=force),
             Variable("length", out, "m", "unstretched length now", nominal=length, freed_by="length_start"),
+            Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
+            Variable("gravity_energy", out, "J", "energy of the weight of rope and loads over z = 0", nominal=1e6),
             Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
             *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n) for x in "xyz"),
             Variable("slot_distance", out, "m", "unstretched distance of each slot from end a", nominal=length, size=n),
@@ -103,6 +105,7 @@ class Span(Component):
         # A span's tension is highest at one of its ends: the vertical component grows from a to b.
         tension_a, tension_b = catenary.norm(force), catenary.norm(end.force)
         xp = catenary.namespace(tension_a)
+        elastic, gravity = self._energy(v, force, weight, length, distance, stations)
         return Equations(
             residuals={
                 f"closure_{axis}": end.reach[i] - (v.b.position[i] - v.a.position[i]) for i, axis in enumerate("xyz")
@@ -114,6 +117,8 @@ class Span(Component):
                 "vertical_a": -force[2],
                 "vertical_b": end.force[2],
                 "length": length,
+                "elastic_energy": elastic,
+                "gravity_energy": gravity,
                 "utilisation": xp.fmax(tension_a, tension_b) / v.breaking_load,
                 **{
                     f"slot_{axis}": xp.vertcat(*(v.a.position[i] + s.reach[i] for s in stations[:-1]))
@@ -124,3 +129,22 @@ class Span(Component):
             forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
             carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
         )
+
+    @staticmethod
+    def _energy(
+        v: Any, force: catenary.Vector, weight: Any, length: Any, distance: Any, stations: list[catenary.Segment]
+    ) -> tuple[Any, Any]:
+        """Elastic energy, and energy of all weights over z = 0 [J]. Construction stretch is not elastic."""
+        elastic, gravity, at, height = 0, 0, 0, v.a.position[2]
+        n = distance.numel()
+        for j, station in enumerate(stations):
+            here = distance[j] if j < n else length
+            piece = catenary.energy(force, weight, here - at, v.compliance)
+            elastic += piece.elastic
+            gravity += piece.gravity + weight * (here - at) * height
+            height = v.a.position[2] + station.reach[2]
+            load = v.slot_mass[j] * v.gravity if j < n else 0
+            gravity += load * height
+            force = (station.force[0], station.force[1], station.force[2] + load)
+            at = here
+        return elastic, gravity

@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.component import Kind
 from ropeway.systems.model import Model
-from ropeway.systems.newton import VECTORS, Buffered, Point, damped, expanded
+from ropeway.systems.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
 
 
 class Blocks:
@@ -54,7 +54,7 @@ class Blocks:
             parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
             symbols = [ca.MX.sym(f"a{i}", *parts.size_in(i)) for i in range(parts.n_in())]
             value, matrix, sides = parts(*symbols)
-            step = ca.Function("step", symbols, [value, ca.solve(matrix, sides, "csparse")])
+            step = ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])
             self._steps[block] = (columns, Buffered(ca.Function("value", inputs, [residual])), Buffered(step))
         return self._steps[block]
 

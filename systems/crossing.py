@@ -121,9 +121,10 @@ def passes(state: LineState, crossing: Crossing) -> bool:
     if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
         return True
     forces = sides(state, crossing.r, k, crossing.load)
+    enough = 1.0 - 1e-9  # a load without mass passes
     if crossing.forward:
-        return forces.out_loaded >= forces.ratio * forces.in_bare
-    return forces.ratio * forces.in_loaded >= forces.out_bare
+        return forces.out_loaded >= enough * forces.ratio * forces.in_bare
+    return forces.ratio * forces.in_loaded >= enough * forces.out_bare
 
 
 @dataclass(frozen=True)

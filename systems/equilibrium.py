@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from ropeway.components import catenary
 from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.model import Model, component_of
+from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, find
@@ -83,6 +83,8 @@ class Equilibrium:
                         w: self.outputs[self.model.y.index[f"{span.name}.{s}[{slot + 1}]"]]
                         for w, s in _LOAD_OUTPUTS.items()
                     }
+                    if run.loads.mass[i] == 0.0:  # a missing load
+                        continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
         return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
 
@@ -165,9 +167,8 @@ def equilibrium(
             state.release(r, k)
     else:
         raise InputError("start is the equilibrium of another system", "Start from one of the same components")
-    for name, value in (parameters or {}).items():
-        state.set(name, value)
     if parameters:
+        state.set(parameters)
         state.restart() if start is None else state.write_slots()
     if wanted:
         _solve_swapped(state, wanted, [model.swaps.get(n, n) for n in freed_names])
@@ -301,38 +302,46 @@ def _check(state: LineState) -> None:
 def _unstable(state: LineState) -> str | None:
     """The support whose travel has no positive stiffness, if any: the condensed stiffness of all free
     travels must be positive definite."""
-    model = state.model
-    free = [b for b in model.balances if not state.is_held(b)]
+    held = state.held_travels()
+    free = tuple(b for b in state.model.balances if b.travel not in held)
     if not free:
         return None
-    newton = newton_of(model)
-    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
-    n = len(model.z)
-    # Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
-    # when, and only when, that symmetric matrix is positive definite.
-    rest_c, rest_r = np.setdiff1d(np.arange(n), columns), np.setdiff1d(np.arange(n), rows)
-    matrix = newton.matrix(state.point)
-    if any(isinstance(c, Node) and c.free for c in model.system.components.values()):
-        pivots = _condensed_pivots(matrix, rest_r, rest_c, rows, columns)
+    rows, columns = _condensed_last(state.model, free)
+    matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
+    if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
+        pivots = _condensed_pivots(matrix, len(free))
     else:
-        ordered = matrix[np.concatenate([rest_r, rows])][:, np.concatenate([rest_c, columns])].tocsc()
-        pivots = splu(ordered, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[n - len(free) :]
+        pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
-    return component_of(model.z.names[columns[int(np.argmax(soft))]]) if soft.any() else None
+    return component_of(state.model.z.names[free[int(np.argmax(soft))].travel]) if soft.any() else None
 
 
-def _condensed_pivots(
-    matrix: csc_matrix, rest_r: np.ndarray, rest_c: np.ndarray, rows: np.ndarray, columns: np.ndarray
-) -> np.ndarray:
-    """Pivots of the stiffness condensed to `rows` and `columns`, also where the rest has no usable diagonal."""
-    by_row, by_unknown = matrix[rest_r], matrix[rows]
-    inner = splu(by_row[:, rest_c].tocsc()).solve(by_row[:, columns].toarray())
-    stiffness = by_unknown[:, columns].toarray() - by_unknown[:, rest_c] @ inner
-    pivots = np.empty(len(rows))
-    for k in range(len(rows)):
+@lru_cache(maxsize=16)
+def _condensed_last(model: Model, free: tuple[Balance, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """An order of rows and columns in which the balances come last.
+
+    Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
+    when, and only when, that symmetric matrix is positive definite.
+    """
+    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
+    everything = np.arange(len(model.z))
+    return (
+        np.concatenate([np.setdiff1d(everything, rows), rows]),
+        np.concatenate([np.setdiff1d(everything, columns), columns]),
+    )
+
+
+def _condensed_pivots(matrix: csc_matrix, count: int) -> np.ndarray:
+    """Pivots of the last `count` rows and columns after the others are eliminated, also where these have no
+    usable diagonal, as those of a carriage or a mast."""
+    n = matrix.shape[0] - count
+    inner = splu(matrix[:n, :n].tocsc()).solve(matrix[:n, n:].toarray())
+    stiffness = matrix[n:, n:].toarray() - matrix[n:, :n] @ inner
+    pivots = np.empty(count)
+    for k in range(count):
         pivots[k] = stiffness[k, k]
-        below = stiffness[k + 1 :, k] / pivots[k] if pivots[k] != 0.0 else 0.0 * stiffness[k + 1 :, k]
-        stiffness[k + 1 :] -= np.outer(below, stiffness[k])
+        if pivots[k] != 0.0:
+            stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
     return pivots
 
 

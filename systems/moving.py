@@ -165,7 +165,8 @@ class Moving:
     def solve(self, stop: float) -> Motion:
         """Solves the algebraic variables; returns how everything moves from here."""
         state = self.state
-        return self._motion(newton_of(state.model).solve(state.point, slope=self.slope(stop)))
+        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
+        return self._motion(np.zeros(0) if z is None else z)
 
     def _beside(self, crossings: Sequence[loads.Crossing]) -> list[int]:
         """The sections on both sides of crossings."""

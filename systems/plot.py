@@ -86,6 +86,44 @@ def _against_limits(axis: Axes, result: Result, time: np.ndarray) -> None:
     axis.grid(alpha=0.3)
 
 
+def power_over_time(result: Result) -> Figure:
+    """Power of each control sheave into the rope over time; energy that each has pulled and recovered.
+
+    Raises UnknownNameError when the line has no control sheave.
+    """
+    from matplotlib.figure import Figure
+
+    table, frame = result.power(), result.full_frame
+    if table.empty:
+        raise UnknownNameError(f"{result.model.name!r} has no control sheave", "Only driven sheaves have power")
+    sheaves = table.drop(index="line")
+    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
+    for name in sheaves.index[:10]:
+        over_time.plot(frame.index, frame[f"{name}.power"] / 1e3, lw=1.0, label=name)
+    over_time.plot(
+        frame.index,
+        frame[[f"{n}.power" for n in sheaves.index]].sum(axis=1) / 1e3,
+        color="0.2",
+        lw=1.2,
+        ls="--",
+        label="line",
+    )
+    over_time.set(xlabel="time [s]", ylabel="power into the rope [kW]", title=f"{result.model.name}: power")
+    over_time.legend(fontsize="small", ncols=3)
+    place = np.arange(len(sheaves))
+    energies.barh(place, sheaves["pulled"] / 1e3, color="tab:blue", label="pulled")
+    energies.barh(place, -sheaves["recovered"] / 1e3, color="tab:green", label="recovered")
+    energies.set_yticks(place, list(sheaves.index), fontsize="small")
+    energies.invert_yaxis()
+    energies.axvline(0.0, color="0.3", lw=0.8)
+    energies.set(xlabel="energy [kJ]", title="energy")
+    energies.legend(fontsize="small")
+    for axis in (over_time, energies):
+        axis.grid(alpha=0.3)
+    return figure
+
+
 def line_profile(line: Equilibrium) -> Figure:
     """Elevation with rope, loads and supports, tension along the rope, and plan of a line at one time."""
     from matplotlib.figure import Figure

@@ -15,6 +15,7 @@ from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.newton import newton_of
+from ropeway.systems.report import Summary, energy, power, summary
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, Record
 
@@ -148,6 +149,23 @@ class Result:
             state.held,
         )
 
+    def record(self, i: int) -> Equilibrium:
+        """The line at a record, by its place in `full_frame`."""
+        state = self._state(i)
+        return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
+
+    def summary(self) -> Summary:
+        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held."""
+        return summary(self)
+
+    def power(self) -> pd.DataFrame:
+        """Mean and highest power [W], energy pulled and recovered [J] of each control sheave and the line."""
+        return power(self)
+
+    def energy(self) -> pd.Series:
+        """The energy balance of the run [J]."""
+        return energy(self)
+
     def _between(self, i: int, share: float) -> np.ndarray:
         """States between two records, cubic in time."""
         a, b = self._state(i).point, self.records[i + 1]
@@ -176,6 +194,12 @@ class Result:
         from ropeway.systems.plot import tensions_over_time
 
         return tensions_over_time(self, components)
+
+    def plot_power(self) -> Figure:
+        """Power of the control sheaves over time, and energy pulled and recovered."""
+        from ropeway.systems.plot import power_over_time
+
+        return power_over_time(self)
 
     def plot_line(self, time: float | None = None) -> Figure:
         """The line at a time [s], by default the last: profile, loads, supports, tensions."""

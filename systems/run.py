@@ -229,6 +229,6 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
     spare = 1 if len(run.spans) > 1 and len(place) else 0
     room = [int(np.ceil(s.length * 1.02 / gap)) + 1 if run.moves and len(place) else 0 for s in run.spans]
     return tuple(
-        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c), r)
+        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r)
         for c, r in zip(counts, room, strict=True)
     )

@@ -171,10 +171,8 @@ class System:
         self._check_spans(on, f"Load {load.name!r}")
         for one, other in pairwise(on):
             if self.connections[one.name, "b"][0] != self.connections[other.name, "a"][0]:
-                raise InputError(
-                    f"Load {load.name!r}: {one.name!r} and {other.name!r} do not follow each other",
-                    "Name them in order",
-                )
+                cause = f"Load {load.name!r}: {one.name!r} and {other.name!r} do not follow each other"
+                raise InputError(cause, "Name them in order")
         if any(f.spans[0] in on or on[0] in f.spans for f in self.feeds):
             raise InputError(
                 f"Load {load.name!r} hangs on a rope that is fed", "Use feed or hang on one rope, not both"

@@ -22,7 +22,7 @@ from ropeway.systems.empty_rope import support_tensions
 from ropeway.systems.rigs.supports import read_supports
 from ropeway.systems.system import GRAVITY, System
 
-_Part = TypeVar("_Part")
+_Part = TypeVar("_Part", Drive, Response)
 
 
 def monocable(

@@ -230,7 +230,8 @@ class _Run:
         point.u[:] = 0.0
         if "mainline.speed" in at.model.u.index:
             point.u[at.model.u.index["mainline.speed"]] = -speed
-        rates = newton_of(at.model).solve(point)
+        solution = newton_of(at.model).solve(point, slope=np.zeros(len(point.u)))
+        rates = np.zeros(len(point.z)) if solution is None else solution
         main = self.rig.mainline
         index = at.model.z.index
         pull = solved["mainline.rope_tension"]

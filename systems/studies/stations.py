@@ -119,7 +119,8 @@ class SpanModel:
     def _place_log(self, turn: Turn, point: Point, here: np.ndarray, payload: float) -> None:
         """Starting values of the log and its dropline under a carriage at `here`."""
         z, p, name = self.model.z.index, self.model.p.index, turn.log.name
-        log = turn.under(*(float(v) for v in here), payload, self.rig.terrain)
+        x, y, at = (float(v) for v in here)
+        log = turn.under(x, y, at, payload, self.rig.terrain)
         rear_x, rear_z, normal = log.rear_start()
         for field in ("slope", "ground_x", "ground_z"):
             point.p[p[f"{name}.{field}"]] = getattr(log, field)

@@ -48,21 +48,23 @@ def test_full_suspension_hangs_below_its_front() -> None:
     assert eq["log.gap"] > 0.0
 
 
-def test_from_dragging_to_hanging_without_a_jump() -> None:
-    """As the line gets shorter, the normal force falls to zero, steeply at last, and stays there."""
-    drops = np.linspace(4.0, 0.4, 37)
-    found = [hang(float(d)) for d in drops]
-    normals = np.array([eq["log.normal"] for eq in found])
-    assert normals[0] > 1e3
-    assert normals[-1] < 1e-6
-    assert (np.diff(normals) < 1e-6).all()
-    k = int(np.argmax(normals < 1e-3))
-    low, high = float(drops[k]), float(drops[k - 1])
-    for _ in range(40):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if hang(middle)["log.normal"] < 1e-3 else (low, middle)
-    before, after = hang(high + 1e-9), hang(low - 1e-9)
-    assert before["log.line_pull"] == pytest.approx(after["log.line_pull"], rel=2e-3)
+def test_a_dragging_log_comes_off_the_ground() -> None:
+    """Followed as its line gets shorter it drags with less and less force, past the length at which it could also
+    hang, down to the fold of its branch; on a shorter line it hangs, and only that."""
+    eq = hang(2.0)
+    normals = []
+    for drop in np.linspace(2.0, 0.82, 60):
+        eq = rw.equilibrium(eq.model, parameters={"carriage_log.length": float(drop)}, start=eq)
+        normals.append(eq["log.normal"])
+    assert (np.diff(normals) < 0.0).all()
+    assert normals[-1] > 1000.0
+    hanging = hang(0.9)
+    assert hanging["log.normal"] == pytest.approx(0.0, abs=1e-6)
+    assert hanging["log.gap"] > 0.0
+    for drop in (0.66, 0.5):
+        short = rw.equilibrium(eq.model, parameters={"carriage_log.length": drop}, start=hanging)
+        assert short["log.normal"] == pytest.approx(0.0, abs=1e-6)
+        assert short["log.line_pull"] == pytest.approx(1200.0 * G, rel=1e-9)
 
 
 def test_bad_logs_are_refused() -> None:
