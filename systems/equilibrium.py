@@ -8,7 +8,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 import pandas as pd
-from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from ropeway.components import catenary
@@ -18,6 +17,7 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
+from ropeway.systems.stability import condensed_pivots
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
 
@@ -309,7 +309,7 @@ def _unstable(state: LineState) -> str | None:
     rows, columns = _condensed_last(state.model, free)
     matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
     if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
-        pivots = _condensed_pivots(matrix, len(free))
+        pivots = condensed_pivots(matrix, len(free))
     else:
         pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
@@ -329,20 +329,6 @@ def _condensed_last(model: Model, free: tuple[Balance, ...]) -> tuple[np.ndarray
         np.concatenate([np.setdiff1d(everything, rows), rows]),
         np.concatenate([np.setdiff1d(everything, columns), columns]),
     )
-
-
-def _condensed_pivots(matrix: csc_matrix, count: int) -> np.ndarray:
-    """Pivots of the last `count` rows and columns after the others are eliminated, also where these have no
-    usable diagonal, as those of a carriage or a mast."""
-    n = matrix.shape[0] - count
-    inner = splu(matrix[:n, :n].tocsc()).solve(matrix[:n, n:].toarray())
-    stiffness = matrix[n:, n:].toarray() - matrix[n:, :n] @ inner
-    pivots = np.empty(count)
-    for k in range(count):
-        pivots[k] = stiffness[k, k]
-        if pivots[k] != 0.0:
-            stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
-    return pivots
 
 
 def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:

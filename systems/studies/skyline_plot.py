@@ -206,10 +206,10 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
             color="tab:red",
             fontsize="small",
         )
-    axis.set_ylim(0.0, 1.18 * limit)
+    axis.set_ylim(0.0, 1.32 * limit)
     axis.set_ylabel(f"tension with {study.payload / 1000.0:.2f} t [kN]")
     axis.grid(alpha=0.3)
-    axis.legend(loc="lower left", ncols=2, fontsize="small", framealpha=0.9)
+    axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
 
 
 def inhaul_figure(run: Inhaul) -> Figure:

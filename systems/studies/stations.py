@@ -216,7 +216,9 @@ class SpanModel:
             raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
         for entries in self._taut:
             horizontal, down_a, up_b = outputs[entries]
-            if np.arcsinh(up_b / horizontal) + np.arcsinh(down_a / horizontal) > SLACK:
+            with np.errstate(divide="ignore", invalid="ignore"):  # a plumb rope is not slack
+                turn = np.arcsinh(up_b / horizontal) + np.arcsinh(down_a / horizontal)
+            if turn > SLACK:
                 name = m.y.names[entries[0]].split(".")[0]
                 raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:

@@ -66,7 +66,7 @@ def test_stiff_guys_are_a_fixed_spar() -> None:
 
 
 def test_softer_guys_and_anchors_let_the_tension_fall() -> None:
-    """The order that PROTOTYPES found: the skyline's tension falls with less pretension and softer anchors."""
+    """The skyline's tension falls with less pretension and with softer anchors."""
     fixed = rw.load_path(rig(rw.HeadSpar("head", at=(0.0, 15.0))), 2500.0, [120.0]).highest_tension[0]
     loss = {}
     for pretension in (5e3, 20e3, 50e3):

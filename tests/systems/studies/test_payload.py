@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+import skyline_oracle as oracle
 
 import ropeway as rw
 
@@ -50,6 +51,37 @@ def test_exact_payloads_of_harveys_profiles(drop: float, clamped: float, rolling
         assert study.limiting.limited_by == "skyline tension"
         assert study.limiting.headspar_tension == pytest.approx(19_600 * G, rel=1e-10)
         assert study.limiting.carriage_z == pytest.approx(-25.0 - drop / 2.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("station", [40.0, 100.0, 170.0])
+def test_largest_payload_against_direct_integration(station: float) -> None:
+    """Equal tension on both sides, on and off mid-span: with the payload found, the integrated rope has just its safe
+    working load at the headspar."""
+    points = [(0.0, 0.0), (200.0, -20.0)]
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=points[0]),
+        tailspar=rw.TailSpar("tail", at=points[1]),
+        skyline=ROPE,
+        length=204.0,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        holding="horizontal",
+    )
+    found = rw.payload(rig, safety_factor=3.0, stations=[station]).limiting
+    cable = oracle.Cable(3.48 * G, 34.8e6)
+    exact = oracle.carriage(
+        cable,
+        points,
+        204.0,
+        0,
+        station,
+        (found.payload + 450.0) * G,
+        holding="horizontal",
+        z=found.carriage_z + 0.1,
+        tension=found.skyline_tension,
+    )
+    assert max(exact.start, exact.end) == pytest.approx(ROPE.breaking_load / 3.0, rel=1e-8)
+    assert exact.left == pytest.approx(exact.right, rel=1e-10)
 
 
 def test_a_corridor_with_all_limits() -> None:

@@ -47,7 +47,7 @@ def test_clearance_is_the_least_of_many_points(
 
 
 def test_tangent_point_inside_a_segment() -> None:
-    """A rope that clears both ends of a long even slope and dips towards it between them (EQUATIONS H9)."""
+    """A rope that clears both ends of a long even slope and dips towards it between them."""
     ground = rw.Profile([0.0, 200.0], [0.0, -60.0])
     strain = Strain(0.0, 0.0)
     a, weight, d = 250.0, 30.0, 120.0
