@@ -24,14 +24,23 @@ def points(spans: int) -> list[tuple[float, float, float]]:
     ]
 
 
-def driven(spans: int, speed: float = 1.0) -> rw.System:
+def driven(
+    spans: int,
+    speed: float = 1.0,
+    drive: rw.HydraulicDrive | None = None,
+    response: rw.ThresholdResponse | None = None,
+) -> rw.System:
     """A drum that drives, a control sheave at every fifth support, idlers between, and at the end a drum that
-    keeps a tension; the rope is full of loads, two a span, and more are fed at the start."""
+    keeps a tension; the rope is full of loads, two a span, and more are fed at the start. The control sheaves
+    follow their speed exactly, or as a hydraulic drive and a response make them."""
     at = points(spans)
     nodes: list[Node] = [rw.Drum("start", at=at[0], speed=speed)]
     for k in range(1, spans):
-        control = k % 5 == 0
-        nodes.append(rw.ControlSheave(f"c{k}", at=at[k], speed=speed) if control else rw.Sheave(f"s{k}", at=at[k]))
+        if k % 5:
+            nodes.append(rw.Sheave(f"s{k}", at=at[k]))
+            continue
+        own = drive or rw.IdealDrive()
+        nodes.append(rw.ControlSheave(f"c{k}", at=at[k], speed=speed, drive=own, response=response))
     nodes.append(rw.Drum("end", at=at[-1], tension=TENSION))
     line = rw.System(f"driven line of {spans} spans")
     line.feed(line.string(ROPE, *nodes, tension=TENSION), spacing=SPACING, masses=MASSES)

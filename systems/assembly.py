@@ -318,6 +318,7 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
         slots=Slots(count=np.array(count), **first),
         length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        mass_per_length=where(Kind.PARAMETER, [f"{s.name}.mass_per_length" for s in run.spans]),
         compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),

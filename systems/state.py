@@ -83,6 +83,15 @@ class LineState:
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))
 
+    def write_beside(self, r: int, k: int) -> None:
+        """`write_slots` for the spans on both sides of a support."""
+        layout, beyond = self.model.layouts[r], self.passed[r]
+        spans = np.arange(max(k - 1, 0), min(k + 1, len(beyond) - 1))
+        if np.any(beyond[spans] - beyond[spans + 1] > layout.slots.count[spans]):
+            self.write_slots()
+        else:
+            layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
+
     def snapshot(self) -> Record:
         """The state as it can be written down and made again."""
         q = self.point
