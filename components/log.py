@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.catenary import namespace
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
@@ -139,6 +140,4 @@ class Log(Node):
 
 
 def _angle(rise: Any, run: Any) -> Any:
-    from ropeway.components.catenary import namespace
-
     return namespace(rise, run).atan2(rise, run)

@@ -11,6 +11,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import HeadSpar, TailSpar
 from ropeway.systems.rigs.standing_skyline import standing_skyline
+from ropeway.systems.studies.load_path import default_stations
 from ropeway.systems.studies.payload import PayloadStudy, payload
 from ropeway.systems.studies.terrain import Profile
 
@@ -51,8 +52,6 @@ def payload_command(
         carriage=Carriage("carriage", mass=carriage_mass, depth=load_depth),
         name=Path(corridor).stem,
     )
-    from ropeway.systems.studies.load_path import default_stations
-
     study = payload(rig, safety_factor=safety_factor, clearance=clearance, stations=default_stations(rig, spacing))
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)

@@ -15,6 +15,7 @@ from ropeway.systems.rigs.skyline import Kind, SkylineRig, with_supports
 from ropeway.systems.studies.load_path import default_stations, row
 from ropeway.systems.studies.payload import Margin, margins_of
 from ropeway.systems.studies.stations import Stations
+from ropeway.systems.studies.terrain import Profile
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def optimise_supports(
     """
     if rig.kind is not Kind.STANDING or rig.tension is None:
         raise InputError(f"{rig.name} is not a standing skyline given by its tension", "Make it with tension=")
-    if rig.terrain is None:
+    if not isinstance(rig.terrain, Profile):
         raise InputError(f"{rig.name} has no terrain", "Give it a Profile")
     check.not_negative(payload, rig.name, "payload", "kg")
     if len({c.name for c in candidates}) < len(candidates):

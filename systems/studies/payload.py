@@ -17,6 +17,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
 from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -83,7 +84,7 @@ def payload(
     check.positive(others, rig.name, "mainline_safety_factor")
     if clearance is not None:
         check.number(clearance, rig.name, "clearance", "m")
-        if rig.terrain is None:
+        if not isinstance(rig.terrain, Profile):
             raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
     where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
@@ -109,6 +110,12 @@ def margins_of(
     def tension(column: str, limit: float) -> Margin:
         return lambda r, s: 1.0 - r[column] / limit
 
+    def capacity(output: str, limit: float) -> Margin:
+        return lambda r, s: 1.0 - s[output] / limit
+
+    def pressed(column: str) -> Margin:
+        return lambda r, s: r[column] / skyline
+
     skyline = rig.skyline.breaking_load / safety_factor
     found: dict[str, Margin] = {"skyline tension": tension("highest_tension", skyline)}
     if rig.mainline is not None:
@@ -121,11 +128,9 @@ def margins_of(
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:
         if lift_off:
-            found[f"lift-off at {support.name}"] = lambda r, s, c=f"{support.name}_force": r[c] / skyline  # type: ignore[misc]
+            found[f"lift-off at {support.name}"] = pressed(f"{support.name}_force")
         if support.capacity is not None:
-            found[f"capacity of {support.name}"] = lambda r, s, n=support.name, c=support.capacity: (  # type: ignore[misc]
-                1.0 - s[f"{n}.bearing_load"] / c
-            )
+            found[f"capacity of {support.name}"] = capacity(f"{support.name}.bearing_load", support.capacity)
     if rig.headspar.capacity is not None:
         head = rig.headspar
         found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
@@ -136,7 +141,7 @@ def margins_of(
     if tail.capacity is not None:
         through = hold is not None or rig.kind is Kind.RUNNING
         output = "bearing_load" if through else "tension"
-        found[f"capacity of {tail.name}"] = lambda r, s: 1.0 - s[f"{tail.name}.{output}"] / (tail.capacity or 1.0)
+        found[f"capacity of {tail.name}"] = capacity(f"{tail.name}.{output}", tail.capacity)
     if hold is not None and hold.capacity is not None:
         found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)
     return found

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
+from ropeway.systems.equilibrium import equilibrium
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
 from ropeway.systems.studies.stations import Stations
@@ -84,8 +85,6 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
 
 def bare_tension(rig: SkylineRig) -> float:
     """Tension of the bare skyline at the headspar [N]."""
-    from ropeway.systems.equilibrium import equilibrium
-
     bare = System(rig.name, gravity=rig.gravity)
     spans = bare.string(rig.skyline, rig.headspar, *rig.supports, *rig.tail, length=rig.length)
     return equilibrium(bare)[f"{spans[0].name}.tension_a"]

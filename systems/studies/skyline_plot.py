@@ -11,6 +11,7 @@ import pandas as pd
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.load_path import load_path
 from ropeway.systems.studies.stations import Solved, Stations
 from ropeway.systems.studies.terrain import Profile
 
@@ -129,8 +130,6 @@ def payload_figure(study: PayloadStudy) -> Figure:
 
 def _ways(study: PayloadStudy) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
-    from ropeway.systems.studies.load_path import load_path
-
     found = []
     height = study.clearance if study.rig.kind is not Kind.STANDING else None
     masses = [(0.0, "tab:cyan", "way of the empty carriage")] if height is None else []
