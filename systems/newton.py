@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -102,7 +102,12 @@ class Newton:
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
         self._step = Buffered(_linear_solves("step", inputs, residual, v, residual))
-        self._step_and_rates = Buffered(_linear_solves("rates", inputs, residual, v, ca.horzcat(residual, drift)))
+        self._symbols = (inputs, residual, v, ca.horzcat(residual, drift))
+
+    @cached_property
+    def _step_and_rates(self) -> Buffered:
+        """As `_step`, with the rates: made only where rates are asked for."""
+        return Buffered(_linear_solves("rates", *self._symbols))
 
     def arguments(self, point: Point) -> list[np.ndarray]:
         """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -270,7 +271,7 @@ class Stations:
 
     def __init__(self, rig: SkylineRig, *, by_height: bool = False) -> None:
         self.rig, self.by_height = rig, by_height
-        self._last: dict[tuple[int, bool], Point] = {}
+        self._last: dict[tuple[int, bool], list[_Known]] = {}
         self._was_clamped: dict[int, bool] = {}
 
     def solve(self, station: float, payload: float, height: float | None = None) -> Solved:
@@ -331,10 +332,35 @@ class Stations:
         quick: bool = False,
     ) -> Solved:
         at = span_model(rig, span, self.by_height)
-        point = at.solve(x, payload, height, self._last.get((span, clamp)), quick=quick)
-        self._last[span, clamp] = point
+        known = self._last.get((span, clamp), [])
+        point = at.solve(x, payload, height, _ahead(known, x, payload), quick=quick)
+        self._last[span, clamp] = [*known[-1:], _Known(x, payload, point)]
         held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
         return Solved(at, point, at.outputs(point), held_by)
+
+
+class _Known(NamedTuple):
+    """A solved point, its station [m] and payload [kg]."""
+
+    station: float
+    payload: float
+    point: Point
+
+
+def _ahead(known: list[_Known], station: float, payload: float) -> Point | None:
+    """Where to start from: the last solved point, or on the line through the last two of one payload."""
+    if not known:
+        return None
+    last = known[-1]
+    if len(known) == 1 or not last.payload == known[0].payload == payload or last.station == known[0].station:
+        return last.point
+    share = (station - last.station) / (last.station - known[0].station)
+    if not 0.0 < share <= 2.0:
+        return last.point
+    point = last.point.copy()
+    point.z[:] += share * (last.point.z - known[0].point.z)
+    point.x[:] += share * (last.point.x - known[0].point.x)
+    return point
 
 
 @lru_cache(maxsize=256)
