@@ -11,12 +11,13 @@ import pandas as pd
 from scipy.sparse.linalg import splu
 
 from ropeway.components import catenary
-from ropeway.components.component import Kind
+from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
+from ropeway.systems.stability import condensed_pivots
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
 
@@ -116,7 +117,7 @@ class Equilibrium:
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        start = np.array([self.point.p[p[f"{run.nodes[k].name}.{axis}"]] for axis in "xyz"])
+        start = np.array([self[f"{run.nodes[k].name}.{axis}"] for axis in "xyz"])
         place = start + curve.reach
         return pd.DataFrame(
             {
@@ -307,7 +308,10 @@ def _unstable(state: LineState) -> str | None:
         return None
     rows, columns = _condensed_last(state.model, free)
     matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
-    pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
+    if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
+        pivots = condensed_pivots(matrix, len(free))
+    else:
+        pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
     return component_of(state.model.z.names[free[int(np.argmax(soft))].travel]) if soft.any() else None
 

@@ -104,7 +104,8 @@ def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray
 @dataclass(frozen=True)
 class Layout:
     """A run's places in the vectors of the model: travels, slots, each span's starting length, mass per length,
-    compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
+    compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot;
+    `grip`: the travel that a rough saddle's friction counts from, -1 where there is none."""
 
     travel: Travel
     slots: Slots
@@ -114,6 +115,7 @@ class Layout:
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray
+    grip: np.ndarray
 
     def start(self, p: np.ndarray) -> np.ndarray:
         """The rope at each support at zero travel [m], shape (supports,)."""
@@ -122,7 +124,8 @@ class Layout:
 
 @dataclass(frozen=True)
 class Balance:
-    """A travel in the algebraic variables and the residual that lets rope run until tensions balance.
+    """A travel in the algebraic variables and the residual that lets rope run until tensions balance, or a
+    free node's coordinate and the sum of forces along it.
     sign: +1 where more travel lowers the residual of a stable line, -1 where it raises it."""
 
     travel: int

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -77,7 +77,9 @@ class Newton:
         time, point = ca.SX.sym("t"), {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
         for i, (kind, k) in enumerate(freed, len(model.z)):
-            full[kind] = ca.vertcat(full[kind][:k], v[i] * self.scale[i], full[kind][k + 1 :])
+            entries = ca.vertsplit(full[kind])
+            entries[k] = v[i] * self.scale[i]
+            full[kind] = ca.vertcat(*entries)
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
         target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")
@@ -100,7 +102,12 @@ class Newton:
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
         self._step = Buffered(_linear_solves("step", inputs, residual, v, residual))
-        self._step_and_rates = Buffered(_linear_solves("rates", inputs, residual, v, ca.horzcat(residual, drift)))
+        self._symbols = (inputs, residual, v, ca.horzcat(residual, drift))
+
+    @cached_property
+    def _step_and_rates(self) -> Buffered:
+        """As `_step`, with the rates: made only where rates are asked for."""
+        return Buffered(_linear_solves("rates", *self._symbols))
 
     def arguments(self, point: Point) -> list[np.ndarray]:
         """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
@@ -121,6 +128,7 @@ class Newton:
         target: np.ndarray | None = None,
         slope: np.ndarray | None = None,
         damping: float = 0.0,
+        iterations: int = 50,
     ) -> np.ndarray | None:
         """Solves in place. With `slope` (nu,), the rates of the inputs, returns those of the algebraic
         variables [per s], shape (nz,), as the states move on.
@@ -143,7 +151,7 @@ class Newton:
             value, sides = function(v, *rest)
             return value.copy(), sides.copy()
 
-        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names)
+        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations)
         self._put(v, point)
         return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
 

@@ -194,6 +194,8 @@ class LineState:
                 ),
             )
             self.point.p[layout.length_start] = np.diff(rope)
+            rough = layout.grip >= 0
+            self.point.p[layout.grip[rough]] -= layout.travel.read(self.point.x, self.point.z)[rough]
             layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
             on = layout.held[layout.held >= 0]
             self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
