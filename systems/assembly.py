@@ -71,7 +71,9 @@ def _sites(
             counts = tuple(max(a, b) for a, b in zip(counts, slots[r], strict=True))
         for k, span in enumerate(run.spans):
             tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))
-            sites[span.name] = Site(start.scale, float(start.chord[k]), counts[k], tension)
+            # Each span by its own tension: sections of one rope can differ a hundredfold.
+            force = max(float(np.linalg.norm(tension)), 1e-3 * start.scale)
+            sites[span.name] = Site(force, float(start.chord[k]), counts[k], tension)
         for node in run.nodes:
             here = Site(start.scale, float(np.mean(start.chord)))
             known = sites.get(node.name)
