@@ -62,7 +62,9 @@ def _attributes(**values: object) -> dict[str, str]:
     """XML attributes; None is left out."""
 
     def text(value: object) -> str:
-        return str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
+        return (
+            str(value).lower() if isinstance(value, bool) else repr(value) if isinstance(value, float) else str(value)
+        )
 
     return {name: text(value) for name, value in values.items() if value is not None}
 

@@ -63,7 +63,7 @@ def picture(rest: Equilibrium) -> bytes:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
-    canvas = FigureCanvasAgg(figure)
+    FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     for run in rest.runs:
         points = run.points
@@ -74,9 +74,11 @@ def picture(rest: Equilibrium) -> bytes:
             axes.plot(across, shape["z"], color="tab:blue", linewidth=1.0)
         axes.plot(np.hypot(*(points[:, :2] - origin).T), points[:, 2], "k^", markersize=4)
         loads = rest.loads[rest.loads["span"].isin([span.name for span in run.spans])]
-        axes.plot(np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]), loads["z"], "o", color="tab:red", markersize=2.5)
+        axes.plot(
+            np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]), loads["z"], "o", color="tab:red", markersize=2.5
+        )
     axes.set_xlabel("distance [m]")
     axes.set_ylabel("elevation [m]")
     file = io.BytesIO()
-    canvas.print_png(file)
+    figure.savefig(file, format="png")
     return file.getvalue()

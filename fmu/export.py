@@ -19,7 +19,6 @@ from ropeway.components.errors import InputError
 from ropeway.fmu import compiler, description, documentation, tables
 from ropeway.fmu.equations import Equations
 from ropeway.fmu.interface import Interface
-from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.system import System

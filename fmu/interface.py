@@ -129,8 +129,16 @@ class Interface:
         states, rates = [], []
         for i, v in enumerate(_rows(m.x)):
             causality = "output" if v.name in self.outputs else "local"
-            more = {"initial": "exact", "start": float(start[i]), "causality": causality, "knowns": 1 << i}
-            states.append(replace(v, reference=first.x + i, **more))
+            states.append(
+                replace(
+                    v,
+                    reference=first.x + i,
+                    causality=causality,
+                    initial="exact",
+                    start=float(start[i]),
+                    knowns=1 << i,
+                )
+            )
             rates.append(
                 replace(
                     v,
@@ -155,20 +163,28 @@ class Interface:
 
     def _given(self) -> list[FmuVariable]:
         m, point, first = self.equations.model, self.equations.state.point, self.first
-        fixed = {"causality": "parameter", "variability": "fixed", "initial": "exact"}
         inputs = [
             replace(v, reference=first.u + i, causality="input", start=float(point.u[i]))
             for i, v in enumerate(_rows(m.u))
             if v.name in self.inputs
         ]
+        fixed = FmuVariable("", -1, "Real", "parameter", "fixed", "mass of the load", "kg", initial="exact")
         parameters = [
-            replace(v, reference=first.p + i, start=float(point.p[i]), **fixed)
+            replace(
+                fixed,
+                name=v.name,
+                reference=first.p + i,
+                description=v.description,
+                unit=v.unit,
+                nominal=v.nominal,
+                start=float(point.p[i]),
+            )
             for i, v in enumerate(_rows(m.p))
             if v.name in self.parameters
         ]
         masses = [
-            FmuVariable(name, first.mass + i, "Real", description="mass of the load", unit="kg", start=float(v), **fixed)
-            for i, (name, v) in enumerate(zip(self._mass_names, self.equations.masses, strict=True))
+            replace(fixed, name=name, reference=first.mass + i, start=float(mass))
+            for i, (name, mass) in enumerate(zip(self._mass_names, self.equations.masses, strict=True))
             if name in self.parameters
         ]
         return [*inputs, *parameters, *masses]

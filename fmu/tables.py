@@ -128,7 +128,7 @@ def _runs(tables: Tables, interface: Interface) -> None:
     tables.integers("travel", [interface.travel_of(i) for i in range(len(run_of))])
     tables.texts("support_name", [state.runs[r].nodes[k].name for r, k in interface.supports])
     tables.numbers("span_scale", state.span_scale)
-    spans = {"length_start": [], "slot_count": [], "slot_mass": [], "slot_at": []}
+    spans: dict[str, list[int]] = {"length_start": [], "slot_count": [], "slot_mass": [], "slot_at": []}
     spans |= {"slot_ride": [], "slot_empty": [], "force": []}
     held: dict[str, list[int]] = {"held": [], "held_travel": []}
     reads: dict[str, list[int]] = {"vertical_b": [], "tension_in": [], "tension_out": []}
