@@ -25,7 +25,19 @@ if TYPE_CHECKING:
         Elastic as Elastic,
     )
     from ropeway.components import (
+        HydraulicDrive as HydraulicDrive,
+    )
+    from ropeway.components import (
+        HydraulicPowerUnit as HydraulicPowerUnit,
+    )
+    from ropeway.components import (
+        IdealDrive as IdealDrive,
+    )
+    from ropeway.components import (
         Load as Load,
+    )
+    from ropeway.components import (
+        ProportionalResponse as ProportionalResponse,
     )
     from ropeway.components import (
         Rope as Rope,
@@ -38,6 +50,12 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Span as Span,
+    )
+    from ropeway.components import (
+        TensionedReturn as TensionedReturn,
+    )
+    from ropeway.components import (
+        ThresholdResponse as ThresholdResponse,
     )
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
@@ -60,24 +78,96 @@ if TYPE_CHECKING:
     from ropeway.components.errors import (
         UnknownNameError as UnknownNameError,
     )
+    from ropeway.components.rope import ropes as ropes
     from ropeway.systems.assembly import assemble as assemble
     from ropeway.systems.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.equilibrium import equilibrium as equilibrium
+    from ropeway.systems.intervention import Intervention as Intervention
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
+    from ropeway.systems.rigs.endless import endless as endless
+    from ropeway.systems.rigs.monocable import monocable as monocable
     from ropeway.systems.simulation import simulate as simulate
+    from ropeway.systems.studies.cable_stretch import (
+        UnstretchedLength as UnstretchedLength,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        fit_construction_stretch as fit_construction_stretch,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        stretched_position as stretched_position,
+    )
+    from ropeway.systems.studies.cable_stretch import (
+        unstretched_length as unstretched_length,
+    )
+    from ropeway.systems.studies.cable_stretch_cases import twelve_cases as twelve_cases
+    from ropeway.systems.studies.catenary_fundamentals import (
+        CatenaryCurve as CatenaryCurve,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_horizontal as catenary_for_horizontal,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_length as catenary_for_length,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_sag as catenary_for_sag,
+    )
+    from ropeway.systems.studies.catenary_fundamentals import (
+        catenary_for_tension as catenary_for_tension,
+    )
+    from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
+    from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
+    from ropeway.systems.studies.payload_comparison import (
+        compare_payload_methods as compare_payload_methods,
+    )
+    from ropeway.systems.studies.payload_comparison import (
+        method_errors as method_errors,
+    )
+    from ropeway.systems.studies.payload_exact import elastic_load as elastic_load
+    from ropeway.systems.studies.payload_exact import exact_load as exact_load
+    from ropeway.systems.studies.payload_methods import (
+        payload_for_tension as payload_for_tension,
+    )
+    from ropeway.systems.studies.payload_methods import (
+        tension_for_payload as tension_for_payload,
+    )
+    from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
+    from ropeway.systems.studies.turk_solvers import solve_span as solve_span
+    from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
     from ropeway.systems.system import System as System
 
 _HOMES = {
-    "ropeway.components": ("Anchor ConstructionStretch ControlSheave Drum Elastic Load Rope Schedule Sheave Span"),
+    "ropeway.components": (
+        "Anchor ConstructionStretch ControlSheave Drum Elastic HydraulicDrive HydraulicPowerUnit IdealDrive Load "
+        "ProportionalResponse Rope Schedule Sheave Span TensionedReturn ThresholdResponse"
+    ),
+    "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
         "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
+    "ropeway.systems.intervention": "Intervention",
     "ropeway.systems.model": "Model",
     "ropeway.systems.result": "Result",
+    "ropeway.systems.rigs.endless": "endless",
+    "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
+    "ropeway.systems.studies.cable_stretch": (
+        "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"
+    ),
+    "ropeway.systems.studies.cable_stretch_cases": "twelve_cases",
+    "ropeway.systems.studies.catenary_fundamentals": (
+        "CatenaryCurve catenary_for_horizontal catenary_for_length catenary_for_sag catenary_for_tension"
+    ),
+    "ropeway.systems.studies.loaded_span": "LoadedSpan",
+    "ropeway.systems.studies.longest_rope": "longest_rope",
+    "ropeway.systems.studies.payload_comparison": "compare_payload_methods method_errors",
+    "ropeway.systems.studies.payload_exact": "elastic_load exact_load",
+    "ropeway.systems.studies.payload_methods": "payload_for_tension tension_for_payload",
+    "ropeway.systems.studies.turk_solvers": "SpanProblem solve_span",
+    "ropeway.systems.studies.worksheet": "lira_worksheet",
     "ropeway.systems.system": "System",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}

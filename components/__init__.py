@@ -2,8 +2,12 @@
 
 from ropeway.components.anchor import Anchor
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.load import Load
+from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.components.response import ProportionalResponse, ThresholdResponse
+from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
@@ -16,9 +20,15 @@ __all__ = [
     "ControlSheave",
     "Drum",
     "Elastic",
+    "HydraulicDrive",
+    "HydraulicPowerUnit",
+    "IdealDrive",
     "Load",
+    "ProportionalResponse",
     "Rope",
     "Schedule",
     "Sheave",
     "Span",
+    "TensionedReturn",
+    "ThresholdResponse",
 ]

@@ -2,7 +2,7 @@
 
 One implementation for numbers, NumPy arrays and CasADi symbols alike. A segment starts with the tension
 vector `force` = (fx, fy, v): its components in the direction of travel, z up, so that v > 0 where the rope
-rises. With w the weight and d the length per unstretched metre, the forms of `EQUATIONS` section 5 follow
+rises. With w the weight and d the length per unstretched metre, these forms follow
 from Irvine's and Sinclair's sums (Turk 1988, eq. 2.48-2.52 and 2.111-2.116, corrected) by taking the
 differences analytically: no asinh difference, nothing cancels, d -> 0, slack, steep and taut pieces alike.
 The strain law is eps(T) = c1 T + c2 T^2 (c1 = 1/EA elastic, c2 construction stretch; Lyons 2008, eq. 14).
@@ -33,7 +33,7 @@ class Strain(NamedTuple):
     def potential(self, tension: Any) -> Any:
         """Integral of (1 + eps) dT [N]: along a load-free piece it changes by w times the height gained.
 
-        T + T^2/(2 EA) for an elastic rope (EQUATIONS T17).
+        T + T^2/(2 EA) for an elastic rope.
         """
         return tension * (1 + tension * (self.c1 / 2 + self.c2 * tension / 3))
 
@@ -85,6 +85,32 @@ def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) ->
     tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
     square_integral = length * (h2 + (v0 * v0 + v0 * v1 + v1 * v1) / 3)
     return length + strain.c1 * tension_integral + strain.c2 * square_integral
+
+
+class Energy(NamedTuple):
+    """Energy of a load-free piece [J]: elastic, and of its weight over the height of its start."""
+
+    elastic: Any
+    gravity: Any
+
+
+def energy(force: Vector, weight: Any, length: Any, c1: Any) -> Energy:
+    """Energies of a linearly elastic piece, eps = c1 T.
+
+    From z = (T - T0)/w + c1 (v^2 - v0^2)/(2 w) along the piece and the integrals of T, T^2 and v^2.
+    """
+    fx, fy, v0 = force
+    xp = namespace(*force, length, weight)
+    v1 = v0 + weight * length
+    h2 = fx * fx + fy * fy
+    t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
+    s, v = t0 + t1, v0 + v1
+    tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
+    square_integral = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
+    return Energy(
+        c1 / 2 * (h2 * length + square_integral),
+        tension_integral - t0 * length + c1 / 2 * (square_integral - v0 * v0 * length),
+    )
 
 
 def loaded(

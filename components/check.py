@@ -20,9 +20,9 @@ def name(value: str, what: str) -> None:
         raise InputError(f"{what} name {value!r} is not an identifier", "Use letters, digits and underscores only")
 
 
-def number(value: float, owner: str, field: str, unit: str = "") -> None:
+def number(value: object, owner: str, field: str, unit: str = "") -> None:
     """A finite number."""
-    if not isinstance(value, numbers.Real) or not math.isfinite(value):
+    if not isinstance(value, numbers.Real) or not math.isfinite(float(value)):
         raise InputError(f"{owner}: {field} is {value!r}", f"Give a finite number{f' [{unit}]' if unit else ''}")
 
 

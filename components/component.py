@@ -35,7 +35,8 @@ class Kind(Enum):
 @dataclass(frozen=True, slots=True)
 class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
-    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for."""
+    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
+    `positive`: the value must be above zero."""
 
     name: str
     kind: Kind
@@ -45,6 +46,7 @@ class Variable:
     nominal: float = 1.0
     size: int = 1
     freed_by: str | None = None
+    positive: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +77,19 @@ class RopeEnd(Port):
 
 
 @dataclass(frozen=True, slots=True)
+class Outlet(Port):
+    """Where a power unit feeds drives, any number of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Supply(Port):
+    """Where a drive takes its share of a power unit."""
+
+
+@dataclass(frozen=True, slots=True)
 class Seat(Port):
-    """Where a rope sits on a node. In equations: `force` of the rope on the node [N] and rope `speed` [m/s].
+    """Where a rope sits on a node. In equations: `force` of the rope on the node [N], rope `speed` [m/s], and
+    `carried`, the energy that each metre of the rope's travel brings or takes, T + T^2/2EA [N].
 
     `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node.
     """
@@ -87,12 +100,13 @@ class Seat(Port):
 @dataclass(frozen=True, slots=True)
 class Equations:
     """What `equations` returns, by name: rates of the states, residuals (all zero), outputs, and for each
-    rope end the force on the component."""
+    rope end the force on the component and the energy `carried` per metre of rope, T + T^2/2EA [N]."""
 
     rates: Mapping[str, Any] = field(default_factory=dict)
     residuals: Mapping[str, Any] = field(default_factory=dict)
     outputs: Mapping[str, Any] = field(default_factory=dict)
     forces: Mapping[str, Vector] = field(default_factory=dict)
+    carried: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +141,11 @@ class Component(ABC):
     @abstractmethod
     def equations(self, v: Any) -> Equations:
         """The physics, on symbols."""
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        """Names of quantities that come from other components besides ports, read as attributes of `v`."""
+        return ()
 
     def limits(self) -> tuple[Limit, ...]:
         """What is reported when it happens."""

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ropeway.components import check
-from ropeway.components.component import Equations, Kind, Site, Variable
+from ropeway.components.catenary import namespace
+from ropeway.components.component import Equations, Kind, Limit, Site, Supply, Variable
+from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
+from ropeway.components.errors import InputError
+from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
 
@@ -21,33 +26,105 @@ def check_speed(speed: Speed, owner: str) -> None:
         check.number(speed, owner, "speed", "m/s")
 
 
+def first_speed(speed: Speed) -> float:
+    """The speed at the start of a run [m/s]."""
+    return speed.at(0.0) if isinstance(speed, Schedule) else (speed or 0.0)
+
+
 @dataclass(frozen=True)
 class ControlSheave(Wheel):
-    """A sheave whose rope speed is commanded: a constant [m/s], a `Schedule`, or None for a model input.
+    """A driven sheave. Positive speed runs the rope from a to b.
 
-    Positive from a to b. Its travel is a state. Raises InputError.
+    speed: commanded, a constant [m/s], a `Schedule`, or None for a model input; a `response` adds its
+    correction. drive: `IdealDrive`, which follows the command exactly, or a `HydraulicDrive` with its limits:
+    inertia dv/dt = force + tension_out - tension_in - losses. turns: of the rope around the sheave, beyond the
+    wrap that the line's geometry gives; grip_friction: between rope and lining; together they set the grip
+    margin exp(mu wrap) - T_tight/T_slack. Raises InputError.
     """
 
     speed: Speed = 0.0
+    drive: Drive = field(default_factory=IdealDrive)
+    response: Response | None = None
+    grip_friction: float = 0.2
+    turns: float = 1.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_speed(self.speed, self.label)
+        check.positive(self.grip_friction, self.label, "grip_friction")
+        check.not_negative(self.turns, self.label, "turns")
+        if not isinstance(self.drive, (IdealDrive, HydraulicDrive)):
+            raise InputError(f"{self.label}: drive is {self.drive!r}", "Give an IdealDrive or a HydraulicDrive")
+
+    @property
+    def supply(self) -> Supply:
+        """Where a hydraulic power unit feeds the drive; it may stay open."""
+        return Supply(self, "supply")
+
+    @property
+    def hydraulic(self) -> HydraulicDrive | None:
+        """The drive, if it is a hydraulic one."""
+        return self.drive if isinstance(self.drive, HydraulicDrive) else None
 
     @property
     def drive_speed(self) -> str:
-        return "speed"
+        return "speed" if self.hydraulic is None else "rope_speed"
+
+    @property
+    def signals(self) -> tuple[str, ...]:
+        return () if self.hydraulic is None else ("flow_share", "power_share")
+
+    def limits(self) -> tuple[Limit, ...]:
+        relief = (Limit("relief_open", "relief valve open", high=0.5),) if self.hydraulic is not None else ()
+        return (*super().limits(), Limit("grip_margin", "grip lost", low=0.0), *relief)
 
     def structure(self, site: Site) -> Hashable:
-        return ControlSheave
+        drive = None if self.hydraulic is None else self.hydraulic.structure
+        return (ControlSheave, drive, None if self.response is None else (type(self.response), self.response.waiting))
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, out = Kind.PARAMETER, Kind.OUTPUT
+        drive = () if self.hydraulic is None else self.hydraulic.variables(site.force, first_speed(self.speed))
         return (
             *self.place(),
+            Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction),
+            Variable("turns", par, "1", "turns of the rope around the sheave", self.turns),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over", 0.0, site.length),
+            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over"),
+            Variable("correction", Kind.DISCRETE, "m/s", "what the response adds to the commanded speed"),
+            Variable("brake", Kind.DISCRETE, "1", "1: the brake holds the sheave"),
+            *(() if self.response is None else self.response.variables()),
             *self.wheel_outputs(site),
+            Variable("drive_force", out, "N", "force of the drive on the rope, in its direction", nominal=site.force),
+            Variable("power", out, "W", "power of the drive into the rope", nominal=1e3),
+            Variable("grip_margin", out, "1", "exp(mu wrap) less tight over slack tension"),
+            *drive,
         )
 
     def equations(self, v: Any) -> Equations:
-        return Equations(rates={"travel": v.speed}, outputs=self.wheel_equations(v))
+        outputs = self.wheel_equations(v)
+        t_in, t_out = outputs["tension_in"], outputs["tension_out"]
+        xp = namespace(t_in)
+        wrap = outputs["wrap"] + 2.0 * math.pi * v.turns
+        outputs["grip_margin"] = xp.exp(v.grip_friction * wrap) - xp.fmax(t_in, t_out) / xp.fmin(t_in, t_out)
+        if self.hydraulic is None:
+            speed, force, rates = (v.speed + v.correction) * (1 - v.brake), t_in - t_out, {}
+        else:
+            v.tension_in, v.tension_out, v.bearing_load = t_in, t_out, outputs["bearing_load"]
+            motion = self.hydraulic.motion(v)
+            speed, force, rates = v.rope_speed, motion.force, motion.rates
+            outputs.update(motion.outputs)
+        return Equations(
+            rates={"travel": speed, **rates},
+            # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
+            outputs={**outputs, "drive_force": force, "power": speed * (v.a.carried - v.b.carried)},
+        )
+
+    def demand(self, v: Any) -> tuple[Any, Any]:
+        """Flow [m3/s] and power [W] that the drive asks of a power unit."""
+        if self.hydraulic is None:
+            raise InputError(f"{self.label} has no hydraulic drive", "Only hydraulic drives take a power unit")
+        outputs = self.wheel_equations(v)
+        v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
+        v.bearing_load = outputs["bearing_load"]
+        return self.hydraulic.demand(v)

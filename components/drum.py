@@ -64,12 +64,12 @@ class Drum(Node):
             return (
                 *self.place(),
                 Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-                Variable("travel", Kind.STATE, "m", travel, 0.0, site.length),
+                Variable("travel", Kind.STATE, "m", travel),
                 pull,
             )
         return (
             *self.place(),
-            Variable("tension", Kind.PARAMETER, "N", "tension kept by the drum", self.tension, site.force),
+            Variable("tension", Kind.PARAMETER, "N", "tension kept", self.tension, site.force, positive=True),
             Variable("travel", Kind.ALGEBRAIC, "m", travel, 0.0, site.length),
             Variable("tension_kept", Kind.RESIDUAL, "N", "the drum keeps its tension", 0.0, site.force),
             pull,

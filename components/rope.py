@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ropeway.components import check
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError, UnknownNameError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MODULUS = 93.1e9
 """Modulus of a 6-strand IWRC rope on its metallic area [Pa] (Lyons 2008, p. 32)."""
@@ -177,6 +180,25 @@ NAMED = (
     NamedRope("RHOL-IWRC 29", 0.0286, 3.48, 576.6e3, "Harvey 2013"),
 )
 """Named ropes: diameter [m], mass [kg/m], minimum breaking load [N]."""
+
+
+def ropes() -> pd.DataFrame:
+    """The named ropes: index name; diameter [m], mass_per_length [kg/m], axial_stiffness [N], breaking_load
+    [N], source. `Rope.named(name)` makes one."""
+    import pandas as pd
+
+    rows = [
+        {
+            "name": r.name,
+            "diameter": r.diameter,
+            "mass_per_length": r.mass_per_length,
+            "axial_stiffness": Rope.named(r.name).axial_stiffness,
+            "breaking_load": r.breaking_load,
+            "source": r.source,
+        }
+        for r in NAMED
+    ]
+    return pd.DataFrame(rows).set_index("name")
 
 
 def hanging_limit(rope: Rope, gravity: float) -> float:

@@ -19,3 +19,17 @@ def angle_between(a: Vector, b: Vector) -> Any:
     dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     tiny = 1e-30 * (a[0] ** 2 + a[1] ** 2 + a[2] ** 2) * (b[0] ** 2 + b[1] ** 2 + b[2] ** 2)
     return xp.atan2(xp.sqrt(cx * cx + cy * cy + cz * cz + tiny), dot)
+
+
+def clip_above(x: Any, limit: Any, corner: float = 0.02) -> Any:
+    """The smaller of x and a positive limit: exactly x below (1 - corner) * limit, exactly the limit above
+    (1 + corner) * limit, a parabola between with continuous slope, never above the limit."""
+    xp = namespace(x, limit)
+    start, width = (1.0 - corner) * limit, 2.0 * corner * limit
+    s = xp.fmin(xp.fmax((x - start) / width, 0.0), 1.0)
+    return xp.fmin(x, start) + width * (s - s * s / 2.0)
+
+
+def clip(x: Any, low: Any, high: Any, corner: float = 0.02) -> Any:
+    """x between -low and high, both positive, with the corners of `clip_above`."""
+    return -clip_above(-clip_above(x, high, corner), low, corner)

@@ -59,11 +59,11 @@ class Span(Component):
             return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
 
         return (
-            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length),
-            Variable("mass_per_length", par, "kg/m", "mass per unstretched length", rope.mass_per_length),
+            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length, positive=True),
+            Variable("mass_per_length", par, "kg/m", "mass per length", rope.mass_per_length, positive=True),
             Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8),
             Variable("construction", par, "1/N2", "construction strain per tension squared", strain.c2, 1e-14),
-            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force),
+            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, positive=True),
             *(
                 Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
                 for axis, start in zip("xyz", site.tension, strict=True)
@@ -79,6 +79,8 @@ class Span(Component):
             Variable("vertical_a", out, "N", "upward force of the support on the rope at end a", nominal=force),
             Variable("vertical_b", out, "N", "upward force of the support on the rope at end b", nominal=force),
             Variable("length", out, "m", "unstretched length now", nominal=length, freed_by="length_start"),
+            Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
+            Variable("gravity_energy", out, "J", "energy of the weight of rope and loads over z = 0", nominal=1e6),
             Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
             *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n) for x in "xyz"),
             Variable("slot_distance", out, "m", "unstretched distance of each slot from end a", nominal=length, size=n),
@@ -89,10 +91,12 @@ class Span(Component):
         length = v.length_start + v.a.travel - v.b.travel
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
+        strain = catenary.Strain(v.compliance, v.construction)
+        weight = v.mass_per_length * v.gravity
         stations = catenary.loaded(
             force,
-            v.mass_per_length * v.gravity,
-            catenary.Strain(v.compliance, v.construction),
+            weight,
+            strain,
             length,
             [distance[j] for j in range(n)],
             [v.slot_mass[j] * v.gravity for j in range(n)],
@@ -101,6 +105,7 @@ class Span(Component):
         # A span's tension is highest at one of its ends: the vertical component grows from a to b.
         tension_a, tension_b = catenary.norm(force), catenary.norm(end.force)
         xp = catenary.namespace(tension_a)
+        elastic, gravity = self._energy(v, force, weight, length, distance, stations)
         return Equations(
             residuals={
                 f"closure_{axis}": end.reach[i] - (v.b.position[i] - v.a.position[i]) for i, axis in enumerate("xyz")
@@ -112,6 +117,8 @@ class Span(Component):
                 "vertical_a": -force[2],
                 "vertical_b": end.force[2],
                 "length": length,
+                "elastic_energy": elastic,
+                "gravity_energy": gravity,
                 "utilisation": xp.fmax(tension_a, tension_b) / v.breaking_load,
                 **{
                     f"slot_{axis}": xp.vertcat(*(v.a.position[i] + s.reach[i] for s in stations[:-1]))
@@ -120,4 +127,24 @@ class Span(Component):
                 "slot_distance": distance,
             },
             forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
+            carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
         )
+
+    @staticmethod
+    def _energy(
+        v: Any, force: catenary.Vector, weight: Any, length: Any, distance: Any, stations: list[catenary.Segment]
+    ) -> tuple[Any, Any]:
+        """Elastic energy, and energy of all weights over z = 0 [J]. Construction stretch is not elastic."""
+        elastic, gravity, at, height = 0, 0, 0, v.a.position[2]
+        n = distance.numel()
+        for j, station in enumerate(stations):
+            here = distance[j] if j < n else length
+            piece = catenary.energy(force, weight, here - at, v.compliance)
+            elastic += piece.elastic
+            gravity += piece.gravity + weight * (here - at) * height
+            height = v.a.position[2] + station.reach[2]
+            load = v.slot_mass[j] * v.gravity if j < n else 0
+            gravity += load * height
+            force = (station.force[0], station.force[1], station.force[2] + load)
+            at = here
+        return elastic, gravity

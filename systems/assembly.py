@@ -9,14 +9,18 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Site, Variable
-from ropeway.components.errors import UnbalancedSystemError
-from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
-from ropeway.systems.run import Run, find_runs, slot_counts
-from ropeway.systems.start import RunStart, run_start
-from ropeway.systems.system import System
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
+
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Site, Variable
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import UnbalancedSystemError
+from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
+from ropeway.systems.run import Run, find_runs, slot_counts
+from ropeway.systems.sampling import clocks
+from ropeway.systems.start import RunStart, run_start
+from ropeway.systems.system import System
 
 _SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
@@ -47,6 +51,10 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         balances=_balances(runs, tables),
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
+        clocks=clocks(
+            _in_order(runs), system.precedence, outputs, {kind: table.index for kind, table in tables.items()}
+        ),
+        kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
     )
     _check_structure(model, system)
     return model
@@ -79,9 +87,10 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     descriptions: list[str] = []
     values: list[float] = []
     nominals: list[float] = []
+    positive: list[bool] = []
     if kind is Kind.PARAMETER:
         names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
-        values, nominals = [system.gravity], [system.gravity]
+        values, nominals, positive = [system.gravity], [system.gravity], [True]
     for component, owned in variables.items():
         for v in owned:
             if v.kind is not kind:
@@ -93,7 +102,15 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
             descriptions += [v.description] * v.size
             values += array
             nominals += [v.nominal] * v.size
-    return Table(tuple(names), tuple(units), tuple(descriptions), np.array(values, float), np.array(nominals, float))
+            positive += [v.positive] * v.size
+    return Table(
+        tuple(names),
+        tuple(units),
+        tuple(descriptions),
+        np.array(values, float),
+        np.array(nominals, float),
+        np.array(positive, bool),
+    )
 
 
 class _Kinds:
@@ -101,6 +118,16 @@ class _Kinds:
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
+
+    def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """What a drive asks of its power unit, (2,): the same inputs as its equations."""
+        key = ("demand", component.structure(site))
+        if key not in self._functions:
+            v, inputs = _symbols(component, variables)
+            self._functions[key] = ca.Function(
+                f"demand_{len(self._functions)}", inputs, [ca.vertcat(*component.demand(v))]
+            )
+        return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         key = component.structure(site)
@@ -112,7 +139,30 @@ class _Kinds:
 
 
 def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
-    """(t, gravity, x, z, u, p, d, ports...) -> (ode, alg, y, forces of rope ends...)."""
+    """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
+    v, inputs = _symbols(component, variables)
+    eq = component.equations(v)
+
+    def stacked(kind: Kind, by_name: Any) -> ca.SX:
+        return ca.vertcat(ca.SX(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
+
+    # On the node at the other side of the port the force is the opposite.
+    forces = [
+        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
+        for port in component.ports
+        if isinstance(port, RopeEnd)
+    ]
+    results = [
+        stacked(Kind.STATE, eq.rates),
+        stacked(Kind.RESIDUAL, eq.residuals),
+        stacked(Kind.OUTPUT, eq.outputs),
+        *forces,
+    ]
+    return ca.Function(name, inputs, results)
+
+
+def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[ca.SX]]:
+    """Symbols for all that a component's equations read, as attributes and as inputs of its function."""
     time, gravity = ca.SX.sym("t"), ca.SX.sym("gravity")
     v = SimpleNamespace(time=time, gravity=gravity)
     vectors = []
@@ -123,26 +173,17 @@ def _component_function(component: Component, variables: tuple[Variable, ...], n
         vectors.append(ca.vertcat(*symbols))
     ports = []
     for port in component.ports:
-        symbol = ca.SX.sym(port.name, 4)
+        symbol = ca.SX.sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
         three = (symbol[0], symbol[1], symbol[2])
         if isinstance(port, RopeEnd):
             setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
         else:
-            setattr(v, port.name, SimpleNamespace(force=three, speed=symbol[3]))
+            setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
         ports.append(symbol)
-    eq = component.equations(v)
-
-    def stacked(kind: Kind, by_name: Any) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
-
-    forces = [ca.vertcat(*eq.forces[port.name]) for port in component.ports if isinstance(port, RopeEnd)]
-    results = [
-        stacked(Kind.STATE, eq.rates),
-        stacked(Kind.RESIDUAL, eq.residuals),
-        stacked(Kind.OUTPUT, eq.outputs),
-        *forces,
-    ]
-    return ca.Function(name, [time, gravity, *vectors, *ports], results)
+    signals = ca.SX.sym("signals", len(component.signals))
+    for i, name in enumerate(component.signals):
+        setattr(v, name, signals[i])
+    return v, [time, gravity, *vectors, signals, *ports]
 
 
 def _join(
@@ -171,11 +212,22 @@ def _join(
     results: dict[str, Sequence[ca.MX]] = {}
     force_on: dict[tuple[str, str], ca.MX] = {}
 
-    def call(component: Component, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
+    def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
+        return [t, gravity, *(parts[kind][component.name] for kind in _SYMBOLS), signals, *ports]
+
+    def call(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
         f = kinds.get(component, sites[component.name], variables[component.name])
-        vectors = [parts[kind][component.name] for kind in _SYMBOLS]
-        out: Sequence[ca.MX] = f(t, gravity, *vectors, *ports)
+        # A function of one output, as that of a part without ports, returns it bare.
+        out: Sequence[ca.MX] = f.call(inputs(component, signals, ports))
         return out
+
+    def forces(component: Component) -> list[ca.MX]:
+        found = []
+        for port in component.ports:
+            driver = speed_of.get((component.name, port.name))
+            speed = ca.MX(0.0) if driver is None else variable(*driver)
+            found.append(ca.vertcat(force_on[component.name, port.name], speed))
+        return found
 
     for c in system.components.values():
         if any(isinstance(port, RopeEnd) for port in c.ports):
@@ -185,18 +237,21 @@ def _join(
                 travel = seats[node, seat_name].travel
                 q = ca.MX(0.0) if travel is None else variable(node, travel)
                 ports.append(ca.vertcat(*(variable(node, axis) for axis in "xyz"), q))
-            out = call(c, ports)
+            out = call(c, ca.MX(0, 1), ports)
             results[c.name] = out
             for port, force in zip(c.ports, out[3:], strict=True):
-                force_on[system.connections[c.name, port.name]] = -force
+                force_on[system.connections[c.name, port.name]] = force
+    shares: dict[str, ca.MX] = {}
+    for unit, fed in _power_units(system).items():
+        demands = [kinds.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed]
+        results[unit.name] = call(unit, sum(demands, ca.MX(2, 1)), [])
+        names = [v.name for v in variables[unit.name] if v.kind is Kind.OUTPUT]
+        share = ca.vertcat(*(results[unit.name][2][names.index(name)] for name in ("flow_share", "power_share")))
+        shares.update({c.name: share for c in fed})
     for c in system.components.values():
         if c.name not in results:
-            ports = []
-            for port in c.ports:
-                driver = speed_of.get((c.name, port.name))
-                speed = ca.MX(0.0) if driver is None else variable(*driver)
-                ports.append(ca.vertcat(force_on[c.name, port.name], speed))
-            results[c.name] = call(c, ports)
+            signals = shares.get(c.name, ca.MX(ca.DM.ones(len(c.signals), 1)))
+            results[c.name] = call(c, signals, forces(c))
     ode, alg, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in range(3))
     arguments = [t, *(whole[kind] for kind in _SYMBOLS)]
     names = ["t", "x", "z", "u", "p", "d"]
@@ -204,6 +259,18 @@ def _join(
         ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"]),
         ca.Function("outputs", arguments, [y], names, ["y"]),
     )
+
+
+def _power_units(system: System) -> dict[HydraulicPowerUnit, list[ControlSheave]]:
+    """The drives that each power unit feeds."""
+    units: dict[HydraulicPowerUnit, list[ControlSheave]] = {
+        c: [] for c in system.components.values() if isinstance(c, HydraulicPowerUnit)
+    }
+    for drive, unit in system.supplies.items():
+        sheave, source = system.components[drive], system.components[unit]
+        if isinstance(sheave, ControlSheave) and isinstance(source, HydraulicPowerUnit):
+            units[source].append(sheave)
+    return units
 
 
 def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
@@ -249,10 +316,17 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
         slots=Slots(count=np.array(count), **first),
         length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
         held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
     )
+
+
+def _in_order(runs: Sequence[Run]) -> list[ControlSheave]:
+    """The control sheaves in the order of the ropes, each once."""
+    found = {node.name: node for run in runs for node in run.nodes if isinstance(node, ControlSheave)}
+    return list(found.values())
 
 
 def _limits(system: System, outputs: Table) -> Limits:

@@ -8,9 +8,10 @@ side; it then stands on the sheave, which carries it, until one side wins.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+
 from ropeway.systems.state import LineState
 
 NEAR = 1e-9
@@ -65,6 +66,14 @@ def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
             load = int(state.passed[r][k]) - (0 if forward else 1)
             best = Crossing(float(times[k]), float(gap.ahead[k] if forward else gap.behind[k]), r, k, load, forward)
     return best
+
+
+def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Crossing:
+    """The same crossing from here: its time and gap anew."""
+    gap, rate = gaps(state, crossing.r), float(rates[crossing.r][crossing.k])
+    value = float((gap.ahead if crossing.forward else gap.behind)[crossing.k])
+    way = rate if crossing.forward else -rate
+    return replace(crossing, gap=value, time=value / way if way > 1e-12 else np.inf)
 
 
 def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Crossing]:
@@ -155,7 +164,8 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
 
 
 def apply(state: LineState, crossing: Crossing) -> str:
-    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
+    """Moves the load, or leaves it on the support; returns what happened, nothing for the other half of a
+    crossing at the wheel where an endless rope begins and ends. The line is not solved anew."""
     run, k = state.runs[crossing.r], crossing.k
     if not passes(state, crossing):
         state.hold(crossing.r, k, crossing.load)
@@ -164,25 +174,23 @@ def apply(state: LineState, crossing: Crossing) -> str:
     state.write_slots()
     last = len(run.nodes) - 1
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
-    if k in (0, last):
+    if run.closed and k == last:
+        return ""
+    if k in (0, last) and not run.closed:
         return "load put on" if entering else "load taken off"
     return "crossing forward" if crossing.forward else "crossing backward"
 
 
-def release(state: LineState) -> list[tuple[Crossing, float]]:
-    """For each load that stands on a sheave the larger of the two forces by which a side is ahead [N]:
-    positive when it leaves, forward or backward as the crossing says."""
+def pulls(state: LineState) -> list[tuple[Crossing, float]]:
+    """For each load that stands on a sheave, forward and backward, the force by which that side is ahead of
+    the other [N]: the load leaves when it is positive."""
     found = []
-    for r, layout in enumerate(state.model.layouts):
-        on = np.flatnonzero((layout.held >= 0) & (state.point.d[np.maximum(layout.held, 0)] > 0.0))
-        for k in on:
-            start = layout.start(state.point.p)[k]
-            place = start - state.point.d[layout.held_travel[k]]
-            load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
-            s = sides(state, r, int(k), load)
-            forward, backward = s.out_loaded - s.in_bare, s.in_loaded - s.out_bare
-            ahead = forward >= backward
-            found.append((Crossing(0.0, 0.0, r, int(k), load, ahead), max(forward, backward)))
+    for r, k, travel in state.standing():
+        place = state.model.layouts[r].start(state.point.p)[k] - travel
+        load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
+        s = sides(state, r, k, load)
+        found.append((Crossing(0.0, 0.0, r, k, load, True), s.out_loaded - s.in_bare))
+        found.append((Crossing(0.0, 0.0, r, k, load, False), s.in_loaded - s.out_bare))
     return found
 
 

@@ -1,7 +1,7 @@
 """The empty rope at rest over its supports: how its length is shared out between them.
 
 At rest the tension is equal on both sides of each support, and along each span the strain potential
-changes by w times the height gained (EQUATIONS T17). So the tension at every support follows in closed
+changes by w times the height gained. So the tension at every support follows in closed
 form from the first one, and each span is a small problem of its own: they are solved side by side.
 """
 
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError
@@ -71,19 +72,28 @@ def lengths_for_total(
     return guess * (total / guess.sum())
 
 
+def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:
+    """Tension of the empty rope at each of the support points (n, 3) for a tension [N] at the first.
+
+    Raises SlackRopeError where none is left.
+    """
+    level = strain.potential(tension) + weight * (at[:, 2] - at[0, 2])
+    if level.min() <= 0.0:
+        raise SlackRopeError(
+            f"A tension of {tension:.6g} N at the first support leaves none at support {int(np.argmin(level)) + 1}, "
+            f"{at[0, 2] - at[int(np.argmin(level)), 2]:.6g} m below it",
+            "Raise the tension",
+        )
+    support = level.copy()
+    for _ in range(30):
+        support = support - (strain.potential(support) - level) / (1.0 + strain.at(support))
+    return np.asarray(support)
+
+
 def _solve(at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str]) -> _Taut:
     """All spans by Newton's method on (horizontal tension, vertical component at the start, length)."""
     chords = parabola.Chords.between(at)
-    level = strain.potential(tension) + weight * (at[:, 2] - at[0, 2])
-    support = np.maximum(level, 1e-9)
-    for _ in range(20):
-        support = support - (strain.potential(support) - level) / (1.0 + strain.at(support))
-    if level.min() <= 0.0:
-        k = max(int(np.argmin(level)) - 1, 0)
-        raise SlackRopeError(
-            f"A tension of {tension:.6g} N at the first support leaves span {names[k]!r} without tension",
-            "Raise the tension",
-        )
+    support = support_tensions(at, weight, strain, tension)
     # What 1 N at the first support does at the others: the potential rises alike.
     gain = (1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1]))
     mean = (support[:-1] + support[1:]) / 2.0

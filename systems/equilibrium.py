@@ -8,16 +8,17 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.sparse.linalg import splu
+
 from ropeway.components import catenary
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, component_of
-from ropeway.systems.newton import Newton, Point, Slot, newton_of
+from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
-from scipy.sparse.linalg import splu
 
 _LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
 
@@ -39,7 +40,7 @@ class Equilibrium:
     @cached_property
     def outputs(self) -> np.ndarray:
         """Values of all outputs, in the order of `model.y`."""
-        return np.array(self.model.outputs(*self.point.arguments)).ravel()
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def __getitem__(self, name: str) -> float:
         kind, k = find(self.model, self.runs, self.passed, name)
@@ -151,21 +152,28 @@ def equilibrium(
         raise UnbalancedSystemError(
             f"{len(wanted)} values are given and {len(freed_names)} are solved for", "Free one for each one given"
         )
+    for name, value in wanted.items():
+        if not np.isfinite(value):
+            raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
     if start is None:
         state = LineState.cold(model)
     elif start.model.z.names == model.z.names:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
+        for r, k, _ in state.standing():
+            state.release(r, k)
     else:
         raise InputError("start is the equilibrium of another system", "Start from one of the same components")
     for name, value in (parameters or {}).items():
         state.set(name, value)
-    if start is None and parameters:
-        state.restart()
+    if parameters:
+        state.restart() if start is None else state.write_slots()
     if wanted:
         _solve_swapped(state, wanted, [model.swaps.get(n, n) for n in freed_names])
     else:
         solve(state)
+        if start is None:
+            _let_out(state)
     state.rezero()
     return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
 
@@ -203,22 +211,74 @@ def _newton(state: LineState) -> None:
         return
     except EquilibriumError as error:
         first = error
-    state.point.z[:] = start.z
-    for scale in (1.0, 0.3, 3.0):
-        state.point.z[:] = start.z
-        for layout in state.model.layouts:
-            for axis in range(3):
-                state.point.z[layout.force + axis] *= scale
-        try:
-            damping = 1e3
-            while damping > 1e-4:
-                newton.solve(state.point, damping=damping)
-                damping /= 10.0
-            newton.solve(state.point)
-            return
-        except EquilibriumError:
-            continue
+    for way in (_release_idlers, _stiffen):
+        for scale in (1.0, 0.3, 3.0):
+            state.point.z[:] = start.z
+            for layout in state.model.layouts:
+                for axis in range(3):
+                    state.point.z[layout.force + axis] *= scale
+            try:
+                way(newton, state)
+                return
+            except EquilibriumError:
+                state.point.p[:] = start.p
     raise first
+
+
+def _release_idlers(newton: Newton, state: LineState) -> None:
+    """Newton's method with the idlers held back, by degrees less."""
+    for power in range(3, -5, -1):
+        newton.solve(state.point, damping=10.0**power)
+    newton.solve(state.point)
+
+
+def _stiffen(newton: Newton, state: LineState) -> None:
+    """Newton's method with a soft rope, by degrees stiffer: a nearly inextensible one can be hard to start."""
+    places = np.concatenate([layout.compliance for layout in state.model.layouts])
+    wanted = state.point.p[places].copy()
+    for power in range(-5, -13, -1):
+        state.point.p[places] = np.maximum(wanted, 10.0**power)
+        newton.solve(state.point)
+    state.point.p[places] = wanted
+    newton.solve(state.point)
+
+
+SLACK = 1.02
+"""Rope over chord (a sag of 9 %) beyond which loads on idlers can have several stable places."""
+
+
+def _let_out(state: LineState) -> None:
+    """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
+
+    Where that cannot be followed, the equilibrium found stays.
+    """
+    slack = False
+    for r, run in enumerate(state.runs):
+        chord = np.linalg.norm(np.diff(run.points, axis=0), axis=1)
+        loaded = len(run.loads.place) > 0 and any(node.balance is not None for node in run.nodes)
+        slack = slack or (loaded and bool(np.any(np.diff(state.rope(r)) > SLACK * chord)))
+    if not slack or state.standing():
+        return
+    trial = LineState.cold(state.model)
+    trial.point.p[:] = state.point.p
+    lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
+    places = [run.loads.place for run in state.runs]
+    try:
+        for share in np.linspace(0.0, 1.0, 41):
+            for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
+                chord = np.linalg.norm(np.diff(run.points, axis=0), axis=1)
+                taut = np.minimum(chord.sum() * (1.0 + 1e-4) / lengths[r].sum(), 1.0)
+                part = taut + share * (1.0 - taut)
+                trial.point.p[layout.length_start] = part * lengths[r]
+                trial.runs[r] = replace(run, loads=replace(run.loads, place=part * places[r]))
+            if share == 0.0:
+                trial.restart()
+            trial.write_slots()
+            solve(trial)
+    except EquilibriumError:
+        return
+    if not trial.standing() and any(np.any(a != b) for a, b in zip(trial.passed, state.passed, strict=True)):
+        state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
 
 
 def _check(state: LineState) -> None:

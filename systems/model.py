@@ -8,9 +8,11 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
+from ropeway.systems.sampling import Clock
 from ropeway.systems.system import System
 
 
@@ -23,6 +25,7 @@ class Table:
     descriptions: tuple[str, ...]
     values: np.ndarray
     nominals: np.ndarray
+    positive: np.ndarray
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -93,12 +96,13 @@ class Slots:
 
 @dataclass(frozen=True)
 class Layout:
-    """A run's places in the vectors of the model: travels, slots, each span's starting length and tension
-    vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
+    """A run's places in the vectors of the model: travels, slots, each span's starting length, compliance and
+    tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
 
     travel: Travel
     slots: Slots
     length_start: np.ndarray
+    compliance: np.ndarray
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray
@@ -141,7 +145,8 @@ class Model:
     `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
     units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
     a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
-    the output is solved for. `system` holds the declarations it was made from.
+    the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
+    follow from where the loads are. `system` holds the declarations it was made from.
     """
 
     system: System
@@ -154,6 +159,8 @@ class Model:
     balances: tuple[Balance, ...]
     swaps: dict[str, str]
     limits: Limits
+    clocks: tuple[Clock, ...]
+    kept: np.ndarray
 
     @property
     def name(self) -> str:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csc_matrix
+
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.model import Model, component_of
-from scipy.sparse import csc_matrix
 
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
@@ -36,9 +37,9 @@ class Point:
         return vectors[VECTORS.index(kind)]
 
     @property
-    def arguments(self) -> tuple[float | np.ndarray, ...]:
+    def arguments(self) -> tuple[np.ndarray, ...]:
         """Arguments of the model's functions."""
-        return (self.t, self.x, self.z, self.u, self.p, self.d)
+        return (np.array([self.t]), self.x, self.z, self.u, self.p, self.d)
 
     def copy(self) -> Point:
         """With vectors of its own."""
@@ -53,12 +54,12 @@ class Buffered:
         self._buffer, self._call = function.buffer()
         self.results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
         for i, result in enumerate(self.results):
-            self._buffer.set_res(i, memoryview(result))
+            self._buffer.set_res(i, result.data)
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
         """Results as nonzeros; they are overwritten by the next call."""
         for i, argument in enumerate(arguments):
-            self._buffer.set_arg(i, memoryview(argument))
+            self._buffer.set_arg(i, argument.data)
         self._call()
         return self.results
 
@@ -66,9 +67,6 @@ class Buffered:
 class Newton:
     """Solves a model's algebraic equations for its algebraic variables and, in exchange for `given` values
     of variables or outputs, for the `freed` entries of its other vectors."""
-
-    tolerance = 1e-12
-    """Newton step that would follow the last one, scaled."""
 
     def __init__(self, model: Model, freed: Sequence[Slot] = (), given: Sequence[Slot] = ()) -> None:
         self.model = model
@@ -80,7 +78,7 @@ class Newton:
         for i, (kind, k) in enumerate(freed, len(model.z)):
             full[kind] = ca.vertcat(full[kind][:k], v[i] * self.scale[i], full[kind][k + 1 :])
         arguments = [time, *(full[kind] for kind in VECTORS)]
-        ode, alg = model.dae.expand()(*arguments)
+        ode, alg = expanded(model)(*arguments)
         target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")
         anchor, slope = ca.SX.sym("anchor", len(model.z)), ca.SX.sym("slope", len(model.u))
         residual = alg / model.r.nominals - damping * _drag(model, v, anchor)
@@ -141,42 +139,14 @@ class Newton:
         rest[6] = np.array([damping])
         if slope is not None:
             rest[8] = slope
-        residual: np.ndarray | None = None
-        step, before, last = np.zeros(n), np.inf, np.inf
-        for _ in range(iterations):
-            try:
-                value, sides = self._step(v, *rest)
-            except RuntimeError as error:
-                raise self._failure(residual, "The equations are singular") from error
-            after = float(np.linalg.norm(value))
-            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
-                v = self._shorten(v, step, before, rest, residual)
-                last = np.inf
-                value, sides = self._step(v, *rest)
-                after = float(np.linalg.norm(value))
-            residual, step = value.copy(), sides[:n].copy()
-            size = float(np.abs(step).max())
-            if not np.isfinite(size):
-                raise self._failure(residual, "The equations are singular")
-            # Convergence is quadratic: the next step would be about size * (size / last)^2.
-            if (size * min(1.0, (size / last) ** 2) <= self.tolerance and size < 1e-3) or after <= 1e-15 * np.sqrt(n):
-                self._put(v - step, point)
-                return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
-            v, before, last = v - step, after, size
-        raise self._failure(residual, f"Newton's method has not converged in {iterations} iterations")
 
-    def _shorten(
-        self, v: np.ndarray, step: np.ndarray, before: float, rest: list[np.ndarray], residual: np.ndarray
-    ) -> np.ndarray:
-        """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
-        share = 0.5
-        while share > 1e-7:
-            trial = v + (1.0 - share) * step
-            (value,) = self._value(trial, *rest)
-            if float(np.linalg.norm(value)) <= (1.0 - 0.1 * share) * before:
-                return np.asarray(trial)
-            share *= 0.5
-        raise self._failure(residual, "Newton's method makes no progress")
+        def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, sides = self._step(v, *rest)
+            return value.copy(), sides.copy()
+
+        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self._names, iterations)
+        self._put(v, point)
+        return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
 
     def _start(self, point: Point) -> np.ndarray:
         freed = [point.vector(kind)[k] for kind, k in self.freed]
@@ -188,17 +158,92 @@ class Newton:
         for value, (kind, k) in zip(values[len(point.z) :], self.freed, strict=True):
             point.vector(kind)[k] = value
 
-    def _failure(self, residual: np.ndarray | None, reason: str) -> EquilibriumError:
-        worst, place = None, ""
-        if residual is not None and len(residual):
-            k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))
-            name = self.model.r.names[k] if k < len(self.model.r) else "a given value"
-            worst, place = component_of(name), f" (worst: {name})"
-        return EquilibriumError(
-            f"{reason} in system {self.model.name!r}{place}",
-            "Check lengths, tensions and loads there, or start from a nearby equilibrium with start=",
-            worst,
-        )
+    @property
+    def _names(self) -> Sequence[str]:
+        return self.model.r.names
+
+
+def damped(
+    v: np.ndarray,
+    step: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    value: Callable[[np.ndarray], np.ndarray],
+    names: Sequence[str],
+    iterations: int = 50,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newton's method from `v`, damped where the residual does not fall.
+
+    step(v): residual (n,) and the solutions of the linear system for it and for more right-hand sides, one
+    after the other; value(v): residual alone. Returns the root and the last of these solutions. `names` of
+    the residuals are for the error. Raises EquilibriumError.
+    """
+    n = len(v)
+    residual: np.ndarray | None = None
+    move, before, last = np.zeros(n), np.inf, np.inf
+    for _ in range(iterations):
+        try:
+            now, sides = step(v)
+            after = float(np.linalg.norm(now))
+            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+                v = _shortened(v, move, before, value, residual, names)
+                last = np.inf
+                now, sides = step(v)
+                after = float(np.linalg.norm(now))
+        except RuntimeError as error:
+            raise _failure(residual, "The equations are singular", names) from error
+        residual, move = now, sides[:n]
+        size = float(np.abs(move).max())
+        if not np.isfinite(size):
+            raise _failure(residual, "The equations are singular", names)
+        # Convergence is quadratic: the next step would be about size * (size / last)^2.
+        coming = size * (size / last) ** 2 if np.isfinite(last) else 100.0 * size**2
+        if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
+            return v - move, sides
+        v, before, last = v - move, after, size
+    raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+
+
+def _shortened(
+    v: np.ndarray,
+    move: np.ndarray,
+    before: float,
+    value: Callable[[np.ndarray], np.ndarray],
+    residual: np.ndarray,
+    names: Sequence[str],
+) -> np.ndarray:
+    """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
+    share = 0.5
+    while share > 1e-7:
+        trial = v + (1.0 - share) * move
+        if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
+            return trial
+        share *= 0.5
+    raise _failure(residual, "Newton's method makes no progress", names)
+
+
+def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> EquilibriumError:
+    worst, place = None, ""
+    if residual is not None and len(residual):
+        k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))
+        name = names[k] if k < len(names) else "a given value"
+        worst, place = component_of(name), f" (worst: {name})"
+    return EquilibriumError(
+        f"{reason}{place}",
+        "Check lengths, tensions and loads there, or start from a nearby equilibrium with start=",
+        worst,
+    )
+
+
+@lru_cache(maxsize=16)
+def expanded(model: Model) -> ca.Function:
+    """The model's equations as one scalar graph, for numerical work."""
+    return model.dae.expand()
+
+
+@lru_cache(maxsize=16)
+def outputs_of(model: Model) -> Buffered:
+    """The model's outputs as a function of a point's arguments, as arrays."""
+    arguments = model.outputs.sx_in()
+    return Buffered(ca.Function("outputs", arguments, [ca.densify(model.outputs.expand()(*arguments))]))
 
 
 def _nominal(model: Model, slot: Slot) -> float:

@@ -8,13 +8,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-import casadi as ca
 import numpy as np
 import pandas as pd
+
 from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.newton import newton_of
+from ropeway.systems.report import Summary, energy, power, summary
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState, Record
 
@@ -34,14 +35,16 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A simulation. `records` are all states written down, both sides of every event among them, `on_grid`
-    marks those of the frame; `parameters` is the model's parameter vector of the run."""
+    """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
+    marks those of the frame, `exact` those in which every section of the line was solved: the others are
+    solved when they are asked for. `parameters` is the model's parameter vector of the run."""
 
     model: Model
     runs: tuple[Run, ...]
     parameters: np.ndarray
     records: tuple[Record, ...]
     on_grid: np.ndarray
+    exact: np.ndarray
     crossings: tuple[Event, ...]
 
     @property
@@ -50,34 +53,39 @@ class Result:
         return np.array([r.time for r in self.records])
 
     @cached_property
+    def _solved(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outputs and algebraic variables at all records."""
+        y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
+        for i in range(len(self.records)):
+            state = self._state(i)
+            y[i], z[i] = state.outputs(), state.point.z
+        return y, z
+
+    @property
     def outputs(self) -> np.ndarray:
         """All outputs at all records, shape (records, ny)."""
-        m = self.model
-        arguments = m.outputs.sx_in()
-        f = Buffered(ca.Function("outputs", arguments, [ca.densify(m.outputs.expand()(*arguments))]))
-        rows = np.empty((len(self.records), len(m.y)))
-        for i in range(len(self.records)):
-            q = self._state(i).point
-            rows[i] = f(np.array([q.t]), q.x, q.z, q.u, q.p, q.d)[0]
-        return rows
+        return self._solved[0]
 
     def _state(self, i: int) -> LineState:
-        return LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        if not self.exact[i]:
+            newton_of(self.model).solve(state.point)
+        return state
 
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, at all records: both sides of each event."""
         m = self.model
         keep = [i for i, name in enumerate(m.y.names) if ".slot_" not in name]
-        travel = [i for i, name in enumerate(m.z.names) if name.endswith(".travel")]
-        z = np.array([r.z[travel] for r in self.records])
+        moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
+        z = self._solved[1][:, moves]
         blocks = [
             self.outputs[:, keep],
             z,
             np.array([r.x for r in self.records]),
             np.array([r.u for r in self.records]),
         ]
-        tables = [(m.y, keep), (m.z, travel), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
         frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}
@@ -141,6 +149,23 @@ class Result:
             state.held,
         )
 
+    def record(self, i: int) -> Equilibrium:
+        """The line at a record, by its place in `full_frame`."""
+        state = self._state(i)
+        return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
+
+    def summary(self) -> Summary:
+        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held."""
+        return summary(self)
+
+    def power(self) -> pd.DataFrame:
+        """Mean and highest power [W], energy pulled and recovered [J] of each control sheave and the line."""
+        return power(self)
+
+    def energy(self) -> pd.Series:
+        """The energy balance of the run [J]."""
+        return energy(self)
+
     def _between(self, i: int, share: float) -> np.ndarray:
         """States between two records, cubic in time."""
         a, b = self._state(i).point, self.records[i + 1]
@@ -169,6 +194,12 @@ class Result:
         from ropeway.systems.plot import tensions_over_time
 
         return tensions_over_time(self, components)
+
+    def plot_power(self) -> Figure:
+        """Power of the control sheaves over time, and energy pulled and recovered."""
+        from ropeway.systems.plot import power_over_time
+
+        return power_over_time(self)
 
     def plot_line(self, time: float | None = None) -> Figure:
         """The line at a time [s], by default the last: profile, loads, supports, tensions."""

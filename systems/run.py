@@ -7,10 +7,11 @@ nearest to its end a. A crossing adds or takes away one; no load can be lost or 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.rope import Rope
@@ -64,6 +65,11 @@ class Run:
         return np.array([node.at for node in self.nodes])
 
     @property
+    def closed(self) -> bool:
+        """Whether the rope ends where it begins, at a driven wheel."""
+        return self.nodes[0] is self.nodes[-1]
+
+    @property
     def moves(self) -> bool:
         """Whether rope can run over its ends or through a drive."""
         return any(n.drive_speed is not None or n.kept_tension is not None for n in self.nodes)
@@ -98,18 +104,41 @@ def find_runs(system: System) -> tuple[Run, ...]:
                 )
             follows[name] = other
     starts = [name for name in spans if name not in follows.values()]
+    starts += _cuts(spans, follows, starts, system)
     runs = []
     for start in starts:
         chain = [start]
-        while chain[-1] in follows:
+        while chain[-1] in follows and follows[chain[-1]] != start:
             chain.append(follows[chain[-1]])
         on = tuple(spans[name] for name in chain)
         over = (nodes[system.connections[start, "a"][0]], *(nodes[system.connections[s.name, "b"][0]] for s in on))
         runs.append(_run(system, over, on))
-    covered = {span.name for run in runs for span in run.spans}
-    if lost := set(spans) - covered:
-        raise UnbalancedSystemError(f"Spans {sorted(lost)} form a closed loop", "Give the rope a beginning and an end")
     return tuple(runs)
+
+
+def _cuts(spans: Iterable[str], follows: Mapping[str, str], starts: Sequence[str], system: System) -> list[str]:
+    """For each endless rope the span that leaves its first driven wheel. Raises UnbalancedSystemError."""
+    open_ended = set(starts)
+    for start in starts:
+        while start in follows:
+            start = follows[start]
+            open_ended.add(start)
+    cuts, left = [], [name for name in spans if name not in open_ended]
+    while left:
+        loop = [left[0]]
+        while follows[loop[-1]] != loop[0]:
+            loop.append(follows[loop[-1]])
+        for name in loop:
+            node = system.components[system.connections[name, "a"][0]]
+            if isinstance(node, Node) and node.drive_speed is not None:
+                cuts.append(name)
+                break
+        else:
+            raise UnbalancedSystemError(
+                f"No wheel drives the endless rope {loop[0]} ... {loop[-1]}", "Make one of them a ControlSheave"
+            )
+        left = [name for name in left if name not in loop]
+    return cuts
 
 
 def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Run:
@@ -125,11 +154,15 @@ def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Ru
     index = {span.name: k for k, span in enumerate(spans)}
     feed = next((f for f in system.feeds if f.spans[0].name in index), None)
     if feed is not None:
-        if feed.spans != spans:
+        if set(feed.spans) != set(spans):
             raise InputError("feed covers part of a rope", "Feed the whole run, from its first span to its last")
+        if nodes[0] is nodes[-1]:
+            feed = _around(feed, float(start[-1]))
         loads = fed(feed, start[-1])
     else:
         hung = [h for h in system.hung if h.spans[0].name in index]
+        if hung and nodes[0] is nodes[-1]:
+            raise InputError(f"Load {hung[0].load.name!r} hangs on an endless rope", "Use feed there")
         names = tuple(h.load.name for h in hung)
         first = np.array([index[h.spans[0].name] for h in hung], dtype=int)
         single = np.array([len(h.spans) == 1 and len(spans) > 1 for h in hung], dtype=bool)
@@ -142,6 +175,13 @@ def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Ru
             at,
         ).sorted(start)
     return Run(nodes, spans, loads, feed)
+
+
+def _around(feed: Feed, length: float) -> Feed:
+    """The feed of an endless rope: as many loads as fit, evenly spread; each comes back after one round."""
+    count = max(1, round(length / feed.spacing))
+    masses = tuple(feed.masses[i % len(feed.masses)] for i in range(count))
+    return replace(feed, spacing=length / count, masses=masses, around=count)
 
 
 def fed(feed: Feed, length: float) -> Loads:
@@ -158,8 +198,9 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
     """With `more` loads behind the last one."""
     number = len(loads.place) + np.arange(more)
     masses = np.array(feed.masses)[number % len(feed.masses)]
+    names = number if feed.around is None else number % feed.around
     return Loads(
-        loads.names + tuple(f"l{i + 1}" for i in number),
+        loads.names + tuple(f"l{i + 1}" for i in names),
         np.concatenate([loads.mass, masses]),
         np.concatenate([loads.place, loads.place[-1] - feed.spacing * np.arange(1, more + 1)]),
         np.concatenate([loads.pinned, np.full(more, -1)]),

@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
+
 from ropeway.components import check
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
-from ropeway.systems.idas import Idas
-from ropeway.systems.model import Model, nearest
-from ropeway.systems.newton import Buffered, newton_of
+from ropeway.systems.intervention import Intervention
+from ropeway.systems.model import Model, component_of, nearest
+from ropeway.systems.moving import Moving, Signal, breaks_of
+from ropeway.systems.newton import Buffered
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result
+from ropeway.systems.sampling import Clock
 from ropeway.systems.state import LineState, Record
 from ropeway.systems.system import System
-
-Signal = float | Schedule
 
 
 def simulate(
@@ -34,6 +33,7 @@ def simulate(
     inputs: Mapping[str, Signal] | None = None,
     start: Equilibrium | None = None,
     tolerance: float = 1e-6,
+    interventions: Sequence[Intervention] = (),
     stop_at: Sequence[str] = (),
     progress: bool | None = None,
 ) -> Result:
@@ -41,8 +41,8 @@ def simulate(
 
     until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
     left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from;
-    tolerance: of IDAS, relative and absolute on scaled variables; stop_at: names of events at which to stop;
-    progress: show a bar (by default only on a terminal).
+    interventions: brakes, failures, an emergency stop; tolerance: of IDAS, absolute on scaled variables;
+    stop_at: names of events at which to stop; progress: show a bar (by default only on a terminal).
 
     Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
     """
@@ -51,8 +51,12 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
+    known = {*model.limits.events, "load held"}
+    if unknown := [event for event in stop_at if event not in known]:
+        raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
+    _check_interventions(model, interventions)
     rest = equilibrium(model) if start is None else start
-    run = _Simulation(rest, signals, tolerance, tuple(stop_at))
+    run = _Simulation(rest, signals, interventions, tolerance, tuple(stop_at))
     with bar("simulate", until, progress) as advance:
         try:
             run.go(until, every, advance)
@@ -87,12 +91,14 @@ def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[
     return tuple(signals)
 
 
-class _Motion(NamedTuple):
-    """Rates at a point [per s]: of the states, of the algebraic variables, and of each run's travels."""
-
-    x: np.ndarray
-    z: np.ndarray
-    travel: list[np.ndarray]
+def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
+    for intervention in interventions:
+        if intervention.component is not None and intervention.entry[0] not in model.d.index:
+            known = [component_of(n) for n in model.d.names if n.endswith(intervention.entry[0].split(".")[1])]
+            raise UnknownNameError(
+                f"{intervention.action!r} does not apply to {intervention.component!r}",
+                f"It applies to {', '.join(known) or 'nothing in this system'}",
+            )
 
 
 class _Simulation:
@@ -100,19 +106,44 @@ class _Simulation:
 
     short = 5e-3
     """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    tiny = 1e-4
+    """Stretches up to this [s] are a straight line: the second order is below rounding."""
 
     def __init__(
-        self, start: Equilibrium, signals: Sequence[Signal], tolerance: float, stop_at: tuple[str, ...]
+        self,
+        start: Equilibrium,
+        signals: Sequence[Signal],
+        interventions: Sequence[Intervention],
+        tolerance: float,
+        stop_at: tuple[str, ...],
     ) -> None:
-        self.state = LineState(start.model, start.point.copy(), start.runs, start.passed)
-        self.state.unpin()
-        self.signals = signals
-        self.tolerance = tolerance
+        state = LineState(start.model, start.point.copy(), start.runs, start.passed)
+        state.unpin()
+        self.line = Moving(state, signals, tolerance, lambda exact: self.record(exact=exact), self.note, self.mark)
         self.stop_at = stop_at
         self.records: list[Record] = []
         self.on_grid: list[bool] = []
+        self.exact: list[bool] = []
         self.events: list[Event] = []
-        self.breaks = np.unique(np.concatenate([[], *(s.breaks() for s in signals if isinstance(s, Schedule))]))
+        self.interventions = sorted(interventions, key=lambda i: i.time)
+        self.ticks = [0] * len(start.model.clocks)
+        self.responding = True
+
+    @property
+    def state(self) -> LineState:
+        """Where the line is."""
+        return self.line.state
+
+    def mark(self) -> Callable[[], None]:
+        """Marks what is written down; the function it returns drops all that came later."""
+        records, events = len(self.records), len(self.events)
+
+        def drop() -> None:
+            for written in (self.records, self.on_grid, self.exact):
+                del written[records:]
+            del self.events[events:]
+
+        return drop
 
     def result(self) -> Result:
         """Everything so far."""
@@ -123,171 +154,119 @@ class _Simulation:
             state.point.p,
             tuple(self.records),
             np.array(self.on_grid, dtype=bool),
+            np.array(self.exact, dtype=bool),
             tuple(self.events),
         )
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""
-        self.set_time(0.0)
-        motion = self.solve(until)
+        self.line.set_time(0.0)
+        self.line.solve(until)
         self.record(on_grid=True)
         count, grid = 1, min(every, until)
         while True:
-            t = self.state.point.t
-            stop = min([grid, *self.breaks[self.breaks > t + 1e-9][:1]])
-            coming = loads.next_crossing(self.state, motion.travel)
-            h = stop - t if coming is None else min(stop - t, max(coming.time, 0.0))
-            on_sheave = bool(self.state.held)
-            before = self.state.copy()
-            motion = self.advance(min(h, 0.02) if on_sheave else h, motion, stop)
-            if on_sheave and self.let_go(before, stop):
-                motion = self.solve(stop)
-            t = self.state.point.t
-            coming = loads.next_crossing(self.state, motion.travel)
-            if coming is not None and coming.time <= max(0.0, min(self.short, stop - t)):
-                first, motion = self.locate(before, coming, motion, stop)
-                motion = self.cross(first, motion, stop)
-            elif t >= grid - 1e-9 * every:
-                self.set_time(grid)
+            t = self.line.time
+            stop = min([grid, self.next_act(), *self.line.breaks[self.line.breaks > t + 1e-9][:1]])
+            self.line.run_to(stop)
+            self.act()
+            if stop >= grid:
                 self.record(on_grid=True)
                 advance(grid)
-                if grid >= until or self.limit_reached():
+                if grid >= until:
                     return
                 count, grid = count + 1, min((count + 1) * every, until)
-                motion = self.solve(grid)
+            if self.stop_at and self.stopped():
+                return
 
-    def set_time(self, t: float) -> None:
-        """Sets the clock, and the inputs to their values then."""
-        self.state.point = replace(self.state.point, t=t)
-        self.state.point.u[:] = self.inputs_at(t)
+    def next_act(self) -> float:
+        """Time of the next tick of a clock or intervention [s]."""
+        ticks = [c.phase + n * c.period for c, n in zip(self.state.model.clocks, self.ticks, strict=True)]
+        return min([np.inf, *(ticks if self.responding else []), *(i.time for i in self.interventions[:1])])
 
-    def inputs_at(self, t: float) -> np.ndarray:
-        """Values of all inputs, shape (nu,)."""
-        return np.array([s.at(t) if isinstance(s, Schedule) else s for s in self.signals], dtype=float)
-
-    def slope(self, stop: float) -> np.ndarray:
-        """Rates of the inputs from now to `stop`, no later than their next break, shape (nu,)."""
-        t = self.state.point.t
-        if not len(self.breaks) or stop - t < 1e-9:
-            return np.zeros(len(self.signals))
-        return (self.inputs_at(stop) - self.state.point.u) / (stop - t)
-
-    def solve(self, stop: float) -> _Motion:
-        """Solves the algebraic variables; returns how everything moves from here."""
-        state = self.state
-        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
-        x = rates_of(state.model)(*(np.atleast_1d(a) for a in state.point.arguments))[0].copy()
-        return _Motion(x, z, [layout.travel.read(x, z) for layout in state.model.layouts])
-
-    def advance(self, h: float, motion: _Motion, stop: float) -> _Motion:
-        """Moves the state on by `h` seconds, a little backwards too."""
-        point, t = self.state.point, self.state.point.t
-        if h == 0.0:
-            return motion
-        if abs(h) <= self.short:
-            x = point.x.copy()
-            point.x[:] = x + h * motion.x
-            point.z[:] += h * motion.z
-            self.set_time(t + h)
-            end = self.solve(stop)
-            if np.array_equal(end.x, motion.x):
-                return end
-            self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
-            return self.solve(stop)
-        point.x[:], point.z[:] = idas_of(self.state.model, self.tolerance).advance(point, h, self.slope(stop))
-        self.set_time(t + h)
-        return self.solve(stop)
-
-    def locate(
-        self, before: LineState, first: loads.Crossing, motion: _Motion, stop: float
-    ) -> tuple[loads.Crossing, _Motion]:
-        """Moves the state to where the first load stands on its support."""
-        for _ in range(20):
-            if abs(first.gap) <= loads.NEAR * self.state.span_scale[first.r]:
-                return first, motion
-            if abs(first.time) > self.short:  # far overrun: once more from before, up to there
-                h = self.state.point.t + first.time - before.point.t
-                self.state = before.copy()
-                motion = self.advance(h, self.solve(stop), stop)
+    def act(self) -> None:
+        """What clocks and interventions do at the present time."""
+        changes: dict[int, float] = {}
+        t, notes = self.state.point.t, []
+        for j, clock in enumerate(self.state.model.clocks):
+            if not self.responding or abs(clock.phase + self.ticks[j] * clock.period - t) > 1e-9:
+                continue
+            self.ticks[j] += 1
+            point = self.state.point
+            new = update_of(clock)(*point.arguments)[0]
+            for entry, name in clock.corrections.items():
+                value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
+                if value != point.d[entry]:
+                    changes[entry] = value
+                    notes.append(Event(t, name, "response", value))
+            quiet = np.array([entry not in clock.corrections for entry in clock.entries])
+            point.d[clock.entries[quiet]] = new[quiet]
+        while self.interventions and self.interventions[0].time <= t + 1e-9:
+            intervention = self.interventions.pop(0)
+            notes.append(Event(t, intervention.component or self.state.model.name, intervention.action, np.nan))
+            if intervention.action == "emergency stop":
+                changes.update(self.emergency_stop(intervention.deceleration))
             else:
-                motion = self.advance(first.time, motion, stop)
-            coming = loads.next_crossing(self.state, motion.travel)
-            if coming is None:
-                break
-            first = coming
-        raise SimulationError(
-            f"Cannot locate the crossing of {self.state.runs[first.r].nodes[first.k].name!r}",
-            "The rope hardly moves there; look at its speed",
-            self.state.point.t,
-        )
+                name, value = intervention.entry
+                changes[self.state.model.d.index[name]] = value
+        self.events += notes
+        if not notes:
+            return
+        self.record()
+        for entry, value in changes.items():
+            self.state.point.d[entry] = value
+        self.line.set_time(t)
+        self.line.disturb()
+        self.record()
 
-    def cross(self, first: loads.Crossing, motion: _Motion, stop: float) -> _Motion:
-        """Loads cross, and the line jumps; both sides are recorded."""
-        self.record(on_grid=False)
-        crossings = loads.due(self.state, first, motion.travel)
-        just: set[tuple[int, int]] = set()
-        for _ in range(50):
-            for crossing in crossings:
-                just.add((crossing.r, crossing.k))
-                self.note(crossing, loads.apply(self.state, crossing))
-            motion = self.solve(stop)
-            crossings = loads.overrun(self.state, just)
-            if not crossings:
-                self.record(on_grid=False)
-                return motion
-        raise SimulationError(
-            f"Loads are thrown to and fro at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
-            "Move supports or loads there",
-            self.state.point.t,
-        )
-
-    def let_go(self, before: LineState, stop: float) -> bool:
-        """Releases a load that stands on a sheave when a side has gained the upper hand."""
-        scale = 1e-7 * float(self.state.model.z.nominals.max())
-        for _ in range(12):
-            ahead = max(loads.release(self.state), key=lambda found: found[1])
-            if ahead[1] <= scale:
-                return False
-            was = max(loads.release(before), key=lambda found: found[1])[1]
-            h = self.state.point.t - before.point.t
-            if ahead[1] <= 1e3 * scale or was >= 0.0 or h < 1e-6:
-                break
-            self.state = before.copy()
-            self.advance(h * was / (was - ahead[1]) * (1.0 + 1e-6), self.solve(stop), stop)
-        self.record(on_grid=False)
-        loads.let_go(self.state, ahead[0])
-        self.note(ahead[0], "load released forward" if ahead[0].forward else "load released backward")
-        self.solve(stop)
-        self.record(on_grid=False)
-        return True
+    def emergency_stop(self, deceleration: float) -> dict[int, float]:
+        """Takes all drives down to rest; returns the corrections that this makes an end of."""
+        model, t = self.state.model, self.state.point.t
+        signals, ended = [], {}
+        for name, speed in zip(model.u.names, self.state.point.u, strict=True):
+            entry = model.d.index.get(f"{component_of(name)}.correction")
+            if entry is not None:
+                speed, ended[entry] = speed + self.state.point.d[entry], 0.0
+            down = t + max(abs(speed) / deceleration, 1e-6)
+            signals.append(Schedule((t, down), (speed, 0.0)))
+        self.line.signals, self.responding = tuple(signals), False
+        self.line.breaks = breaks_of(signals)
+        return ended
 
     def note(self, crossing: loads.Crossing, what: str) -> None:
         """Writes an event down; its value is the load's number on the rope."""
+        if not what:
+            return
         run = self.state.runs[crossing.r]
         name = run.loads.names[crossing.load]
-        self.events.append(Event(self.state.point.t, run.nodes[crossing.k].name, what, crossing.load + 1, name))
+        self.events.append(
+            Event(
+                self.state.point.t,
+                run.nodes[crossing.k].name,
+                what,
+                int(name[1:]) if run.closed else crossing.load + 1,
+                name,
+            )
+        )
 
-    def record(self, *, on_grid: bool) -> None:
-        """Writes the state down."""
+    def record(self, *, on_grid: bool = False, exact: bool = True) -> None:
+        """Writes the state down; exact when all its sections are solved."""
         self.records.append(self.state.snapshot())
         self.on_grid.append(on_grid)
+        self.exact.append(exact)
 
-    def limit_reached(self) -> bool:
+    def stopped(self) -> bool:
         """Whether an event has come at which the run stops."""
-        if not self.stop_at:
+        limits = self.state.model.limits
+        broken = np.flatnonzero(limits.broken(self.state.outputs()))
+        now = {limits.events[i] for i in broken} | ({"load held"} if self.state.held else set())
+        if now.isdisjoint(self.stop_at):
             return False
-        broken = self.state.model.limits.broken(self.state.outputs())
-        return any(self.state.model.limits.events[i] in self.stop_at for i in np.flatnonzero(broken))
+        self.record()
+        return True
 
 
-@lru_cache(maxsize=16)
-def idas_of(model: Model, tolerance: float) -> Idas:
-    """The integrator of a model: made once, as its functions take a while to build."""
-    return Idas(model, tolerance)
-
-
-@lru_cache(maxsize=16)
-def rates_of(model: Model) -> Buffered:
-    """Rates of the states as a function of a point."""
-    arguments = model.dae.sx_in()
-    return Buffered(ca.Function("rates", arguments, [ca.densify(model.dae.expand()(*arguments)[0])]))
+@lru_cache(maxsize=64)
+def update_of(clock: Clock) -> Buffered:
+    """The update of a clock, on arrays."""
+    arguments = clock.update.sx_in()
+    return Buffered(ca.Function("update", arguments, [ca.densify(clock.update.expand()(*arguments))]))

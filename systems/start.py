@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from ropeway.components import parabola
 from ropeway.systems.run import Run, loads_passed
 
@@ -26,45 +27,44 @@ class RunStart:
         return np.asarray(self.passed[:-1] - self.passed[1:])
 
 
-def run_start(run: Run, gravity: float, lengths: np.ndarray | None = None) -> RunStart:
-    """Starting values of a run; `lengths` (spans,) at zero travel, by default those of its spans [m]."""
+def run_start(
+    run: Run, gravity: float, lengths: np.ndarray | None = None, travel: np.ndarray | None = None
+) -> RunStart:
+    """Starting values of a run; `lengths` (spans,) at zero travel, by default those of its spans [m], and
+    `travel` (supports,), by default none [m], which counts where a support does not let the rope run."""
     weight, strain = run.rope.mass_per_length * gravity, run.rope.strain
-    at_zero = np.array([s.length for s in run.spans]) if lengths is None else lengths
-    start = np.concatenate([[0.0], np.cumsum(at_zero)])
+    length = np.array([s.length for s in run.spans]) if lengths is None else lengths
+    start = np.concatenate([[0.0], np.cumsum(length)])
+    rope = start - (np.zeros(len(start)) if travel is None else travel)
     chords = parabola.Chords.between(run.points)
     free = np.array([n.drive_speed is None and all(s.travel is not None for s in n.seats) for n in run.nodes])
+    held = np.flatnonzero(~free)
     # Consecutive spans that can pass rope to each other form a group.
     group = np.concatenate([[0], np.cumsum(~free[1:-1])]).astype(int)
     count = int(group[-1]) + 1
-    total = np.bincount(group, at_zero, minlength=count)
+    first = np.searchsorted(group, np.arange(count))
+    last = np.append(first[1:], len(run.spans))
+    total = rope[last] - rope[first]
     kept = np.full(count, np.nan)
     for node, k in ((run.nodes[0], 0), (run.nodes[-1], -1)):
         if node.kept_tension is not None:
-            kept[group[k]] = node.kept_tension - (weight * (run.points[k, 2] - run.points[0, 2]))
-    travel = np.zeros(len(run.nodes))
-    length = at_zero
-    tension = np.zeros(len(run.spans))
-    beam = None
-    beyond = loads_passed(run, start)
-    for _ in range(3):
-        beyond = loads_passed(run, start - travel)
-        distance, load = _in_spans(run, beyond, start - travel, gravity)
-        beam = parabola.beam(chords, weight, length, distance, load)
+            kept[group[k]] = node.kept_tension - weight * (run.points[k, 2] - run.points[0, 2])
+    closed = np.isnan(kept)
+    for _ in range(3 if np.any(free) else 1):
+        beyond = loads_passed(run, rope)
+        distance, load = _in_spans(run, beyond, rope, gravity)
+        beam = parabola.beam(chords, weight, np.maximum(np.diff(rope), 1e-3 * chords.length), distance, load)
         reference = parabola.common_tension(chords, weight, beam, strain, total, group)
-        reference = np.where(np.isnan(kept), reference, kept)
-        tension = parabola.tensions(chords, weight, beam, reference[group])
+        tension = parabola.tensions(chords, weight, beam, np.where(closed, reference, kept)[group])
         length = parabola.rope_lengths(chords, beam, strain, tension)
-        fixed_total = np.isnan(kept)
-        length = length * np.where(fixed_total, total / np.bincount(group, length, minlength=count), 1.0)[group]
-        travel = _travels(length - at_zero, free)
-        if not np.any(free):
-            break
+        length = length * np.where(closed, total / np.bincount(group, length, minlength=count), 1.0)[group]
+        rope = _rope_at_supports(length, rope, held)
     cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
     direction = np.diff(run.points, axis=0) / chords.length[:, None]
     force = tension[:, None] * direction
-    force[:, 2] = tension * sine - (0.0 if beam is None else beam.reaction)
+    force[:, 2] = tension * sine - beam.reaction
     force[:, :2] += np.where(cosine < 1e-9, 1e-9 * tension, 0.0)[:, None]
-    return RunStart(force, travel, beyond, chords.length, float(np.median(tension)))
+    return RunStart(force, start - rope, beyond, chords.length, float(np.median(tension)))
 
 
 def _in_spans(run: Run, beyond: np.ndarray, rope: np.ndarray, gravity: float) -> tuple[np.ndarray, np.ndarray]:
@@ -80,13 +80,13 @@ def _in_spans(run: Run, beyond: np.ndarray, rope: np.ndarray, gravity: float) ->
     return distance, np.where(full, run.loads.mass[index] * gravity, 0.0)
 
 
-def _travels(gain: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Travels that give each span its gain in length, counted from a support that holds the rope."""
-    travel = np.zeros(len(gain) + 1)
-    held = np.flatnonzero(~free)
+def _rope_at_supports(length: np.ndarray, rope: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """The rope at each support for spans of `length`, counted from the supports that hold it."""
+    result = rope.copy()
     origin = int(held[0]) if len(held) else 0
-    for k in range(origin, len(gain)):
-        travel[k + 1] = 0.0 if not free[k + 1] else travel[k] - gain[k]
+    fixed = set(held.tolist())
+    for k in range(origin, len(length)):
+        result[k + 1] = rope[k + 1] if k + 1 in fixed else result[k] + length[k]
     for k in range(origin - 1, -1, -1):
-        travel[k] = 0.0 if not free[k] else travel[k + 1] + gain[k]
-    return travel
+        result[k] = result[k + 1] - length[k]
+    return result

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Balance, Model, nearest
-from ropeway.systems.newton import VECTORS, Point, Slot
+from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.run import Run, extended, loads_passed
 from ropeway.systems.start import run_start
 
@@ -21,14 +22,14 @@ _LOAD_OUTPUTS = ("x", "y", "z", "distance")
 @dataclass(frozen=True)
 class Record:
     """A state written down: time [s], states, algebraic variables, inputs, the loads that have passed each
-    support of each run, and (run, support, travel) of the loads that stand on a sheave."""
+    support of each run, and the discrete variables that are `kept` besides."""
 
     time: float
     x: np.ndarray
     z: np.ndarray
     u: np.ndarray
     passed: tuple[np.ndarray, ...]
-    standing: tuple[tuple[int, int, float], ...]
+    kept: np.ndarray
 
 
 class LineState:
@@ -59,7 +60,8 @@ class LineState:
     def restart(self) -> None:
         """Starting values from geometry for the present lengths and loads."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
-            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start])
+            travel = layout.travel.read(self.point.x, np.zeros_like(self.point.z))
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel)
             for axis in range(3):
                 self.point.z[layout.force + axis] = start.force[:, axis]
             layout.travel.write(start.travel, self.point.x, self.point.z)
@@ -85,15 +87,13 @@ class LineState:
         """The state as it can be written down and made again."""
         q = self.point
         passed = tuple(p.copy() for p in self.passed)
-        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, self.standing())
+        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept])
 
     @classmethod
     def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
         """The state that a snapshot was taken of, with `p` the parameters of the run."""
         d = model.d.values.copy()
-        for r, k, travel in record.standing:
-            layout = model.layouts[r]
-            d[layout.held[k]], d[layout.held_travel[k]] = 1.0, travel
+        d[model.kept] = record.kept
         state = cls(
             model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, record.passed
         )
@@ -104,9 +104,7 @@ class LineState:
         old = self.model
         self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
         d = self.model.d.values.copy()
-        for before, after in zip(old.layouts, self.model.layouts, strict=True):
-            for was, now in ((before.held, after.held), (before.held_travel, after.held_travel)):
-                d[now[now >= 0]] = self.point.d[was[was >= 0]]
+        d[self.model.kept] = self.point.d[old.kept]
         self.point = Point(self.point.t, self.point.x, self.point.z, self.point.u, self.point.p, d)
 
     def settle(self) -> bool:
@@ -137,7 +135,7 @@ class LineState:
 
     def outputs(self) -> np.ndarray:
         """Values of all outputs, shape (ny,)."""
-        return np.array(self.model.outputs(*self.point.arguments)).ravel()
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def hold(self, r: int, k: int, load: int) -> None:
         """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""
@@ -210,6 +208,8 @@ class LineState:
         owner, _, quantity = name.partition(".")
         for r, run in enumerate(self.runs):
             if quantity == "mass" and owner in run.loads.names:
+                if value < 0.0 or (value == 0.0 and run.feed is None):
+                    raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
                 mass = run.loads.mass.copy()
                 mass[run.loads.names.index(owner)] = value
                 self.runs[r] = replace(run, loads=replace(run.loads, mass=mass))
@@ -217,6 +217,8 @@ class LineState:
         kind, k = self.find(self.model.swaps.get(name, name))
         if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
             raise InputError(f"{name} is a result", "Use given= and solve_for=")
+        if self.model.tables[kind].positive[k] and value <= 0.0:
+            raise InputError(f"{name} is {value!r}", "It must be above zero")
         self.point.vector(kind)[k] = value
 
 

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from ropeway.components import check
-from ropeway.components.component import Component, Node, Port, RopeEnd, Seat
+from ropeway.components.component import Component, Node, Outlet, Port, RopeEnd, Seat, Supply
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.load import Load
+from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
 from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
@@ -22,7 +23,7 @@ GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
 
 _Added = TypeVar("_Added", bound=Component)
-_PACKAGE = str(Path(__file__).resolve().parents[1])
+_PACKAGE = str(Path(__file__).parents[1])
 
 
 @dataclass(frozen=True)
@@ -38,22 +39,28 @@ class Hung:
 @dataclass(frozen=True)
 class Feed:
     """Loads that come in at a run's first support, every `spacing` metres of unstretched rope, with `masses`
-    [kg] used in order and repeated; they are taken off at its last support."""
+    [kg] used in order and repeated; they are taken off at its last support. On an endless rope there are
+    `around` loads, and they go round."""
 
     spans: tuple[Span, ...]
     spacing: float
     masses: tuple[float, ...]
+    around: int | None = None
 
 
 class System:
     """Components and their connections. Declarations only: nothing is solved here."""
 
-    def __init__(self, name: str = "system", *, gravity: float = GRAVITY) -> None:
+    def __init__(self, name: str = "system", *, gravity: float = GRAVITY, precedence: str = "all at once") -> None:
+        """precedence: who acts first when several control sheaves respond, one of `PRECEDENCES`."""
+        check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
         self.name = name
         self.gravity = gravity
+        self.precedence = precedence
         self.components: dict[str, Component] = {}
         self.connections: dict[tuple[str, str], tuple[str, str]] = {}
+        self.supplies: dict[str, str] = {}
         self.hung: list[Hung] = []
         self.feeds: list[Feed] = []
         self._origins: dict[str, str] = {}
@@ -73,10 +80,14 @@ class System:
         return component
 
     def connect(self, one: Port, other: Port) -> None:
-        """Join a rope end to a seat: one position, one rope travel, forces that sum to zero.
+        """Join a rope end to a seat: one position, one rope travel, forces that sum to zero. Or the supply of a
+        control sheave's hydraulic drive to the outlet of a power unit, which takes any number of them.
 
         Raises InputError when a port is joined already, or the ports do not fit.
         """
+        if isinstance(one, (Supply, Outlet)) or isinstance(other, (Supply, Outlet)):
+            self._connect_supply(one, other)
+            return
         end, seat = (one, other) if isinstance(one, RopeEnd) else (other, one)
         if not isinstance(end, RopeEnd) or not isinstance(seat, Seat):
             raise InputError(f"{one} and {other} cannot be joined", "Join a rope end to a seat of a support")
@@ -88,6 +99,19 @@ class System:
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
+
+    def _connect_supply(self, one: Port, other: Port) -> None:
+        supply, outlet = (one, other) if isinstance(one, Supply) else (other, one)
+        if not isinstance(supply, Supply) or not isinstance(outlet, Outlet):
+            raise InputError(f"{one} and {other} cannot be joined", "Join the supply of a drive to a unit's outlet")
+        for port in (supply, outlet):
+            if self.components.get(port.owner.name) is not port.owner:
+                raise InputError(f"{port.owner.name!r} is not part of system {self.name!r}", "Add it first")
+        if not supply.owner.signals:
+            raise InputError(f"{supply.owner.name!r} has no hydraulic drive", "Only hydraulic drives take a power unit")
+        if supply.owner.name in self.supplies:
+            raise InputError(f"Port {supply} is joined twice", "A drive has one power unit")
+        self.supplies[supply.owner.name] = outlet.owner.name
 
     def string(
         self, rope: Rope, *nodes: Node, length: float | None = None, tension: float | None = None
@@ -119,14 +143,13 @@ class System:
             lengths = lengths_for_tension(points, weight, rope.strain, tension or 0.0, names)
         spans = tuple(Span(name, rope=rope, length=float(d)) for name, d in zip(names, lengths, strict=True))
         self._check_strength(spans, nodes)
-        for component in (*nodes, *spans):  # all checks before the first change: nothing half-built
-            if self.components.get(component.name) not in (None, component) or component.name in self._load_names():
-                self.add(component)
+        trial = self.copy()  # nothing half-built when one of the parts is refused
         for component in (*nodes, *spans):
-            self.add(component)
+            trial.add(component)
         for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
-            self.connect(span.a, a.leaving)
-            self.connect(span.b, b.arriving)
+            trial.connect(span.a, a.leaving)
+            trial.connect(span.b, b.arriving)
+        self.components, self.connections, self._origins = trial.components, trial.connections, trial._origins
         return spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
@@ -134,6 +157,14 @@ class System:
         consecutive spans from the first one's end a (equilibrium finds the span). Raises InputError."""
         on = (spans,) if isinstance(spans, Span) else tuple(spans)
         self._check_spans(on, f"Load {load.name!r}")
+        for one, other in pairwise(on):
+            if self.connections[one.name, "b"][0] != self.connections[other.name, "a"][0]:
+                cause = f"Load {load.name!r}: {one.name!r} and {other.name!r} do not follow each other"
+                raise InputError(cause, "Name them in order")
+        if any(f.spans[0] in on or on[0] in f.spans for f in self.feeds):
+            raise InputError(
+                f"Load {load.name!r} hangs on a rope that is fed", "Use feed or hang on one rope, not both"
+            )
         check.number(at, f"Load {load.name!r}", "at", "m")
         length = math.fsum(s.length for s in on)
         if not 0.0 <= at <= length:
@@ -161,7 +192,9 @@ class System:
         if not values:
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")
         for value in values:
-            check.positive(value, "feed", "mass", "kg")
+            check.not_negative(value, "feed", "mass", "kg")
+        if not any(values):
+            raise InputError("feed has no load with a mass", "A mass of 0 is a missing load; give some that are not")
         if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
             raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
         self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
@@ -172,8 +205,9 @@ class System:
 
     def copy(self) -> System:
         """The same declarations, so that later ones do not change a model made before."""
-        other = System(self.name, gravity=self.gravity)
+        other = System(self.name, gravity=self.gravity, precedence=self.precedence)
         other.components, other.connections = dict(self.components), dict(self.connections)
+        other.supplies = dict(self.supplies)
         other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
         return other
 

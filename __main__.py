@@ -1,0 +1,153 @@
+"""The command line: `ropeway demo`, `ropeway simulate LINE.csv ...`, `ropeway ropes`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.resources import as_file, files
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ropeway.components.errors import RopewayError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from ropeway.systems.result import Result
+
+app = typer.Typer(
+    help="Cable logging systems and material ropeways: statics and simulation.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; it is made if need be.")]
+
+
+@contextmanager
+def _errors_on_one_line() -> Iterator[None]:
+    """A wrong input ends with exit code 1 and one line; anything else is a bug and shows its traceback."""
+    try:
+        yield
+    except (RopewayError, OSError) as error:
+        typer.echo(f"ropeway: {' '.join(str(error).split())}", err=True)
+        raise typer.Exit(1) from error
+
+
+@app.command()
+def demo(out: Out = Path("ropeway-demo")) -> None:
+    """Run ten minutes of an example: a mono-cable line of 24 spans, 2.4 km, with a 300 kg load every 50 m."""
+    import ropeway as rw
+
+    with _errors_on_one_line(), as_file(files("ropeway.examples") / "line.csv") as supports:
+        rope = rw.Rope.named("RHOL-IWRC 29")
+        line = rw.monocable(rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
+        _report(rw.simulate(line, until=600.0, every=1.0), out)
+
+
+@app.command()
+def simulate(
+    line: Annotated[
+        Path,
+        typer.Argument(
+            help="Supports: CSV with columns name,x,y,z,kind (metres; kind: anchor, "
+            "drum, idler, control, return), in the order of the rope."
+        ),
+    ],
+    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
+    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    speed: Annotated[float, typer.Option(help="Rope speed [m/s]; negative runs backwards.")] = 1.0,
+    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
+    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+    until: Annotated[float, typer.Option(help="Length of the run [s].")] = 600.0,
+    every: Annotated[float, typer.Option(help="Interval of the tables [s].")] = 1.0,
+    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    out: Out = Path("ropeway-out"),
+) -> None:
+    """Simulate a mono-cable line: tensions, events and pictures."""
+    import ropeway as rw
+
+    with _errors_on_one_line():
+        chosen = rw.Rope.named(rope, safety_factor=safety_factor)
+        system = rw.monocable(
+            chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
+        )
+        _report(rw.simulate(system, until=until, every=every), out)
+
+
+@app.command()
+def ropes() -> None:
+    """List the named ropes."""
+    import ropeway as rw
+
+    table = rw.ropes()
+    _table(
+        "Named ropes",
+        ["name", "diameter [mm]", "mass [kg/m]", "EA [MN]", "MBL [kN]", "source"],
+        [
+            [
+                str(name),
+                f"{r.diameter * 1e3:.2f}",
+                f"{r.mass_per_length:.2f}",
+                f"{r.axial_stiffness / 1e6:.1f}",
+                f"{r.breaking_load / 1e3:.1f}",
+                r.source,
+            ]
+            for name, r in zip(table.index, table.itertuples(), strict=True)
+        ],
+    )
+
+
+def _report(result: Result, out: Path) -> None:
+    """Prints a summary; writes tensions, events and pictures."""
+    out.mkdir(parents=True, exist_ok=True)
+    frame, events, rope = result.frame, result.events, result.runs[0].rope
+    tensions = result.full_frame.filter(regex=r"\.(tension_in|tension_out|rope_tension)$")
+    ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
+    driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.kept_tension is not None]
+    names = [c for n in driven for c in tensions.columns if c.startswith(f"{n.name}.")]
+    _table(
+        f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",
+        ["tension [kN]", "lowest", "mean", "highest"],
+        [[c, *(f"{v / 1e3:.1f}" for v in (tensions[c].min(), frame[c].mean(), tensions[c].max()))] for c in names],
+    )
+    place = ends.max().idxmax()
+    typer.echo(
+        f"Highest tension {ends.max().max() / 1e3:.1f} kN at {place} (t = {ends[place].idxmax():.1f} s); "
+        f"SWL {rope.safe_working_load / 1e3:.1f} kN, MBL {rope.breaking_load / 1e3:.1f} kN. "
+        f"Lowest {ends.min().min() / 1e3:.1f} kN."
+    )
+    counts = events["event"].value_counts()
+    typer.echo("Events: " + (", ".join(f"{n} {name}" for name, n in counts.items()) or "none"))
+    tensions_table = _with_units(
+        frame.filter(regex=r"\.(tension_in|tension_out|rope_tension|tension_a|tension_b)$"), result
+    )
+    tensions_table.to_csv(out / "tensions.csv", float_format="%.3f")
+    events.to_csv(out / "events.csv", index=False)
+    result.plot().savefig(out / "tensions.png", dpi=130)
+    result.plot_line(time=float(result.times[-1]) / 2.0).savefig(out / "line.png", dpi=130)
+    typer.echo(f"Written to {out.resolve()}: tensions.csv, events.csv, tensions.png, line.png")
+
+
+def _with_units(frame: pd.DataFrame, result: Result) -> pd.DataFrame:
+    units = result.full_frame.attrs["units"]
+    return frame.rename(columns={c: f"{c} [{units[c]}]" for c in frame.columns}).rename_axis("time [s]")
+
+
+def _table(title: str, columns: list[str], rows: list[list[str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=title, title_justify="left")
+    for i, column in enumerate(columns):
+        table.add_column(column, justify="left" if i == 0 else "right")
+    for row in rows:
+        table.add_row(*row)
+    Console(markup=False).print(table)
+
+
+if __name__ == "__main__":
+    app()

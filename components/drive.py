@@ -1,0 +1,213 @@
+"""What turns a control sheave: an ideal drive, or a hydraulic motor with its limits.
+
+Turk's thesis (1988) treats hydraulically driven intermediate supports in chapters 4 to 6, of which only the
+headings survive: the equations here are ours, from the textbook relations of a hydrostatic drive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ropeway.components import check
+from ropeway.components.catenary import namespace
+from ropeway.components.component import Kind, Variable
+from ropeway.components.errors import InputError
+from ropeway.components.smooth import clip, clip_above, sign
+
+STANDSTILL = 0.01
+"""Speed within which a drive passes from driving to braking [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class IdealDrive:
+    """Turns its sheave at the commanded speed, whatever force that needs."""
+
+
+@dataclass(frozen=True, slots=True)
+class HydraulicDrive:
+    """A hydraulic motor on a sheave, in a closed circuit with its pump.
+
+    displacement of the motor [m3/rad]; gear_ratio: turns of the motor per turn of the sheave; sheave_radius
+    [m]; mechanical_efficiency and volumetric_efficiency, 0 to 1; relief_pressure [Pa]; pump_flow [m3/s];
+    engine_power [W]; inertia: of all that rotates, referred to the rope [kg]; command_lag: time constant from
+    command to pump [s], 0 for none; response_time: time constant of the speed control [s]; recovers: braking
+    returns energy to the engine (and is limited by its power) instead of burning it; friction of the sheave's
+    bearing, referred to the rope; drag: viscous loss at the rope [N s/m]; brake_force: most that the brake
+    holds [N], by default ten times the relief valve's force.
+
+    The drive gives the force that its speed control asks for, unless the relief valve (force), the pump flow
+    (speed) or the engine (force times speed) limits it. Raises InputError.
+    """
+
+    displacement: float
+    gear_ratio: float
+    sheave_radius: float
+    relief_pressure: float
+    pump_flow: float
+    engine_power: float
+    inertia: float
+    mechanical_efficiency: float = 0.92
+    volumetric_efficiency: float = 0.95
+    command_lag: float = 0.3
+    response_time: float = 0.2
+    recovers: bool = True
+    friction: float = 0.0
+    drag: float = 0.0
+    brake_force: float | None = None
+
+    def __post_init__(self) -> None:
+        owner = "HydraulicDrive"
+        for name, unit in (
+            ("displacement", "m3/rad"),
+            ("gear_ratio", ""),
+            ("sheave_radius", "m"),
+            ("relief_pressure", "Pa"),
+            ("pump_flow", "m3/s"),
+            ("engine_power", "W"),
+            ("inertia", "kg"),
+            ("response_time", "s"),
+        ):
+            check.positive(getattr(self, name), owner, name, unit)
+        for name in ("mechanical_efficiency", "volumetric_efficiency"):
+            check.positive(getattr(self, name), owner, name)
+            if getattr(self, name) > 1.0:
+                raise InputError(f"{owner}: {name} is {getattr(self, name)}", "An efficiency is at most 1")
+        for name, unit in (("command_lag", "s"), ("friction", ""), ("drag", "N s/m")):
+            check.not_negative(getattr(self, name), owner, name, unit)
+        if self.brake_force is not None:
+            check.positive(self.brake_force, owner, "brake_force", "N")
+
+    @property
+    def volume_per_metre(self) -> float:
+        """Volume through the motor per metre of rope [m3/m]."""
+        return self.displacement * self.gear_ratio / self.sheave_radius
+
+    @property
+    def relief_force(self) -> float:
+        """Force at the rope at which the relief valve opens when driving [N]."""
+        return self.relief_pressure * self.volume_per_metre * self.mechanical_efficiency
+
+    @property
+    def top_speed(self) -> float:
+        """Rope speed at full pump flow [m/s]."""
+        return self.pump_flow * self.volumetric_efficiency / self.volume_per_metre
+
+    @property
+    def structure(self) -> Hashable:
+        """What shapes the equations."""
+        return (self.command_lag > 0.0, self.recovers)
+
+    def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
+        """Variables that the drive adds to its sheave, which starts at a rope speed [m/s]."""
+        par, dis, out = Kind.PARAMETER, Kind.DISCRETE, Kind.OUTPUT
+        limit = 10.0 * self.relief_force if self.brake_force is None else self.brake_force
+        lag = Variable("command", Kind.STATE, "m/s", "command after its lag", speed)
+        delayed = (lag, Variable("command_lag", par, "s", "time constant of the command", self.command_lag))
+        return (
+            Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed),
+            *(delayed if self.command_lag > 0.0 else ()),
+            Variable("volume_per_metre", par, "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
+            Variable("relief_pressure", par, "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
+            Variable("pump_flow", par, "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
+            Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4),
+            Variable("inertia", par, "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
+            Variable("mechanical_efficiency", par, "1", "mechanical efficiency", self.mechanical_efficiency),
+            Variable("volumetric_efficiency", par, "1", "volumetric efficiency", self.volumetric_efficiency),
+            Variable("response_time", par, "s", "time constant of the speed control", self.response_time),
+            Variable("bearing_friction", par, "1", "bearing friction referred to the rope", self.friction),
+            Variable("drag", par, "N.s/m", "viscous loss at the rope", self.drag),
+            Variable("brake_force", par, "N", "most that the brake holds", limit, force),
+            Variable("pressure_lost", dis, "1", "1: the drive has no pressure"),
+            Variable("pressure", out, "Pa", "pressure difference over the motor", nominal=1e7),
+            Variable("flow", out, "m3/s", "flow of the pump", nominal=1e-3),
+            Variable("hydraulic_power", out, "W", "power in the circuit: from the pump, below zero to it", nominal=1e4),
+            Variable("loss", out, "W", "power lost in bearing and drag", nominal=1e3),
+            Variable("relief_open", out, "1", "1: the relief valve is open"),
+            Variable("flow_limited", out, "1", "1: more speed is asked for than the pump gives"),
+            Variable("power_limited", out, "1", "1: the engine's power limits the force"),
+        )
+
+    def demand(self, v: Any) -> tuple[Any, Any]:
+        """Flow [m3/s] and power [W] that the drive asks of its power unit."""
+        wish = self._wish(v)
+        flow = namespace(wish).fabs(wish) * v.volume_per_metre / v.volumetric_efficiency
+        power = self._needed(v, wish) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
+        return flow, clip_above(namespace(power).fmax(power, 0.0), v.engine_power)
+
+    def _wish(self, v: Any) -> Any:
+        """Speed that is asked of the pump."""
+        return v.command if self.command_lag > 0.0 else v.speed + v.correction
+
+    def _needed(self, v: Any, reference: Any) -> Any:
+        """Force that the speed control asks for."""
+        pull = v.tension_out - v.tension_in
+        return v.inertia * (reference - v.rope_speed) / v.response_time - pull + self._loss(v)
+
+    def _loss(self, v: Any) -> Any:
+        return v.bearing_friction * v.bearing_load * sign(v.rope_speed, STANDSTILL) + v.drag * v.rope_speed
+
+    def motion(self, v: Any) -> Motion:
+        """Force on the rope, rates and outputs. Beyond its own variables v has tension_in, tension_out and
+        bearing_load of the sheave, the input speed, correction, brake, and the shares of flow and power that
+        a power unit leaves to the drive."""
+        xp = namespace(v.rope_speed)
+        speed, volume = v.rope_speed, v.volume_per_metre
+        wish = self._wish(v)
+        top = v.pump_flow * v.volumetric_efficiency / volume
+        reference = clip(wish * v.flow_share, top, top)
+        needed = self._needed(v, reference)
+        eta_m, eta = v.mechanical_efficiency, v.mechanical_efficiency * v.volumetric_efficiency
+        # Driving, the motor's losses take from the valve's force; braking, they add to it.
+        driving, braking = v.relief_pressure * volume * eta_m, v.relief_pressure * volume / eta_m
+        power = v.engine_power
+        fast = xp.sqrt(speed * speed + (0.1 * STANDSTILL) ** 2)
+        drive_limit = clip_above(power * eta / fast, driving)
+        brake_limit = clip_above(power / (eta * fast), braking) if self.recovers else braking
+        forward = (1.0 + sign(speed, STANDSTILL)) / 2.0
+        alive = 1.0 - v.pressure_lost + 1e-9
+        high = alive * (forward * drive_limit + (1.0 - forward) * brake_limit)
+        low = alive * (forward * brake_limit + (1.0 - forward) * drive_limit)
+        force = clip(needed, low, high)
+        # A power unit that feeds others too leaves a share of the power to those that drive.
+        force = force * xp.if_else(force * speed > 0.0, v.power_share, 1.0)
+        loss = self._loss(v)
+        pull = v.tension_out - v.tension_in
+        brake = clip(-v.inertia * speed / v.response_time - pull + loss, v.brake_force, v.brake_force)
+        total = (1.0 - v.brake) * force + v.brake * brake
+        drive = (1.0 - v.brake) * force
+        is_driving = drive * speed >= 0.0
+        pressure = xp.fabs(drive) / volume * xp.if_else(is_driving, 1.0 / eta_m, eta_m)
+        motor_flow = xp.fabs(speed) * volume
+        eta_v = v.volumetric_efficiency
+        flow = xp.fmin(motor_flow * xp.if_else(is_driving, 1.0 / eta_v, eta_v), v.pump_flow)
+        relief = xp.if_else(is_driving, driving, braking)
+        limit = xp.if_else(is_driving, power * eta / fast, power / (eta * fast) if self.recovers else 1e30)
+        rates = {"rope_speed": (total + pull - loss) / v.inertia}
+        if self.command_lag > 0.0:
+            rates["command"] = (v.speed + v.correction - v.command) / v.command_lag
+        return Motion(
+            force=total,
+            rates=rates,
+            outputs={
+                "pressure": pressure,
+                "flow": flow,
+                "hydraulic_power": pressure * flow * xp.if_else(is_driving, 1.0, -1.0),
+                "loss": loss * speed,
+                "relief_open": xp.fabs(drive) >= 0.999 * relief,
+                "flow_limited": xp.fabs(wish * v.flow_share) > top,
+                "power_limited": xp.fabs(drive) >= 0.999 * limit,
+            },
+        )
+
+
+class Motion(NamedTuple):
+    """What a drive does to its sheave: force on the rope [N], rates of its states, outputs, by name."""
+
+    force: Any
+    rates: dict[str, Any]
+    outputs: dict[str, Any]
+
+
+Drive = IdealDrive | HydraulicDrive

@@ -1,0 +1,81 @@
+"""The wheel at which an endless rope turns back, drawn by a counterweight or a hydraulic take-up."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from ropeway.components import check
+from ropeway.components.component import Equations, Kind, Site, Variable
+from ropeway.components.errors import InputError
+from ropeway.components.sheave import Wheel
+
+
+@dataclass(frozen=True)
+class TensionedReturn(Wheel):
+    """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.
+
+    at: its place at zero slide [m]; take_up: the force along the direction [N], of a counterweight or a
+    hydraulic cylinder at constant pressure. The wheel is a point: both parts of the rope end on its axle.
+    Raises InputError.
+    """
+
+    direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    take_up: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.positive(self.take_up, self.label, "take_up", "N")
+        if len(self.direction) != 3:
+            raise InputError(f"{self.label}: direction has {len(self.direction)} components", "Give (x, y, z)")
+        for value in self.direction:
+            check.number(value, self.label, "a component of direction")
+        if not any(self.direction):
+            raise InputError(f"{self.label}: direction is zero", "Give the way in which the take-up draws")
+
+    @property
+    def balance(self) -> str:
+        return "tension_law"
+
+    def structure(self, site: Site) -> Hashable:
+        return TensionedReturn
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, alg, res = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL
+        size = sum(d * d for d in self.direction) ** 0.5
+        return (
+            *(
+                Variable(f"home_{x}", par, "m", f"{x} at zero slide", a, 100.0)
+                for x, a in zip("xyz", self.at, strict=True)
+            ),
+            *(
+                Variable(f"way_{x}", par, "1", f"direction of the take-up, {x}", d / size)
+                for x, d in zip("xyz", self.direction, strict=True)
+            ),
+            Variable("take_up", par, "N", "force of the take-up", self.take_up, site.force, positive=True),
+            *(
+                Variable(x, alg, "m", f"{x} coordinate of the wheel", a, 100.0)
+                for x, a in zip("xyz", self.at, strict=True)
+            ),
+            Variable("slide", alg, "m", "way of the wheel along its direction"),
+            Variable("travel", alg, "m", "unstretched rope that has run over", 0.0, site.length),
+            *(Variable(f"guide_{x}", res, "m", f"the wheel is on its slide, {x}", 0.0, 1.0) for x in "xyz"),
+            Variable("drawn", res, "N", "rope and take-up balance along the slide", 0.0, site.force),
+            Variable("tension_law", res, "N", "tensions on both sides", 0.0, site.force),
+            *self.wheel_outputs(site),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        outputs = self.wheel_equations(v)
+        way, at = (v.way_x, v.way_y, v.way_z), (v.x, v.y, v.z)
+        home = (v.home_x, v.home_y, v.home_z)
+        pull = sum((v.a.force[i] + v.b.force[i]) * way[i] for i in range(3))
+        return Equations(
+            residuals={
+                **{f"guide_{axis}": at[i] - home[i] - v.slide * way[i] for i, axis in enumerate("xyz")},
+                "drawn": pull + v.take_up,
+                "tension_law": outputs["tension_out"] - outputs["tension_in"],
+            },
+            outputs=outputs,
+        )

@@ -1,0 +1,46 @@
+"""One span with a turn hanging in it: forces at the ends, the rope's shape, and how much it could carry."""
+
+import sys
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+import ropeway as rw
+
+
+def main(folder: Path) -> None:
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    s = rw.System("one span")
+    (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(400.0, -60.0)), length=408.0)
+    s.hang(rw.Load("turn", mass=6000.0), span, at=190.0)
+    loaded = rw.equilibrium(s)
+    print(f"6000 kg: {loaded['a_b.tension_a'] / 1e3:.1f} kN at a, {loaded['a_b.tension_b'] / 1e3:.1f} kN at b")
+
+    limit = rw.equilibrium(s, given={"a_b.tension_a": rope.safe_working_load}, solve_for="turn.mass")
+    print(f"At the safe working load of {rope.safe_working_load / 1e3:.1f} kN it carries {limit['turn.mass']:.0f} kg")
+
+    taut = rw.equilibrium(s, given={"turn.z": -50.0}, solve_for="a_b.length")
+    print(
+        f"To keep the turn at z = -50 m the rope must be {taut['a_b.length']:.2f} m long: "
+        f"{taut['a_b.tension_a'] / 1e3:.0f} kN"
+    )
+
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    axis = figure.subplots()
+    for eq, label in (
+        (loaded, "6000 kg, 408 m"),
+        (limit, f"{limit['turn.mass']:.0f} kg, 408 m"),
+        (taut, f"6000 kg, {taut['a_b.length']:.1f} m"),
+    ):
+        curve = eq.profile("a_b")
+        (drawn,) = axis.plot(curve["x"], curve["z"], label=f"{label}: {eq['a_b.tension_a'] / 1e3:.0f} kN")
+        axis.plot(eq["turn.x"], eq["turn.z"], "v", color=drawn.get_color(), ms=8)
+    axis.plot([0.0, 400.0], [0.0, -60.0], "^", color="0.3", ms=9)
+    axis.set(xlabel="x [m]", ylabel="z [m]", title="One span, one turn: load, tension at a", aspect="equal")
+    axis.legend()
+    axis.grid(alpha=0.3)
+    figure.savefig(folder / "one_span.png", dpi=110)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))

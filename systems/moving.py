@@ -1,0 +1,295 @@
+"""A line on the move between two stops: drives, loads that cross supports, and the jumps of the line.
+
+Two ways lead from stop to stop. While the drives move on their own (`decoupled`), their travel is known for
+the whole stretch, and each section of the line is solved only when one of its loads crosses a support. When a
+limit binds or a load stands on a sheave, IDAS integrates the whole line from event to event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.errors import SimulationError
+from ropeway.components.schedule import Schedule
+from ropeway.systems import crossing as loads
+from ropeway.systems.blocks import blocks_of
+from ropeway.systems.decoupled import drives_of
+from ropeway.systems.idas import Idas
+from ropeway.systems.model import Model
+from ropeway.systems.newton import Buffered, expanded, newton_of
+from ropeway.systems.state import LineState
+
+Signal = float | Schedule
+
+
+def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
+    """Times at which an input bends [s]."""
+    return np.unique(np.concatenate([[], *(s.breaks() for s in signals if isinstance(s, Schedule))]))
+
+
+class Motion(NamedTuple):
+    """Rates at a point [per s]: of the states, of the algebraic variables, and of each run's travels."""
+
+    x: np.ndarray
+    z: np.ndarray
+    travel: list[np.ndarray]
+
+
+class Moving:
+    """A line that moves. `state` and `motion` go on in place; `record(exact)` is called on both sides of each
+    event, exact when all sections are solved, and `note(crossing, what)` for each event."""
+
+    short = 5e-3
+    """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    tiny = 1e-4
+    """Stretches up to this [s] are a straight line: the second order is below rounding."""
+
+    def __init__(
+        self,
+        state: LineState,
+        signals: Sequence[Signal],
+        tolerance: float,
+        record: Callable[[bool], None],
+        note: Callable[[loads.Crossing, str], None],
+        rewind: Callable[[], Callable[[], None]],
+    ) -> None:
+        """rewind() marks the records and events so far and returns a function that drops later ones."""
+        self.state = state
+        self.signals = tuple(signals)
+        self.breaks = breaks_of(signals)
+        self.tolerance = tolerance
+        self.record = record
+        self.note = note
+        self.rewind = rewind
+        self._motion_now: Motion | None = None
+
+    @property
+    def time(self) -> float:
+        """Time of the state [s]."""
+        return self.state.point.t
+
+    def run_to(self, stop: float) -> None:
+        """Moves on to `stop` [s], before which no input bends and nobody acts; solved there."""
+        if self._motion_now is None or len(self.breaks):
+            self._motion_now = self.solve(stop)
+        motion = self._motion_now
+        while self.time < stop - 1e-9:
+            done = self._by_sections(motion, stop)
+            motion = self._as_whole(motion, stop) if done is None else done
+        self._motion_now = motion
+        self.set_time(stop)
+
+    def disturb(self) -> None:
+        """Says that something else than time has changed how the line moves."""
+        self._motion_now = None
+
+    def _by_sections(self, motion: Motion, stop: float) -> Motion | None:
+        """To the stop with drives that move on their own; None, and nothing done, where they do not."""
+        drives = drives_of(self.state.model, self.tolerance)
+        if self.state.standing() or not drives.decoupled(self.state.point):
+            return None
+        saved, drop = self.state.copy(), self.rewind()
+        window = drives.window(self.state.point, stop - self.time, motion.x, self.slope(stop))
+        while (coming := loads.next_crossing(self.state, motion.travel)) is not None:
+            if coming.time > stop - self.time:
+                break
+            motion = self._follow(window.at(self.time + coming.time), coming.time, motion)
+            touched = self._beside([coming])
+            motion = self._solve_parts(touched, motion, stop)
+            now = loads.gap_of(self.state, coming, motion.travel)
+            if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
+                if now.time > stop - self.time:
+                    continue
+                # The section has been solved here: a short way on, and it is on its support.
+                motion = self._follow(window.at(self.time + now.time), now.time, motion)
+                if abs(now.time) > self.tiny:
+                    motion = self._solve_parts(touched, motion, stop)
+                    now = loads.gap_of(self.state, coming, motion.travel)
+                    if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
+                        continue
+            motion = self._cross(now, motion, stop, exact=False)
+            if self.state.standing():
+                return self.solve(stop)
+        motion = self._follow(window.at(stop), stop - self.time, motion)
+        motion = self.solve(stop)
+        if drives.decoupled(self.state.point):
+            return motion
+        self.state = saved
+        drop()
+        return None
+
+    def _follow(self, x: np.ndarray, h: float, motion: Motion) -> Motion:
+        """Takes the states from the drives, and the algebraic variables along a straight line."""
+        self.state.point.x[:] = x
+        self.state.point.z[:] += h * motion.z
+        self.set_time(self.time + h)
+        return self._motion(motion.z)
+
+    def _as_whole(self, motion: Motion, stop: float) -> Motion:
+        """To the next event or the stop, all equations at once."""
+        coming = loads.next_crossing(self.state, motion.travel)
+        h = stop - self.time if coming is None else min(stop - self.time, max(coming.time, 0.0))
+        standing = bool(self.state.standing())
+        before = self.state.copy()
+        motion = self._advance(min(h, 0.02) if standing else h, motion, stop)
+        if standing and self._let_go(before, stop):
+            return self.solve(stop)
+        coming = loads.next_crossing(self.state, motion.travel)
+        if coming is None or coming.time > max(0.0, min(self.short, stop - self.time)):
+            return motion
+        first, motion = self._locate(before, coming, motion, stop)
+        return self._cross(first, motion, stop, exact=True)
+
+    def set_time(self, t: float) -> None:
+        """Sets the clock, and the inputs to their values then."""
+        self.state.point = replace(self.state.point, t=t)
+        self.state.point.u[:] = self.inputs_at(t)
+
+    def inputs_at(self, t: float) -> np.ndarray:
+        """Values of all inputs, shape (nu,)."""
+        return np.array([s.at(t) if isinstance(s, Schedule) else s for s in self.signals], dtype=float)
+
+    def slope(self, stop: float) -> np.ndarray:
+        """Rates of the inputs from now to `stop`, no later than their next break, shape (nu,)."""
+        t = self.state.point.t
+        if not len(self.breaks) or stop - t < 1e-9:
+            return np.zeros(len(self.signals))
+        return (self.inputs_at(stop) - self.state.point.u) / (stop - t)
+
+    def solve(self, stop: float) -> Motion:
+        """Solves the algebraic variables; returns how everything moves from here."""
+        state = self.state
+        return self._motion(newton_of(state.model).solve(state.point, slope=self.slope(stop)))
+
+    def _beside(self, crossings: Sequence[loads.Crossing]) -> list[int]:
+        """The sections on both sides of crossings."""
+        parts, touched = blocks_of(self.state.model), set[int]()
+        for c in crossings:
+            beside = self.state.model.layouts[c.r].force[max(c.k - 1, 0) : c.k + 1]
+            touched.update(int(parts.of[z]) for z in beside)
+        return sorted(touched)
+
+    def _solve_parts(self, touched: Sequence[int], motion: Motion, stop: float) -> Motion:
+        """Solves some sections only; the others keep their rates."""
+        z = motion.z.copy()
+        blocks_of(self.state.model).solve(self.state.point, touched, self.slope(stop), z)
+        return self._motion(z)
+
+    def _motion(self, z: np.ndarray) -> Motion:
+        """All rates, from those of the algebraic variables."""
+        state = self.state
+        x = rates_of(state.model)(*state.point.arguments)[0].copy()
+        return Motion(x, z, [layout.travel.read(x, z) for layout in state.model.layouts])
+
+    def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
+        """Moves the state on by `h` seconds, a little backwards too."""
+        point, t = self.state.point, self.state.point.t
+        if h == 0.0:
+            return motion
+        if abs(h) <= self.tiny:
+            point.x[:] += h * motion.x
+            point.z[:] += h * motion.z
+            self.set_time(t + h)
+            return motion
+        if abs(h) <= self.short:
+            x = point.x.copy()
+            point.x[:] = x + h * motion.x
+            point.z[:] += h * motion.z
+            self.set_time(t + h)
+            end = self.solve(stop)
+            if np.array_equal(end.x, motion.x):
+                return end
+            self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
+            return self.solve(stop)
+        integrator = idas_of(self.state.model, self.tolerance)
+        point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
+        self.set_time(t + h)
+        return self.solve(stop)
+
+    def _locate(
+        self, before: LineState, first: loads.Crossing, motion: Motion, stop: float
+    ) -> tuple[loads.Crossing, Motion]:
+        """Moves the state to where the first load stands on its support."""
+        for _ in range(20):
+            if abs(first.gap) <= loads.NEAR * self.state.span_scale[first.r]:
+                return first, motion
+            if abs(first.time) > self.short:  # far overrun: once more from before, up to there
+                h = self.state.point.t + first.time - before.point.t
+                self.state = before.copy()
+                motion = self._advance(h, self.solve(stop), stop)
+            else:
+                motion = self._advance(first.time, motion, stop)
+            coming = loads.next_crossing(self.state, motion.travel)
+            if coming is None:
+                break
+            first = coming
+        raise SimulationError(
+            f"Cannot locate the crossing of {self.state.runs[first.r].nodes[first.k].name!r}",
+            "The rope hardly moves there; look at its speed",
+            self.state.point.t,
+        )
+
+    def _cross(self, first: loads.Crossing, motion: Motion, stop: float, *, exact: bool) -> Motion:
+        """Loads cross, and the line jumps; both sides are recorded."""
+        self.record(exact)
+        crossings = loads.due(self.state, first, motion.travel)
+        just: set[tuple[int, int]] = set()
+        for _ in range(50):
+            for crossing in crossings:
+                just.add((crossing.r, crossing.k))
+                self.note(crossing, loads.apply(self.state, crossing))
+            motion = self._solve_parts(self._beside(crossings), motion, stop)
+            crossings = loads.overrun(self.state, just)
+            if not crossings:
+                self.record(exact)
+                return motion
+        raise SimulationError(
+            f"Loads are thrown to and fro at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
+            "Move supports or loads there",
+            self.state.point.t,
+        )
+
+    def _let_go(self, before: LineState, stop: float) -> bool:
+        """Releases a load that stands on a sheave when a side has gained the upper hand."""
+        enough = 1e-7 * float(self.state.model.z.nominals.max())
+        for _ in range(30):
+            found = loads.pulls(self.state)
+            i = int(np.argmax([pull for _, pull in found]))
+            leaving, pull = found[i]
+            if pull <= enough:
+                return False
+            was, h = loads.pulls(before)[i][1], self.state.point.t - before.point.t
+            if pull <= 10.0 * enough or h < 1e-9:
+                break
+            if was >= -10.0 * enough:
+                self.state = before
+                break
+            self.state, end = before.copy(), self.state
+            self._advance(h * was / (was - pull), self.solve(stop), stop)
+            if max(p for _, p in loads.pulls(self.state)) <= enough:  # still on the sheave: the root is beyond
+                before, self.state = self.state.copy(), end
+        self.record(True)
+        loads.let_go(self.state, leaving)
+        self.note(leaving, "load released forward" if leaving.forward else "load released backward")
+        self.solve(stop)
+        self.record(True)
+        return True
+
+
+@lru_cache(maxsize=16)
+def idas_of(model: Model, tolerance: float) -> Idas:
+    """The integrator of a model: made once, as its functions take a while to build."""
+    return Idas(model, tolerance)
+
+
+@lru_cache(maxsize=16)
+def rates_of(model: Model) -> Buffered:
+    """Rates of the states as a function of a point."""
+    arguments = model.dae.sx_in()
+    return Buffered(ca.Function("rates", arguments, [ca.densify(expanded(model)(*arguments)[0])]))

@@ -1,0 +1,88 @@
+"""An endless mono-cable line: the rope goes out, around a tensioned return wheel, and back to its drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.component import Node
+from ropeway.components.control_sheave import ControlSheave, Speed
+from ropeway.components.drive import Drive, IdealDrive
+from ropeway.components.errors import InputError
+from ropeway.components.return_wheel import TensionedReturn
+from ropeway.components.rope import Rope
+from ropeway.components.sheave import Sheave
+from ropeway.components.span import Span
+from ropeway.systems.equilibrium import equilibrium
+from ropeway.systems.rigs.supports import read_supports
+from ropeway.systems.system import GRAVITY, System
+
+
+def endless(
+    rope: Rope,
+    supports: str | Path | pd.DataFrame,
+    *,
+    tension: float,
+    speed: Speed = 1.0,
+    load_mass: float | Sequence[float] | None = None,
+    load_spacing: float | None = None,
+    take_up: float | None = None,
+    drive: Drive | None = None,
+    name: str = "endless line",
+    gravity: float = GRAVITY,
+) -> System:
+    """An endless line with loads both ways.
+
+    supports: as for `monocable`, in the order of the rope, out and back: the first is the drive (control), at
+    which the rope also ends, one is the return. tension: of the empty rope where it leaves the drive [N].
+    take_up: constant force on the return wheel [N], by default what the empty rope draws with. speed [m/s or
+    Schedule], drive: of the drive; any further controls follow the same speed. load_mass [kg, a number or a
+    sequence used in order and repeated; 0 is a missing load] and load_spacing [m], rounded so that the loads
+    are evenly spread around. Raises InputError, SlackRopeError.
+    """
+    table = read_supports(supports, endless=True)
+    check.positive(tension, "endless", "tension", "N")
+    if (load_mass is None) != (load_spacing is None):
+        raise InputError("endless has one of load_mass and load_spacing", "Give both, or none for an empty rope")
+    returns = np.flatnonzero(table["kind"] == "return")
+    if len(returns) != 1:
+        raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
+    if take_up is None:
+        empty, _ = _line(rope, table, tension, 0.0, None, None, name, gravity)
+        take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
+    line, spans = _line(rope, table, tension, speed, drive, take_up, name, gravity)
+    if load_mass is not None and load_spacing is not None:
+        line.feed(spans, spacing=load_spacing, masses=load_mass)
+    return line
+
+
+def _line(
+    rope: Rope,
+    table: pd.DataFrame,
+    tension: float,
+    speed: Speed,
+    drive: Drive | None,
+    take_up: float | None,
+    name: str,
+    gravity: float,
+) -> tuple[System, tuple[Span, ...]]:
+    """The line with its return wheel drawn by `take_up`, or in its place for None."""
+    points = table[["x", "y", "z"]].to_numpy(dtype=float)
+    nodes: list[Node] = []
+    for i, row in enumerate(table.itertuples(index=False)):
+        label, at = str(row.name), tuple(points[i])
+        if row.kind == "control":
+            nodes.append(ControlSheave(label, at=at, speed=speed, drive=drive or IdealDrive()))
+        elif row.kind == "return" and take_up is not None:
+            # It slides in the middle between its ropes, away from them.
+            before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
+            way = before / np.linalg.norm(before) + after / np.linalg.norm(after)
+            nodes.append(TensionedReturn(label, at=at, direction=tuple(way.tolist()), take_up=take_up))
+        else:
+            nodes.append(Sheave(label, at=at))
+    line = System(name, gravity=gravity)
+    return line, line.string(rope, *nodes, nodes[0], tension=tension)

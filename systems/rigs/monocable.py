@@ -1,0 +1,90 @@
+"""A mono-cable line from a table of supports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.anchor import Anchor
+from ropeway.components.component import Node
+from ropeway.components.control_sheave import ControlSheave, Speed
+from ropeway.components.drive import Drive, IdealDrive
+from ropeway.components.drum import Drum
+from ropeway.components.errors import InputError
+from ropeway.components.response import Response
+from ropeway.components.rope import Rope
+from ropeway.components.sheave import Sheave
+from ropeway.systems.empty_rope import support_tensions
+from ropeway.systems.rigs.supports import read_supports
+from ropeway.systems.system import GRAVITY, System
+
+_Part = TypeVar("_Part", Drive, Response)
+
+
+def monocable(
+    rope: Rope,
+    supports: str | Path | pd.DataFrame,
+    *,
+    tension: float,
+    speed: Speed = 1.0,
+    load_mass: float | Sequence[float] | None = None,
+    load_spacing: float | None = None,
+    name: str = "mono-cable line",
+    drive: Drive | Mapping[str, Drive] | None = None,
+    response: Response | Mapping[str, Response] | None = None,
+    precedence: str = "all at once",
+    gravity: float = GRAVITY,
+) -> System:
+    """A mono-cable line, from drum to drum.
+
+    supports: a CSV or DataFrame with columns name, x, y, z [m], kind (anchor, drum, idler, control, return)
+    in the order of the rope. tension: of the empty rope at rest at the first support [N]; it sets how much
+    rope there is between the control sheaves. Drums at the ends keep the tension that the empty rope has
+    there. speed [m/s, from the first support to the last, or a Schedule]: of the rope at all control sheaves;
+    on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
+    load_spacing [m of rope]: the rope starts full of loads, more are put on at the first support at the same
+    spacing, and all are taken off at the last; a mass of 0 is a missing load. drive and response: of the
+    control sheaves, one for all or one for each name (ideal drives and no response otherwise); precedence: who
+    acts first when several respond. Raises InputError, SlackRopeError.
+    """
+    table = read_supports(supports)
+    check.positive(tension, "monocable", "tension", "N")
+    if (load_mass is None) != (load_spacing is None):
+        raise InputError("monocable has one of load_mass and load_spacing", "Give both, or none for an empty rope")
+    controlled = bool((table["kind"] == "control").any())
+    if "anchor" in set(table["kind"]) and (controlled or speed != 0.0):
+        raise InputError("A rope with an anchored end cannot move", "Use drums at the ends, or speed=0 and no controls")
+    points = table[["x", "y", "z"]].to_numpy(dtype=float)
+    kept = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
+    nodes: list[Node] = []
+    for i, row in enumerate(table.itertuples(index=False)):
+        label, at = str(row.name), tuple(points[i])
+        if row.kind == "anchor":
+            nodes.append(Anchor(label, at=at))
+        elif row.kind == "control":
+            own: Drive | None = _of(drive, label)
+            rule: Response | None = _of(response, label)
+            nodes.append(ControlSheave(label, at=at, speed=speed, drive=own or IdealDrive(), response=rule))
+        elif row.kind == "drum" and i == 0 and not controlled:
+            nodes.append(Drum(label, at=at, speed=speed))
+        elif row.kind == "drum":
+            nodes.append(Drum(label, at=at, tension=float(kept[i])))
+        else:
+            nodes.append(Sheave(label, at=at))
+    for each in (drive, response):
+        if isinstance(each, Mapping) and (unknown := set(each) - set(table.loc[table["kind"] == "control", "name"])):
+            raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
+    line = System(name, gravity=gravity, precedence=precedence)
+    spans = line.string(rope, *nodes, tension=tension)
+    if load_mass is not None and load_spacing is not None:
+        line.feed(spans, spacing=load_spacing, masses=load_mass)
+    return line
+
+
+def _of(parts: _Part | Mapping[str, _Part] | None, name: str) -> _Part | None:
+    """The part of one support: its own, or the one for all."""
+    return parts.get(name) if isinstance(parts, Mapping) else parts

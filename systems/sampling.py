@@ -1,0 +1,175 @@
+"""Clocks: what control sheaves decide at samples, and when it takes effect.
+
+Every update is a CasADi function of the model's vectors, so that an exported model can carry it along.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.component import Kind
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.response import Response
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """Ticks at `phase`, `phase + period`, ... [s]. `update(t, x, z, u, p, d)` gives the new values of the
+    `entries` of the discrete vector; `corrections` are those of them that change the line's motion, with the
+    sheaves that they belong to."""
+
+    period: float
+    phase: float
+    update: ca.Function
+    entries: np.ndarray
+    corrections: Mapping[int, str]
+
+
+def clocks(
+    sheaves: Sequence[ControlSheave],
+    precedence: str,
+    outputs: ca.Function,
+    index: Mapping[Kind, Mapping[str, int]],
+) -> tuple[Clock, ...]:
+    """The clocks of a system's control sheaves, given in the order of the rope. Delayed effects come before
+    samples at the same time. `index`: place of each variable in its vector."""
+    by_period: dict[float, list[ControlSheave]] = defaultdict(list)
+    by_effect: dict[tuple[float, float], list[ControlSheave]] = defaultdict(list)
+    for sheave in sheaves:
+        response = sheave.response
+        if response is not None:
+            by_period[response.period].append(sheave)
+            if response.waiting:
+                by_effect[response.period, response.phase].append(sheave)
+    point = [ca.MX.sym(name, *outputs.size_in(i)) for i, name in enumerate(("t", "x", "z", "u", "p", "d"))]
+    effects = [_effect(period, phase, group, point, index) for (period, phase), group in sorted(by_effect.items())]
+    samples = [
+        _sample(period, group, precedence, point, outputs(*point), index) for period, group in sorted(by_period.items())
+    ]
+    return (*effects, *samples)
+
+
+def _sample(
+    period: float, group: Sequence[ControlSheave], precedence: str, point: Sequence[ca.MX], y: ca.MX, index: Any
+) -> Clock:
+    """All sheaves of one period decide; those that may act do."""
+    decisions = []
+    for sheave in group:
+        function, names = _rule(sheave)
+        values = [_read(f"{sheave.name}.{name}", point, y, index) for name, _ in names.inputs]
+        decisions.append((sheave, names, function.call(values)))
+    wants = [d[2][0] for d in decisions]
+    needs = [d[2][1] for d in decisions]
+    entries, values, corrections = [], [], {}
+    for (sheave, names, results), grant in zip(decisions, _grants(precedence, wants, needs), strict=True):
+        count = len(names.outputs)
+        for i, (name, size) in enumerate(names.outputs):
+            values.append(ca.if_else(grant, results[2 + i], results[2 + count + i]))
+            places = _places(f"{sheave.name}.{name}", size, index[Kind.DISCRETE])
+            entries += places
+            if name == "correction":
+                corrections[places[0]] = sheave.name
+    update = ca.Function("sample", list(point), [ca.vertcat(*values)])
+    return Clock(period, period, update, np.array(entries), corrections)
+
+
+def _grants(precedence: str, wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> list[ca.MX]:
+    """Which of those that want to act may."""
+    n = len(wants)
+    need = [ca.if_else(w, r, -1e30) for w, r in zip(wants, needs, strict=True)]
+
+    def first(order: Sequence[int]) -> list[ca.MX]:
+        grants, free = [ca.MX(0)] * n, ca.MX(1)
+        for k in order:
+            grants[k] = wants[k] * free
+            free = free * (1 - wants[k])
+        return grants
+
+    def ahead(k: int, others: Sequence[int]) -> ca.MX:
+        """Whether k needs more than the others; the one earlier on the rope wins a draw."""
+        grant = wants[k]
+        for j in others:
+            grant = grant * (need[k] >= need[j] if k < j else need[k] > need[j])
+        return grant
+
+    if precedence == "upstream first":
+        return first(range(n))
+    if precedence == "downstream first":
+        return first(range(n - 1, -1, -1))
+    if precedence == "worst first":
+        return [ahead(k, [j for j in range(n) if j != k]) for k in range(n)]
+    if precedence == "neighbours locked out":
+        return [ahead(k, [j for j in (k - 1, k + 1) if 0 <= j < n]) for k in range(n)]
+    return list(wants)
+
+
+@dataclass(frozen=True)
+class _Names:
+    """Variables (name, size) that a rule reads, and those that it sets."""
+
+    inputs: tuple[tuple[str, int], ...]
+    outputs: tuple[tuple[str, int], ...]
+
+
+def _rule(sheave: ControlSheave) -> tuple[ca.Function, _Names]:
+    """A response's rule as a function: inputs -> wants, need, values if granted..., values if refused..."""
+    response = _response(sheave)
+    inputs = (("tension_in", 1), ("tension_out", 1), *((v.name, v.size) for v in response.variables()))
+    symbols = [ca.SX.sym(name, size) for name, size in inputs]
+    decision = response.decide(SimpleNamespace(**dict(zip((n for n, _ in inputs), symbols, strict=True))))
+    outputs = tuple((name, ca.SX(value).numel()) for name, value in decision.granted.items())
+    results = [
+        decision.wants,
+        decision.need,
+        *(decision.granted[name] for name, _ in outputs),
+        *(decision.refused[name] for name, _ in outputs),
+    ]
+    return ca.Function("rule", symbols, results), _Names(inputs, outputs)
+
+
+def _effect(period: float, phase: float, group: Sequence[ControlSheave], point: Sequence[ca.MX], index: Any) -> Clock:
+    """The oldest waiting decision of each sheave becomes its correction."""
+    entries, values, corrections = [], [], {}
+    for sheave in group:
+        oldest = _places(f"{sheave.name}.response_waiting", _response(sheave).waiting, index[Kind.DISCRETE])[0]
+        entry = index[Kind.DISCRETE][f"{sheave.name}.correction"]
+        entries.append(entry)
+        corrections[entry] = sheave.name
+        values.append(point[5][oldest])
+    # Before the first sample nothing waits: the first effect comes one phase after it.
+    return Clock(
+        period,
+        period + phase,
+        ca.Function("effect", list(point), [ca.vertcat(*values)]),
+        np.array(entries),
+        corrections,
+    )
+
+
+def _response(sheave: ControlSheave) -> Response:
+    if sheave.response is None:
+        raise TypeError(f"{sheave.name} has no response")
+    return sheave.response
+
+
+def _places(name: str, size: int, index: Mapping[str, int]) -> list[int]:
+    if name in index:
+        return [index[name]]
+    return [index[f"{name}[{i + 1}]"] for i in range(size)]
+
+
+def _read(name: str, point: Sequence[ca.MX], y: ca.MX, index: Any) -> ca.MX:
+    for kind, vector in ((Kind.OUTPUT, y), (Kind.PARAMETER, point[4]), (Kind.DISCRETE, point[5])):
+        if name in index[kind]:
+            return vector[index[kind][name]]
+        if f"{name}[1]" in index[kind]:
+            size = sum(1 for n in index[kind] if n.startswith(f"{name}["))
+            return vector[_places(name, size, index[kind])]
+    raise KeyError(name)

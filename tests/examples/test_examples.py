@@ -1,0 +1,18 @@
+"""Every example runs and leaves its pictures."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+
+
+@pytest.mark.parametrize("script", sorted(p.name for p in EXAMPLES.glob("[!_]*.py")))
+def test_example(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", [script, str(tmp_path)])
+    runpy.run_path(str(EXAMPLES / script), run_name="__main__")
+    pictures = list(tmp_path.glob("*.png"))
+    assert pictures
+    assert all(p.stat().st_size > 5000 for p in pictures)

@@ -1,0 +1,65 @@
+"""The command line as a user meets it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+
+
+def ropeway(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "ropeway", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False)
+
+
+def test_demo(tmp_path: Path) -> None:
+    done = ropeway("demo", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "24 spans" in done.stdout
+    assert "crossing forward" in done.stdout
+    assert str(tmp_path / "ropeway-demo") in done.stdout.replace("\n", "")
+    for name in ("tensions.csv", "events.csv", "tensions.png", "line.png"):
+        assert (tmp_path / "ropeway-demo" / name).stat().st_size > 1000
+    table = pd.read_csv(tmp_path / "ropeway-demo" / "tensions.csv", index_col=0)
+    assert len(table) == 601
+    assert "c1.tension_in [N]" in table
+
+
+def test_simulate(tmp_path: Path) -> None:
+    line = str(EXAMPLES / "line.csv")
+    done = ropeway("simulate", line, "--rope", "compacted skyline 22", "--until", "20", "--out", "o", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "o" / "line.png").exists()
+
+
+def test_ropes(tmp_path: Path) -> None:
+    done = ropeway("ropes", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "6x19 EEIP 25" in done.stdout
+    assert "mass [kg/m]" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("simulate", "no.csv"), "There is no file no.csv"),
+        (("simulate", str(EXAMPLES / "line.csv"), "--rope", "string"), "No rope 'string'"),
+        (("simulate", str(EXAMPLES / "line.csv"), "--tension", "100"), "Raise the tension"),
+    ],
+)
+def test_errors_are_one_line(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
+    done = ropeway(*arguments, cwd=tmp_path)
+    assert done.returncode == 1
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_help_and_wrong_usage(tmp_path: Path) -> None:
+    done = ropeway("simulate", "--help", cwd=tmp_path)
+    assert done.returncode == 0
+    assert "name,x,y,z,kind" in done.stdout.replace("\n", "")
+    assert ropeway("simulate", "--no-such-option", cwd=tmp_path).returncode == 2

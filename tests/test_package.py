@@ -1,0 +1,60 @@
+"""The package list, the wheel and the public names."""
+
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import ropeway as rw
+
+ROOT = Path(__file__).resolve().parents[1]
+CODE = ("components", "systems", "fmu", "examples")
+
+
+def packages() -> list[str]:
+    return tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+
+
+def test_every_folder_with_code_is_listed() -> None:
+    found = {"ropeway"}
+    for top in CODE:
+        for file in (ROOT / top).rglob("*.py"):
+            found.add(".".join(("ropeway", *file.parent.relative_to(ROOT).parts)))
+    assert set(packages()) == found
+
+
+def test_every_package_has_an_init() -> None:
+    for package in packages():
+        assert (ROOT.joinpath(*package.split(".")[1:]) / "__init__.py").is_file(), package
+
+
+@pytest.mark.slow
+def test_wheel_holds_the_tree(tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    shutil.copytree(ROOT, source, ignore=shutil.ignore_patterns(".*", "build", "*.egg-info", "__pycache__"))
+    build = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(tmp_path), str(source)]
+    subprocess.run(build, check=True, capture_output=True, cwd=tmp_path)
+    (wheel,) = tmp_path.glob("*.whl")
+    names = set(zipfile.ZipFile(wheel).namelist())
+    tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    wanted = {f"ropeway/{f}" for f in tracked if f.endswith(".py") and ("/" not in f or f.split("/")[0] in CODE)}
+    assert wanted <= names
+    assert {"ropeway/py.typed", "ropeway/examples/line.csv"} <= names
+    assert not any(n.startswith(("tests/", "ropeway/tests/", "ropeway/benchmarks/")) for n in names)
+
+
+def test_public_names_resolve() -> None:
+    for name in rw.__all__:
+        assert getattr(rw, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'rope_way'"):
+        _ = rw.rope_way
+
+
+def test_import_is_light() -> None:
+    code = "import sys, ropeway; print([m for m in ('casadi', 'pandas', 'matplotlib', 'scipy') if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT.parent)
+    assert out.stdout.strip() == "[]"
