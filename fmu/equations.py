@@ -75,7 +75,15 @@ class Equations:
     @property
     def functions(self) -> tuple[ca.Function, ...]:
         """All functions that the C core calls."""
-        return (self.dae, self.outputs, self.jacobian, self.tangent)
+        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks)
+
+    @cached_property
+    def clocks(self) -> tuple[ca.Function, ...]:
+        """(t, x, z, u, p, d) -> new values of the entries of each clock, dense."""
+        return tuple(
+            ca.Function(f"rw_clock_{i}", self.symbols, [ca.densify(clock.update(*self.symbols))])
+            for i, clock in enumerate(self.model.clocks)
+        )
 
     @cached_property
     def pattern(self) -> ca.Sparsity:

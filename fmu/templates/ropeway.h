@@ -34,6 +34,7 @@ typedef struct {
     int known, solved, shown;          /* parameters taken over, z solved, outputs computed */
     int passed[RW_NK + 1];             /* loads that have passed each support */
     int broken[RW_NL + 1];             /* limits broken */
+    int ticks[RW_NC + 1];              /* of each clock */
     int beyond_schedule;
     double h;                          /* step that the error control asks for */
     rw_point now;
@@ -56,6 +57,8 @@ typedef struct {
     double residual[RW_NW + 1], move[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
     double dx[RW_NX + 1], dz[RW_NZ + 1], du[RW_NU + 1], dp[RW_NP + 1], dd[RW_ND + 1], dm[RW_NM + 1], dt, df[RW_NX + 1], dg[RW_NZ + 1], dy[RW_NY + 1];
     rw_state backup;
+    double sample[RW_NQ + 1], fresh[RW_ND + 1];
+    unsigned char changes[RW_ND + 1];
     double us[RW_NU + 1], zrate[RW_NZ + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
     int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
     const double *arg[RW_SZ_ARG];
@@ -77,6 +80,7 @@ rw_status rw_solve(rw_instance *m);
 rw_status rw_show(rw_instance *m);
 rw_status rw_rates(rw_instance *m);
 rw_status rw_tangent_of(rw_instance *m);
+int rw_sample(rw_instance *m, int clock);
 void rw_inputs_at(rw_instance *m, double t, double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
@@ -108,6 +112,7 @@ rw_status rw_do_step(rw_instance *m, double end);
 rw_status rw_event_update(rw_instance *m);
 rw_status rw_event_indicators(rw_instance *m, double *indicator);
 double rw_next_time_event(const rw_instance *m);
+void rw_start_clocks(rw_instance *m);
 
 /* ropeway_instance.c */
 rw_instance *rw_new(rw_log_function log, void *context, int co_simulation);

@@ -94,6 +94,7 @@ static rw_status take_over(rw_instance *m)
 rw_status rw_initialize(rw_instance *m)
 {
     rw_status status = take_over(m);
+    rw_start_clocks(m);
     return status == RW_OK ? rw_limits(m) : status;
 }
 
@@ -157,6 +158,10 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     if (access == HIDDEN) return bad(m, vr);
     if (!isfinite(value)) {
         rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
+        return RW_ERROR;
+    }
+    if (access == PARAMETER && (vr < MASS ? rw_positive[vr - P] && value <= 0.0 : value < 0.0)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must be above zero", vr);
         return RW_ERROR;
     }
     if (access == INPUT) {

@@ -71,6 +71,16 @@ int rw_rate_function(rw_instance *m, double t, const double *x, const double *z,
     return 0;
 }
 
+/* What a clock decides at the present point, in m->sample. */
+int rw_sample(rw_instance *m, int clock)
+{
+    int n = rw_clock_first[clock + 1] - rw_clock_first[clock];
+    rw_inputs_at(m, m->s.now.t, m->us);
+    point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->res[0] = m->sample;
+    return rw_clock_update[clock](m->arg, m->res, m->iw, m->cw, 0) || !all_finite(m->sample, n);
+}
+
 /* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY where they have no value. */
 static double residual(rw_instance *m, double t, const double *x, const double *z, const double *u, const double *base,
                        double hg)

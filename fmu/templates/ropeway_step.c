@@ -148,6 +148,59 @@ static rw_status step_to_event(rw_instance *m, double h, double stop)
     return RW_DISCARD;
 }
 
+static double next_tick(const rw_instance *m, int clock)
+{
+    return rw_clock_phase[clock] + m->s.ticks[clock] * rw_clock_period[clock];
+}
+
+/* Ticks before the present time are past. */
+void rw_start_clocks(rw_instance *m)
+{
+    for (int i = 0; i < RW_NC; i++) {
+        m->s.ticks[i] = (int)fmax(0.0, floor((m->s.now.t - rw_clock_phase[i]) / rw_clock_period[i]));
+        while (next_tick(m, i) < m->s.now.t - 1e-9) m->s.ticks[i]++;
+    }
+}
+
+/* Clocks that tick now decide; what changes the line's motion takes effect when all have. */
+static rw_status tick(rw_instance *m)
+{
+    int any = 0;
+    memset(m->changes, 0, sizeof m->changes);
+    for (int i = 0; i < RW_NC; i++) {
+        if (next_tick(m, i) > m->s.now.t + 1e-9) continue;
+        rw_status status = rw_solve(m);
+        if (status != RW_OK) return status;
+        m->s.ticks[i]++;
+        if (rw_sample(m, i)) {
+            rw_message(m, RW_DISCARD, "logStatusDiscard", "A response has no value at t = %.9g s", m->s.now.t);
+            return RW_DISCARD;
+        }
+        for (int p = rw_clock_first[i]; p < rw_clock_first[i + 1]; p++) {
+            int entry = rw_clock_entry[p];
+            double value = m->sample[p - rw_clock_first[i]];
+            if (!rw_clock_corrects[p])
+                m->s.d[entry] = value;
+            else if (value != m->s.d[entry]) {
+                m->fresh[entry] = value;
+                any = m->changes[entry] = 1;
+            }
+        }
+    }
+    if (!any) return RW_OK;
+    for (int i = 0; i < RW_ND; i++)
+        if (m->changes[i]) m->s.d[i] = m->fresh[i];
+    m->s.solved = m->s.shown = 0;
+    return rw_overrun_settle(m);
+}
+
+static int tick_due(const rw_instance *m)
+{
+    for (int i = 0; i < RW_NC; i++)
+        if (next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
+    return 0;
+}
+
 static rw_status advance(rw_instance *m, double end)
 {
     rw_status status;
@@ -161,6 +214,10 @@ static rw_status advance(rw_instance *m, double end)
         int some = rw_next_crossing(m, &coming);
         if (some && coming.gap <= NEAR * rw_span_scale[rw_run_of[coming.k]]) {
             status = after_event(m, rw_cross(m, &coming));
+            continue;
+        }
+        if (tick_due(m)) {
+            status = after_event(m, tick(m));
             continue;
         }
         if (t >= end - LEAST_STEP) {
@@ -194,12 +251,13 @@ rw_status rw_do_step(rw_instance *m, double end)
     return status;
 }
 
-/* The time at which a schedule bends next. */
+/* The time at which a schedule bends or a clock ticks next. */
 double rw_next_time_event(const rw_instance *m)
 {
     double next = INFINITY;
     for (int i = 0; i < rw_schedule_first[RW_NS]; i++)
         if (rw_schedule_time[i] > m->s.now.t + 1e-9 && rw_schedule_time[i] < next) next = rw_schedule_time[i];
+    for (int i = 0; i < RW_NC; i++) next = fmin(next, next_tick(m, i));
     return next;
 }
 
@@ -238,6 +296,7 @@ rw_status rw_event_update(rw_instance *m)
     rw_status status = rw_solve(m);
     if (status == RW_OK) status = rw_rates(m);
     if (status == RW_OK) status = rw_cross(m, NULL);
+    if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
     if (status == RW_OK && rw_standing(m)) {
         status = rw_release(m, &leaving, &ahead);
         if (status == RW_OK && ahead > 0.5 * RW_FORCE_NEAR) status = after_event(m, rw_let_go(m, &leaving));
