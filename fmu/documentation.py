@@ -7,6 +7,7 @@ import io
 from collections.abc import Iterable
 
 import numpy as np
+
 from ropeway.fmu.description import About
 from ropeway.fmu.interface import FmuVariable, Interface
 from ropeway.systems.equilibrium import Equilibrium

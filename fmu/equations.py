@@ -9,12 +9,13 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.state import LineState
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 
 @dataclass(frozen=True, eq=False)

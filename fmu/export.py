@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Literal
 
 import casadi as ca
+
 import ropeway
 from ropeway.components import check
 from ropeway.components.errors import InputError

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.equations import Dependencies, Equations

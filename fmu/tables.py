@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+
 from ropeway.components.errors import InputError
 from ropeway.fmu.interface import Interface
 from ropeway.systems.model import Model
