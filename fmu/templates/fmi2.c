@@ -24,9 +24,14 @@ typedef struct {
 
 static void forward_message(void *context, rw_status status, const char *category, const char *message)
 {
+    /* Some importers show the format itself: the message is given as one, without conversions. */
     instance *i = context;
+    char plain[512];
+    size_t n = 0;
+    for (; message[n] && n + 1 < sizeof plain; n++) plain[n] = message[n] == '%' ? ' ' : message[n];
+    plain[n] = 0;
     if (i->callbacks && i->callbacks->logger)
-        i->callbacks->logger(i->callbacks->componentEnvironment, i->name, (fmi2Status)status, category, "%s", message);
+        i->callbacks->logger(i->callbacks->componentEnvironment, i->name, (fmi2Status)status, category, plain);
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -53,7 +58,7 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     (void)visible;
     if (!name || !guid || strcmp(guid, rw_fingerprint) != 0) {
         if (callbacks && callbacks->logger)
-            callbacks->logger(callbacks->componentEnvironment, name ? name : "?", fmi2Error, "logStatusError", "%s",
+            callbacks->logger(callbacks->componentEnvironment, name ? name : "?", fmi2Error, "logStatusError",
                               "The GUID is not that of this FMU");
         return NULL;
     }

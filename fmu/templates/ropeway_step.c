@@ -256,7 +256,7 @@ double rw_next_time_event(const rw_instance *m)
 {
     double next = INFINITY;
     for (int i = 0; i < rw_schedule_first[RW_NS]; i++)
-        if (rw_schedule_time[i] > m->s.now.t + 1e-9 && rw_schedule_time[i] < next) next = rw_schedule_time[i];
+        if (rw_schedule_time[i] > m->s.now.t + LEAST_STEP && rw_schedule_time[i] < next) next = rw_schedule_time[i];
     for (int i = 0; i < RW_NC; i++) next = fmin(next, next_tick(m, i));
     return next;
 }

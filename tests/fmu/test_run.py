@@ -75,10 +75,10 @@ def test_inputs_are_held(line2: Path, open_fmu: Opener) -> None:
     one.run(0.0, 10.0, 0.5, ["c1.tension_in"])
     one.set(c1__speed=1.02)
     one.run(10.0, 20.0, 0.5, ["c1.tension_in"])
-    step = rw.Schedule((0.0, 10.0, 10.0 + 1e-9, 30.0), (1.0, 1.0, 1.02, 1.02))
+    step = rw.Schedule((0.0, 10.0, 10.0 + 1e-6, 30.0), (1.0, 1.0, 1.02, 1.02))
     result = rw.simulate(example_line(), 20.0, inputs={"c1.speed": step})
     names = ["c1.tension_in", "c1.tension_out", "c1.travel"]
-    assert one.get(*names) == pytest.approx(result.frame.iloc[-1][names].to_list(), rel=1e-7)
+    assert one.get(*names) == pytest.approx(result.frame.iloc[-1][names].to_list(), rel=1e-6)
 
 
 def test_other_parameters_are_solved_anew(span3: Path, open_fmu: Opener) -> None:
