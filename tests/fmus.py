@@ -66,6 +66,7 @@ class Opened:
     def __init__(self, path: Path, folder: Path, *, kind: str = "CoSimulation", start: float = 0.0) -> None:
         self.description = fmpy.read_model_description(str(path))
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.references.setdefault("time", 0)
         self.log: list[str] = []
         self.kind, self.three = kind, self.description.fmiVersion.startswith("3")
         section = self.description.coSimulation if kind == "CoSimulation" else self.description.modelExchange

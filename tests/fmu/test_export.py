@@ -66,7 +66,7 @@ def test_chosen_variables_only(tmp_path: Path) -> None:
         platforms=(),
     )
     shown = {v.name for v in fmpy.read_model_description(str(path)).modelVariables}
-    wanted = {"c1.speed", "c1.tension_in", "c1.tension_out", "c1.loads_passed", "start.load_mass[1]", "time"}
+    wanted = {"c1.speed", "c1.tension_in", "c1.tension_out", "c1.loads_passed", "start.load_mass[1]"}
     assert {n for n in shown if "travel" not in n} == wanted
     assert validate_fmu(str(path)) == []
 
