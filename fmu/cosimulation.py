@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
+import weakref
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -64,7 +66,8 @@ class CoSimulation:
         self.tolerance, self.iterations = tolerance, iterations
         self._participants: dict[str, _Participant] = {}
         self._connections: list[Connection] = []
-        self._folder = tempfile.TemporaryDirectory(prefix="ropeway-")
+        self._folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
+        weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
 
     def add(
         self,
@@ -81,7 +84,7 @@ class CoSimulation:
         if name in self._participants:
             raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
         if isinstance(participant, System):
-            participant = export(participant, Path(self._folder.name) / f"{name}.fmu")
+            participant = export(participant, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
         values = {key: float(value) for key, value in (start or {}).items()}
         for key, value in values.items():
@@ -132,13 +135,8 @@ class CoSimulation:
                 rows.append(_row(slaves, columns))
         names = [f"{slave}.{v}" for slave, outputs in columns.items() for v in outputs]
         frame = pd.DataFrame(rows, index=pd.Index(times, name="time"), columns=names)
-        units = {
-            n: str(p.fmu.variables.loc[v, "unit"])
-            for s, p in self._participants.items()
-            for v in columns[s]
-            for n in (f"{s}.{v}",)
-        }
-        frame.attrs["units"] = units
+        units = [str(p.fmu.variables.loc[v, "unit"]) for slave, p in self._participants.items() for v in columns[slave]]
+        frame.attrs["units"] = dict(zip(names, units, strict=True))
         return frame
 
     def _require_rollback(self, slaves: Mapping[str, Slave]) -> None:
@@ -165,6 +163,10 @@ class CoSimulation:
             for c, v in zip(self._connections, values, strict=True)
             if c.target.startswith(prefix)
         }
+
+    def _from(self, name: str) -> np.ndarray:
+        """Which connections a slave drives."""
+        return np.array([c.source.partition(".")[0] == name for c in self._connections], dtype=bool)
 
     def _put(self, slaves: Mapping[str, Slave], values: np.ndarray) -> None:
         for name, slave in slaves.items():
@@ -198,9 +200,7 @@ class CoSimulation:
             given = self._inputs_of(name, values)
             slave.step(size, given, given)
             if self.master == "Gauss-Seidel":
-                fresh = self._read({**slaves})
-                mine = np.array([c.source.partition(".")[0] == name for c in self._connections], dtype=bool)
-                values = np.where(mine, fresh, values)
+                values = np.where(self._from(name), self._read(slaves), values)
         return self._read(slaves)
 
     def _iterate(self, slaves: Mapping[str, Slave], size: float, values: np.ndarray) -> np.ndarray:
@@ -215,8 +215,7 @@ class CoSimulation:
                         slave.restore(states[name])
                     slave.step(size, self._inputs_of(name, values), self._inputs_of(name, end))
                     if self.master == "Gauss-Seidel":
-                        mine = np.array([c.source.partition(".")[0] == name for c in self._connections], dtype=bool)
-                        end = np.where(mine, self._read(slaves), end)
+                        end = np.where(self._from(name), self._read(slaves), end)
                 end = self._read(slaves)
                 if np.all(np.abs(end - before) <= self.tolerance * (1.0 + np.abs(end))):
                     return end
