@@ -17,7 +17,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu.errors import FmuRunError, FmuVariableError
-from ropeway.fmu.export import export
+from ropeway.fmu.exporting import export
 from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.slave import Slave, require_causality
 from ropeway.systems.system import System

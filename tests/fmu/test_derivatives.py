@@ -28,7 +28,7 @@ def unknowns(one: Opened) -> list[str]:
     return [
         v.name
         for v in one.description.modelVariables
-        if v.type == "Real" and (v.derivative is not None or v.causality == "output")
+        if v.type == "Real" and (v.derivative is not None or v.initial == "calculated")
     ]
 
 
