@@ -26,12 +26,13 @@ typedef struct {
     int lp[RW_NW + 1], up[RW_NW + 1], pinv[RW_NW + 1];
     int li[RW_LCAP], ui[RW_UCAP];
     double lx[RW_LCAP], ux[RW_UCAP];
+    double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z that they are made of */
 } rw_factors;
 
 /* Everything that determines how an instance goes on: saving it is a copy. */
 typedef struct {
     rw_mode mode;
-    int known, solved, shown;          /* parameters taken over, z solved, outputs computed */
+    int known, solved, rated, shown;   /* parameters taken over, z solved, its rates and outputs computed */
     int passed[RW_NK + 1];             /* loads that have passed each support */
     int broken[RW_NL + 1];             /* limits broken */
     int ticks[RW_NC + 1];              /* of each clock */
@@ -39,7 +40,7 @@ typedef struct {
     double h;                          /* step that the error control asks for */
     rw_point now;
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
-    double rate[RW_NX + 1], y[RW_NY + 1];
+    double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
 } rw_state;
 
@@ -53,13 +54,13 @@ typedef struct {
     int co_simulation;
     double start_time;
     /* workspace: nothing here outlives a call */
-    double f[RW_NX + 1], g[RW_NZ + 1], jac[RW_NNZ + 1];
+    double f[RW_NX + 1], g[RW_NZ + 1];
     double residual[RW_NW + 1], move[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
     double dx[RW_NX + 1], dz[RW_NZ + 1], du[RW_NU + 1], dp[RW_NP + 1], dd[RW_ND + 1], dm[RW_NM + 1], dt, df[RW_NX + 1], dg[RW_NZ + 1], dy[RW_NY + 1];
     rw_state backup;
     double sample[RW_NQ + 1], fresh[RW_ND + 1];
     unsigned char changes[RW_ND + 1];
-    double us[RW_NU + 1], zrate[RW_NZ + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
+    double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
     int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
     const double *arg[RW_SZ_ARG];
     double *res[RW_SZ_RES];

@@ -82,7 +82,7 @@ static rw_status take_over(rw_instance *m)
             memcpy(s->p, p, sizeof p);
             memcpy(s->mass, mass, sizeof mass);
             memcpy(s->now.x, x, sizeof x);
-            s->solved = s->shown = 0;
+            s->solved = s->rated = s->shown = 0;
             rw_message(m, RW_ERROR, "logStatusError", "No equilibrium is found for the values of the parameters and states");
             return RW_ERROR;
         }
@@ -114,7 +114,7 @@ rw_status rw_set_time(rw_instance *m, double t)
         rw_message(m, RW_ERROR, "logStatusError", "The time is not finite");
         return RW_ERROR;
     }
-    if (t != m->s.now.t) m->s.solved = m->s.shown = 0;
+    if (t != m->s.now.t) m->s.solved = m->s.rated = m->s.shown = 0;
     m->s.now.t = t;
     return RW_OK;
 }
@@ -177,7 +177,7 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
         rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
         return RW_ERROR;
     }
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
     return RW_OK;
 }
 

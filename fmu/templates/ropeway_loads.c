@@ -45,7 +45,7 @@ static double travel(const rw_instance *m, int k)
 double rw_travel_rate(const rw_instance *m, int k)
 {
     int i = rw_travel[k];
-    return i < 0 ? 0.0 : i < RW_NX ? m->s.rate[i] : m->zrate[i - RW_NX];
+    return i < 0 ? 0.0 : i < RW_NX ? m->s.rate[i] : m->s.zrate[i - RW_NX];
 }
 
 static int is_last(int k)
@@ -75,7 +75,7 @@ void rw_write_slots(rw_instance *m)
         }
         start += m->s.p[rw_length_start[k]];
     }
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
 }
 
 /* How the slots change with the seeds of the parameters: masses, and distances, which fall as the rope before
@@ -199,7 +199,7 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
     } else {
         m->s.d[rw_held[k]] = 1.0;
         m->s.d[rw_held_travel[k]] = rope_start(m, k) - load_place(rw_run_of[k], load);
-        m->s.solved = m->s.shown = 0;
+        m->s.solved = m->s.rated = m->s.shown = 0;
     }
     rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", m->s.now.t, load + 1,
                !goes ? "held at" : forward ? "crosses forward" : "crosses backward", rw_support_name[k]);

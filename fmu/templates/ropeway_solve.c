@@ -93,16 +93,16 @@ static double residual(rw_instance *m, double t, const double *x, const double *
     return isfinite(sum) ? sqrt(sum) : INFINITY;
 }
 
-/* Derivatives of f and g by x and z at a point, in m->jac. */
+/* Derivatives of f and g by x and z at a point, in m->s.lu.jac. */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
     point_arguments(m, &t, x, z, u);
-    m->res[0] = m->jac;
+    m->res[0] = m->s.lu.jac;
     m->s.lu.valid = 0;
-    return rw_jacobian(m->arg, m->res, m->iw, m->cw, 0) || !all_finite(m->jac, RW_NNZ);
+    return rw_jacobian(m->arg, m->res, m->iw, m->cw, 0) || !all_finite(m->s.lu.jac, RW_NNZ);
 }
 
-/* Factors of the scaled matrix from m->jac. */
+/* Factors of the scaled matrix from m->s.lu.jac. */
 int rw_factor_matrix(rw_instance *m, double hg)
 {
     static const int nx = RW_NX;
@@ -112,9 +112,9 @@ int rw_factor_matrix(rw_instance *m, double hg)
         for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++) {
             int i = rw_row[p];
             if (i < nx)
-                values[p] = (i == j ? 1.0 : 0.0) - hg * m->jac[p] * scale / rw_x_nominal[i];
+                values[p] = (i == j ? 1.0 : 0.0) - hg * m->s.lu.jac[p] * scale / rw_x_nominal[i];
             else
-                values[p] = m->jac[p] * scale / rw_r_nominal[i - nx];
+                values[p] = m->s.lu.jac[p] * scale / rw_r_nominal[i - nx];
         }
     }
     m->s.lu.valid = rw_factor(m, &m->s.lu, values) == 0;
@@ -232,7 +232,7 @@ rw_status rw_solve(rw_instance *m)
         return fail(m, "The rates have no value", q->t);
     }
     m->s.solved = 1;
-    m->s.shown = 0;
+    m->s.rated = m->s.shown = 0;
     m->s.lu.exact = 0;
     return RW_OK;
 }
@@ -268,19 +268,24 @@ static rw_status exact(rw_instance *m)
     return RW_OK;
 }
 
-/* How the algebraic variables move along with the states, in m->zrate; the present J is in m->jac after it. */
+/* How the algebraic variables move along with the states, in m->s.zrate. They predict: where rates depend on inputs
+ * only the factors at hand are good enough; else the matrix is taken anew, as the steps start from it. */
 rw_status rw_rates(rw_instance *m)
 {
-    rw_status status;
-    m->s.lu.exact = 0;
-    status = exact(m);
-    if (status != RW_OK) return status;
+    rw_status status = rw_solve(m);
+    if (status != RW_OK || m->s.rated) return status;
+    if (RW_COUPLED || !m->s.lu.valid || m->s.lu.hg != 0.0) {
+        m->s.lu.exact = 0;
+        status = exact(m);
+        if (status != RW_OK) return status;
+    }
     memset(m->move, 0, sizeof m->move);
     for (int j = 0; j < RW_NX; j++)
         for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++)
-            if (rw_row[p] >= RW_NX) m->move[rw_row[p]] -= m->jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
+            if (rw_row[p] >= RW_NX) m->move[rw_row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
     rw_back(&m->s.lu, m->move, m->work);
-    for (int i = 0; i < RW_NZ; i++) m->zrate[i] = m->move[RW_NX + i] * rw_z_nominal[i];
+    for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->move[RW_NX + i] * rw_z_nominal[i];
+    m->s.rated = 1;
     return RW_OK;
 }
 

@@ -37,12 +37,12 @@ static rw_status driven_step(rw_instance *m, const rw_point *from, double h, dou
     memcpy(rate, m->s.rate, sizeof rate);
     q->t = from->t + h;
     for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h * rate[i];
-    for (int i = 0; i < RW_NZ; i++) q->z[i] = from->z[i] + h * m->zrate[i];
-    m->s.solved = m->s.shown = 0;
+    for (int i = 0; i < RW_NZ; i++) q->z[i] = from->z[i] + h * m->s.zrate[i];
+    m->s.solved = m->s.rated = m->s.shown = 0;
     status = rw_solve(m);
     if (status != RW_OK || memcmp(rate, m->s.rate, RW_NX * sizeof(double)) == 0) return status;
     for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h / 2.0 * (rate[i] + m->s.rate[i]);
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
     return rw_solve(m);
 }
 
@@ -62,7 +62,7 @@ static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, do
             for (int j = 0; j < i; j++) m->base[n] += h * stage_weight[i][j] * m->stage[j][n];
             q->x[n] = m->base[n] + hg * m->stage[i - 1][n];
         }
-        for (int n = 0; n < RW_NZ; n++) q->z[n] += part * h * m->zrate[n];
+        for (int n = 0; n < RW_NZ; n++) q->z[n] += part * h * m->s.zrate[n];
         status = rw_newton(m, q->t, q->x, q->z, m->us, m->base, hg);
         if (status != RW_OK) return status;
         for (int n = 0; n < RW_NX; n++) m->stage[i][n] = (q->x[n] - m->base[n]) / hg;
@@ -73,7 +73,7 @@ static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, do
         for (int i = 0; i < 4; i++) e += h * ((i < 3 ? stage_weight[3][i] : GAMMA) - lower_order[i]) * m->stage[i][n];
         if (!(fabs(e) / allowed <= *error)) *error = fabs(e) / allowed;
     }
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
     return rw_solve(m);
 }
 
@@ -82,7 +82,7 @@ static rw_status back_to(rw_instance *m, const rw_point *from)
 {
     rw_status status;
     m->s.now = *from;
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
     m->s.lu.valid = 0;
     status = rw_solve(m);
     return status == RW_OK ? rw_rates(m) : status;
@@ -113,6 +113,7 @@ static rw_status step(rw_instance *m, const rw_point *from, double *h, double st
 
 static rw_status after_event(rw_instance *m, rw_status status)
 {
+    m->s.lu.valid = m->s.rated = 0;
     return status == RW_OK ? rw_rates(m) : status;
 }
 
@@ -190,7 +191,7 @@ static rw_status tick(rw_instance *m)
     if (!any) return RW_OK;
     for (int i = 0; i < RW_ND; i++)
         if (m->changes[i]) m->s.d[i] = m->fresh[i];
-    m->s.solved = m->s.shown = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
     return rw_overrun_settle(m);
 }
 
@@ -203,11 +204,7 @@ static int tick_due(const rw_instance *m)
 
 static rw_status advance(rw_instance *m, double end)
 {
-    rw_status status;
-    m->s.lu.valid = 0; /* a step does not depend on how its start was reached */
-    m->s.solved = m->s.shown = 0;
-    status = rw_solve(m);
-    if (status == RW_OK) status = rw_rates(m);
+    rw_status status = rw_rates(m);
     for (int turn = 0; status == RW_OK && turn < 1000000; turn++) {
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
@@ -293,8 +290,7 @@ rw_status rw_event_update(rw_instance *m)
 {
     rw_crossing leaving;
     double ahead;
-    rw_status status = rw_solve(m);
-    if (status == RW_OK) status = rw_rates(m);
+    rw_status status = rw_rates(m);
     if (status == RW_OK) status = rw_cross(m, NULL);
     if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
     if (status == RW_OK && rw_standing(m)) {
