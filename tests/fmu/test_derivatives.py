@@ -6,7 +6,9 @@ import casadi as ca
 import fmpy
 import numpy as np
 import pytest
-from fmus import HYDRAULIC, RESPONSE, Opened, Opener, short_line
+from fmus import HYDRAULIC, RESPONSE, Opened, Opener, example_line, short_line
+
+import ropeway as rw
 
 from ropeway.fmu import export
 
@@ -108,3 +110,17 @@ def test_casadi_sees_the_same_system(tmp_path: Path) -> None:
     assert np.sort_complex(np.linalg.eigvals(jacobian)) == pytest.approx(
         np.sort_complex(np.linalg.eigvals(reduced[np.ix_(order, order)])), rel=1e-9, abs=1e-9
     )
+
+
+def test_casadi_integrates_until_the_first_crossing(tmp_path: Path) -> None:
+    """DaeBuilder knows no events: the first load crosses at 25 s."""
+    line, until = example_line(), 20.0
+    path = export(line, tmp_path / "line.fmu", "3.0", outputs=["c1.tension_in", "c3.tension_out"], parameters=[])
+    folder = fmpy.extract(str(path), unzipdir=str(tmp_path / "line"))
+    builder = ca.DaeBuilder("line", str(folder), {})
+    start, given = (ca.DM([float(builder.start(n)[0]) for n in names]) for names in (builder.x(), builder.u()))
+    run = ca.integrator("run", "cvodes", builder.create("rates"), 0.0, until, {"abstol": 1e-9, "reltol": 1e-9})
+    end = run(x0=start, u=given)["xf"]
+    outputs = builder.create("outputs", ["t", "x", "u"], ["y"])(until, end, given).full().ravel()
+    wanted = rw.simulate(line, until, every=until).frame.iloc[-1][list(builder.y())]
+    assert list(outputs) == pytest.approx(wanted.to_list(), rel=1e-7)

@@ -1,11 +1,13 @@
 """The exported line against rw.simulate, and what else an FMU must do while it runs."""
 
+import time
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
 import pytest
-from fmus import HYDRAULIC, RESPONSE, Opener, example_line, one_span, short_line
+from fmus import HYDRAULIC, RESPONSE, ROPE, Opener, example_line, one_span, short_line
 
 import ropeway as rw
 from ropeway.fmu import export
@@ -105,3 +107,19 @@ def test_counts_of_loads(line2: Path, open_fmu: Opener) -> None:
     first = one.fmu.getInteger([one.references["c1.loads_passed"]])[0]
     one.run(0.0, 100.0, 1.0, ["c1.tension_in"])
     assert one.fmu.getInteger([one.references["c1.loads_passed"]])[0] == first + 2
+
+
+@pytest.mark.slow
+def test_a_hundred_spans_with_two_hundred_loads(tmp_path: Path) -> None:
+    nodes: list[Any] = [rw.Drum("d0", at=(0.0, 0.0, 0.0), speed=1.0)]
+    for i in range(1, 100):
+        at = (100.0 * i, 3.0 * np.sin(i), 30.0 * np.sin(i / 8.0) + (4.0 if i % 2 else 0.0))
+        nodes.append(rw.Sheave(f"s{i}", at=at) if i % 5 else rw.ControlSheave(f"c{i}", at=at, speed=1.0))
+    nodes.append(rw.Drum("d100", at=(10e3, 0.0, 0.0), tension=45e3))
+    line = rw.System("hundred spans")
+    line.feed(line.string(ROPE, *nodes, tension=45e3), spacing=50.0, masses=300.0)
+    begin = time.perf_counter()
+    path = export(line, tmp_path / "hundred.fmu")
+    assert time.perf_counter() - begin < 60.0
+    where, error = deviation(path, line, 60.0, "CoSimulation")
+    assert error < 1e-7, where
