@@ -13,6 +13,12 @@ if TYPE_CHECKING:
         Anchor as Anchor,
     )
     from ropeway.components import (
+        Block as Block,
+    )
+    from ropeway.components import (
+        Carriage as Carriage,
+    )
+    from ropeway.components import (
         ConstructionStretch as ConstructionStretch,
     )
     from ropeway.components import (
@@ -25,6 +31,15 @@ if TYPE_CHECKING:
         Elastic as Elastic,
     )
     from ropeway.components import (
+        GuyedSpar as GuyedSpar,
+    )
+    from ropeway.components import (
+        Guyline as Guyline,
+    )
+    from ropeway.components import (
+        HeadSpar as HeadSpar,
+    )
+    from ropeway.components import (
         HydraulicDrive as HydraulicDrive,
     )
     from ropeway.components import (
@@ -34,7 +49,13 @@ if TYPE_CHECKING:
         IdealDrive as IdealDrive,
     )
     from ropeway.components import (
+        IntermediateSupport as IntermediateSupport,
+    )
+    from ropeway.components import (
         Load as Load,
+    )
+    from ropeway.components import (
+        Log as Log,
     )
     from ropeway.components import (
         ProportionalResponse as ProportionalResponse,
@@ -50,6 +71,15 @@ if TYPE_CHECKING:
     )
     from ropeway.components import (
         Span as Span,
+    )
+    from ropeway.components import (
+        SpringAnchor as SpringAnchor,
+    )
+    from ropeway.components import (
+        Tailhold as Tailhold,
+    )
+    from ropeway.components import (
+        TailSpar as TailSpar,
     )
     from ropeway.components import (
         TensionedReturn as TensionedReturn,
@@ -86,7 +116,14 @@ if TYPE_CHECKING:
     from ropeway.systems.model import Model as Model
     from ropeway.systems.result import Result as Result
     from ropeway.systems.rigs.endless import endless as endless
+    from ropeway.systems.rigs.guylines import string_guylines as string_guylines
+    from ropeway.systems.rigs.live_skyline import gravity_skyline as gravity_skyline
+    from ropeway.systems.rigs.live_skyline import live_skyline as live_skyline
     from ropeway.systems.rigs.monocable import monocable as monocable
+    from ropeway.systems.rigs.running_skyline import running_skyline as running_skyline
+    from ropeway.systems.rigs.skyline import SkylineRig as SkylineRig
+    from ropeway.systems.rigs.skyline import Turn as Turn
+    from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
     from ropeway.systems.simulation import simulate as simulate
     from ropeway.systems.studies.cable_stretch import (
         UnstretchedLength as UnstretchedLength,
@@ -116,8 +153,17 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.catenary_fundamentals import (
         catenary_for_tension as catenary_for_tension,
     )
+    from ropeway.systems.studies.inhaul import Inhaul as Inhaul
+    from ropeway.systems.studies.inhaul import inhaul as inhaul
+    from ropeway.systems.studies.load_path import load_path as load_path
     from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
     from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
+    from ropeway.systems.studies.optimise_supports import Candidate as Candidate
+    from ropeway.systems.studies.optimise_supports import SupportPlan as SupportPlan
+    from ropeway.systems.studies.optimise_supports import optimise_supports as optimise_supports
+    from ropeway.systems.studies.optimise_supports import support_range as support_range
+    from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
+    from ropeway.systems.studies.payload import payload as payload
     from ropeway.systems.studies.payload_comparison import (
         compare_payload_methods as compare_payload_methods,
     )
@@ -132,6 +178,10 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
+    from ropeway.systems.studies.set_up import SetUp as SetUp
+    from ropeway.systems.studies.set_up import set_up as set_up
+    from ropeway.systems.studies.set_up import tension_history as tension_history
+    from ropeway.systems.studies.terrain import Profile as Profile
     from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.turk_solvers import solve_span as solve_span
     from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
@@ -139,8 +189,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor ConstructionStretch ControlSheave Drum Elastic HydraulicDrive HydraulicPowerUnit IdealDrive Load "
-        "ProportionalResponse Rope Schedule Sheave Span TensionedReturn ThresholdResponse"
+        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
+        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope Schedule "
+        "Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
@@ -154,6 +205,17 @@ _HOMES = {
     "ropeway.systems.rigs.endless": "endless",
     "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.simulation": "simulate",
+    "ropeway.systems.rigs.guylines": "string_guylines",
+    "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
+    "ropeway.systems.rigs.running_skyline": "running_skyline",
+    "ropeway.systems.rigs.skyline": "SkylineRig Turn",
+    "ropeway.systems.rigs.standing_skyline": "standing_skyline",
+    "ropeway.systems.studies.inhaul": "Inhaul inhaul",
+    "ropeway.systems.studies.load_path": "load_path",
+    "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
+    "ropeway.systems.studies.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
+    "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.studies.cable_stretch": (
         "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"
     ),

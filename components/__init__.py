@@ -1,10 +1,14 @@
 """Floor 1: what a thing is. One component a file, physics only."""
 
 from ropeway.components.anchor import Anchor
+from ropeway.components.carriage import Carriage
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
+from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.load import Load
+from ropeway.components.log import Log
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.components.response import ProportionalResponse, ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
@@ -12,23 +16,34 @@ from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic,
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
+from ropeway.components.spar import Block, HeadSpar, Tailhold, TailSpar
 
 __all__ = [
     "CONSTRUCTIONS",
     "Anchor",
+    "Block",
+    "Carriage",
     "ConstructionStretch",
     "ControlSheave",
     "Drum",
     "Elastic",
+    "GuyedSpar",
+    "Guyline",
+    "HeadSpar",
     "HydraulicDrive",
     "HydraulicPowerUnit",
     "IdealDrive",
+    "IntermediateSupport",
     "Load",
+    "Log",
     "ProportionalResponse",
     "Rope",
     "Schedule",
     "Sheave",
     "Span",
+    "SpringAnchor",
+    "TailSpar",
+    "Tailhold",
     "TensionedReturn",
     "ThresholdResponse",
 ]

@@ -68,10 +68,10 @@ def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     angle = xp.atanh(weight * length / s) / weight
-    tension_integral = length / 4 * (s + v * v / s) + h2 * angle
-    stretch = strain.c1 * length + strain.c2 * tension_integral
-    lift = 1 / s + strain.c1 / 2 + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
-    across = 2 * angle + stretch
+    across, lift = 2 * angle + strain.c1 * length, 1 / s + strain.c1 / 2
+    if not (isinstance(strain.c2, float) and strain.c2 == 0.0):
+        across = across + strain.c2 * (length / 4 * (s + v * v / s) + h2 * angle)
+        lift = lift + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
     return Segment((fx * across, fy * across, length * v * lift), (fx, fy, v1))
 
 

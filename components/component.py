@@ -91,10 +91,12 @@ class Seat(Port):
     """Where a rope sits on a node. In equations: `force` of the rope on the node [N], rope `speed` [m/s], and
     `carried`, the energy that each metre of the rope's travel brings or takes, T + T^2/2EA [N].
 
-    `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node.
+    `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node. An
+    `optional` seat may stay empty: no force acts there.
     """
 
     travel: str | None = None
+    optional: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,6 +211,11 @@ class Node(Component):
     def balance(self) -> str | None:
         """Name of the residual that determines the node's travel, where that is an algebraic variable."""
         return None
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        """Algebraic variables of a place that ropes hold, each with the residual of the forces along it."""
+        return ()
 
     def place(self) -> tuple[Variable, ...]:
         """The parameters of its position."""

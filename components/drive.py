@@ -178,11 +178,12 @@ class HydraulicDrive:
         total = (1.0 - v.brake) * force + v.brake * brake
         drive = (1.0 - v.brake) * force
         is_driving = drive * speed >= 0.0
-        pressure = xp.fabs(drive) / volume * xp.if_else(is_driving, 1.0 / eta_m, eta_m)
+        toward = xp.if_else(drive >= 0.0, forward, 1.0 - forward)  # 1 where the drive pulls with the rope
+        relief = toward * driving + (1.0 - toward) * braking
+        pressure = v.relief_pressure * xp.fabs(drive) / relief
         motor_flow = xp.fabs(speed) * volume
         eta_v = v.volumetric_efficiency
         flow = xp.fmin(motor_flow * xp.if_else(is_driving, 1.0 / eta_v, eta_v), v.pump_flow)
-        relief = xp.if_else(is_driving, driving, braking)
         limit = xp.if_else(is_driving, power * eta / fast, power / (eta * fast) if self.recovers else 1e30)
         rates = {"rope_speed": (total + pull - loss) / v.inertia}
         if self.command_lag > 0.0:

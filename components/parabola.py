@@ -74,7 +74,7 @@ def common_tension(
     count = len(total)
     low = np.full(count, 1e-3)
     high = np.full(count, 1e9)
-    for _ in range(48):
+    for _ in range(26):
         middle = np.sqrt(low * high)
         lengths = rope_lengths(chords, spans, strain, tensions(chords, weight, spans, middle[group]))
         too_long = np.bincount(group, lengths, minlength=count) > total

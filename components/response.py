@@ -94,7 +94,13 @@ class Response(ABC):
         if not self.waiting:
             return {"response_target": target, "correction": target}
         waiting = v.response_waiting
-        return {"response_target": target, "response_waiting": ca.vertcat(waiting[1:], target)}
+        queue = ca.vertcat(waiting[1:], target) if self.waiting > 1 else target
+        return {"response_target": target, "response_waiting": queue}
+
+
+def _clean(correction: Any) -> Any:
+    """Without what rounding leaves of a correction that has gone back to zero."""
+    return ca.if_else(ca.fabs(correction) < 1e-12, 0.0, correction)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,14 +110,17 @@ class ThresholdResponse(Response):
     low, high: tension range [N]; increment: of speed at each action [m/s] (response magnitude); period,
     delay: response speed; initiation: how far outside the range it begins to act [N], below zero how near
     the limit already; hold: time without need after which the correction goes back, by one increment a
-    sample [s]. Whichever side is further outside decides. Raises InputError.
+    sample [s]; this needs no turn. Whichever side is further outside decides.
+
+    The rule integrates twice, as a step of speed is a rate of tension: only going back damps it. A long hold,
+    or a large increment times delay, makes a line swing. Raises InputError.
     """
 
     low: float
     high: float
     increment: float
     initiation: float = 0.0
-    hold: float = 10.0
+    hold: float = 3.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -143,15 +152,16 @@ class ThresholdResponse(Response):
         faster = ca.fmax(v.tension_out - v.response_high, v.response_low - v.tension_in)
         slower = ca.fmax(v.tension_in - v.response_high, v.response_low - v.tension_out)
         need = ca.fmax(faster, slower) - v.response_initiation
-        wants = need > 0.0
+        outside = need > 0.0
         step = ca.if_else(faster >= slower, v.response_increment, -v.response_increment)
         target = v.response_target
-        moved = ca.fmin(ca.fmax(target + step, -v.response_limit), v.response_limit)
-        calm = ca.if_else(wants, 0.0, v.response_calm + self.period)
-        back = ca.sign(target) * ca.fmax(ca.fabs(target) - v.response_increment, 0.0)
-        rest = ca.if_else(wants, target, ca.if_else(calm >= v.response_hold, back, target))
+        moved = ca.fmin(ca.fmax(_clean(target + step), -v.response_limit), v.response_limit)
+        calm = ca.if_else(outside, 0.0, v.response_calm + self.period)
+        back = _clean(ca.sign(target) * ca.fmax(ca.fabs(target) - v.response_increment, 0.0))
+        rest = ca.if_else(outside, target, ca.if_else(calm >= v.response_hold, back, target))
         return Decision(
-            wants,
+            # One at its limit has nothing left to do, and leaves the turn to others.
+            outside * (moved != target),
             need,
             {**self.queued(v, moved), "response_calm": calm},
             {**self.queued(v, rest), "response_calm": calm},

@@ -48,12 +48,19 @@ class Span(Component):
         )
 
     def structure(self, site: Site) -> Hashable:
-        return (Span, site.slots)
+        return (Span, site.slots, self._constructional)
+
+    @property
+    def _constructional(self) -> bool:
+        """Whether the rope has construction stretch: an elastic one has simpler equations."""
+        return bool(self.rope.strain.c2 > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         rope, n, force, length = self.rope, site.slots, site.force, site.length
         strain = rope.strain
         par, alg, dis, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.DISCRETE, Kind.RESIDUAL, Kind.OUTPUT
+
+        stretch = "construction strain per tension squared"
 
         def slots(name: str, unit: str, description: str, value: float = 0.0) -> Variable:
             return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
@@ -62,7 +69,7 @@ class Span(Component):
             Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length, positive=True),
             Variable("mass_per_length", par, "kg/m", "mass per length", rope.mass_per_length, positive=True),
             Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8),
-            Variable("construction", par, "1/N2", "construction strain per tension squared", strain.c2, 1e-14),
+            *((Variable("construction", par, "1/N2", stretch, strain.c2, 1e-14),) if self._constructional else ()),
             Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, positive=True),
             *(
                 Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
@@ -91,7 +98,7 @@ class Span(Component):
         length = v.length_start + v.a.travel - v.b.travel
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
-        strain = catenary.Strain(v.compliance, v.construction)
+        strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)
         weight = v.mass_per_length * v.gravity
         stations = catenary.loaded(
             force,

@@ -48,7 +48,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         ),
         runs=runs,
         layouts=tuple(_layout(run, tables) for run in runs),
-        balances=_balances(runs, tables),
+        balances=_balances(system, runs, tables),
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
         clocks=clocks(
@@ -226,7 +226,8 @@ def _join(
         for port in component.ports:
             driver = speed_of.get((component.name, port.name))
             speed = ca.MX(0.0) if driver is None else variable(*driver)
-            found.append(ca.vertcat(force_on[component.name, port.name], speed))
+            force = force_on.get((component.name, port.name), ca.MX.zeros(4))  # zero at a seat left open
+            found.append(ca.vertcat(force, speed))
         return found
 
     for c in system.components.values():
@@ -287,11 +288,12 @@ def _drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]
     found = {}
     for run in runs:
         driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
-        for k, node in enumerate(run.nodes):
+        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
             if driven:
                 nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
-                for seat in node.seats:
-                    found[node.name, seat.name] = (nearest.name, nearest.drive_speed or "")
+                for touched in (seat, node.through(seat)):
+                    if touched is not None:
+                        found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")
     return found
 
 
@@ -300,7 +302,7 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         index = tables[kind].index
         return np.array([index.get(name, -1) for name in names], dtype=int)
 
-    travel = [f"{n.name}.{n.arriving.travel}" for n in run.nodes]
+    travel = [f"{n.name}.{seat.travel}" for n, seat in zip(run.nodes, run.seats, strict=True)]
     discrete = tables[Kind.DISCRETE].index
     first = {
         slot: np.array([discrete.get(f"{s.name}.slot_{slot}[1]", 0) for s in run.spans], dtype=int)
@@ -316,10 +318,12 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
         slots=Slots(count=np.array(count), **first),
         length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        mass_per_length=where(Kind.PARAMETER, [f"{s.name}.mass_per_length" for s in run.spans]),
         compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
         held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+        grip=where(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
     )
 
 
@@ -340,15 +344,19 @@ def _limits(system: System, outputs: Table) -> Limits:
     )
 
 
-def _balances(runs: Sequence[Run], tables: dict[Kind, Table]) -> tuple[Balance, ...]:
+def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, Table]) -> tuple[Balance, ...]:
+    unknowns, residuals = tables[Kind.ALGEBRAIC].index, tables[Kind.RESIDUAL].index
     found = []
     for run in runs:
-        for k, node in enumerate(run.nodes):
-            if node.balance is not None:
+        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+            if node.balance is not None and seat.travel is not None:
                 # At a rope's end travel winds rope in and so raises the tension.
                 sign = -1.0 if k == len(run.nodes) - 1 else 1.0
-                travel = tables[Kind.ALGEBRAIC].index[f"{node.name}.{node.arriving.travel}"]
-                found.append(Balance(travel, tables[Kind.RESIDUAL].index[f"{node.name}.{node.balance}"], sign))
+                travel = unknowns[f"{node.name}.{seat.travel}"]
+                found.append(Balance(travel, residuals[f"{node.name}.{node.balance}"], sign))
+    for c in system.components.values():
+        for place, force in c.free if isinstance(c, Node) else ():
+            found.append(Balance(unknowns[f"{c.name}.{place}"], residuals[f"{c.name}.{force}"], 1.0))
     return tuple(found)
 
 

@@ -6,8 +6,10 @@ crossing touches one or two of them, and only these are solved anew.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -16,7 +18,19 @@ from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.component import Kind
 from ropeway.systems.model import Model
-from ropeway.systems.newton import VECTORS, Buffered, Point, damped, expanded
+from ropeway.systems.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One part: its columns and residuals, the entries of the model's vectors that it reads, its residual, and
+    its residual with solved steps and rates."""
+
+    columns: np.ndarray
+    names: tuple[str, ...]
+    used: tuple[np.ndarray, ...]
+    value: Buffered
+    step: Buffered
 
 
 class Blocks:
@@ -25,8 +39,9 @@ class Blocks:
     def __init__(self, model: Model) -> None:
         self.model = model
         self._sx = {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        self._time, self._slope = ca.SX.sym("t"), ca.SX.sym("slope", len(model.u))
-        self._ode, alg = expanded(model)(self._time, *(self._sx[kind] for kind in VECTORS))
+        self._time = ca.SX.sym("t")
+        self._rate, self._slope = ca.SX.sym("rate", len(model.x)), ca.SX.sym("slope", len(model.u))
+        alg = expanded(model)(self._time, *(self._sx[kind] for kind in VECTORS))[1]
         self._alg = alg / model.r.nominals
         pattern = ca.jacobian_sparsity(self._alg, self._sx[Kind.ALGEBRAIC])
         rows, columns, n = np.array(pattern.row()), np.array(pattern.get_col()), len(model.z)
@@ -34,56 +49,70 @@ class Blocks:
         _, label = connected_components(graph, directed=False)
         self.of = label[n:]
         self._row_of = label[:n]
-        self._steps: dict[int, tuple[np.ndarray, Buffered, Buffered]] = {}
+        self._parts: dict[int, _Part] = {}
 
-    def _functions(self, block: int) -> tuple[np.ndarray, Buffered, Buffered]:
-        """Columns of a part, its residual, and residual with solved steps; made when first used."""
-        if block not in self._steps:
-            model, sx = self.model, self._sx
-            columns = np.flatnonzero(self.of == block)
-            z = sx[Kind.ALGEBRAIC]
-            residual = self._alg[np.flatnonzero(self._row_of == block).tolist()]
-            jacobian = ca.jacobian(residual, ca.vertcat(*(z[int(c)] for c in columns)))
-            jacobian = ca.mtimes(jacobian, ca.diag(ca.SX(model.z.nominals[columns])))
-            drift = (
-                ca.jtimes(residual, sx[Kind.STATE], self._ode)
-                + ca.jtimes(residual, sx[Kind.INPUT], self._slope)
-                + ca.jtimes(residual, self._time, 1)
+    def _part(self, block: int) -> _Part:
+        """A part, made when it is first used, with functions of what it reads only."""
+        if block not in self._parts:
+            rows = np.flatnonzero(self._row_of == block)
+            residual = self._alg[rows.tolist()]
+            used = tuple(
+                np.unique(np.array(ca.jacobian_sparsity(residual, self._sx[kind]).get_col(), dtype=int))
+                for kind in VECTORS
             )
-            inputs = [self._time, *(sx[kind] for kind in VECTORS), self._slope]
+            x, z, u, p, d = (_entries(self._sx[kind], places) for kind, places in zip(VECTORS, used, strict=True))
+            rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
+            columns = used[1]
+            drift = ca.jtimes(residual, x, rate) + ca.jtimes(residual, u, slope) + ca.jtimes(residual, self._time, 1)
+            jacobian = ca.mtimes(ca.jacobian(residual, z), ca.diag(ca.SX(self.model.z.nominals[columns])))
+            inputs = [self._time, x, z, u, p, d, rate, slope]
             parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
-            symbols = [ca.MX.sym(f"a{i}", *parts.size_in(i)) for i in range(parts.n_in())]
+            symbols = parts.mx_in()
             value, matrix, sides = parts(*symbols)
-            step = ca.Function("step", symbols, [value, ca.solve(matrix, sides, "csparse")])
-            self._steps[block] = (columns, Buffered(ca.Function("value", inputs, [residual])), Buffered(step))
-        return self._steps[block]
+            self._parts[block] = _Part(
+                columns,
+                tuple(self.model.r.names[i] for i in rows),
+                used,
+                Buffered(ca.Function("value", inputs, [residual])),
+                Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
+            )
+        return self._parts[block]
 
-    def solve(self, point: Point, blocks: Iterable[int], slope: np.ndarray, rates: np.ndarray) -> None:
-        """Solves some parts in place, and puts the rates of their variables into `rates` (nz,) [per s].
-
-        Raises EquilibriumError.
+    def solve(
+        self, point: Point, blocks: Iterable[int], x_rate: np.ndarray, slope: np.ndarray, rates: np.ndarray
+    ) -> None:
+        """Solves some parts in place, and puts the rates of their variables into `rates` (nz,) [per s], for
+        states that move with `x_rate` and inputs with `slope`. Raises EquilibriumError.
         """
         for block in blocks:
-            self._solve(point, block, slope, rates)
+            part = self._part(block)
+            nominal, n = self.model.z.nominals[part.columns], len(part.columns)
+            x, z, u, p, d = (point.vector(kind)[places] for kind, places in zip(VECTORS, part.used, strict=True))
+            rest = [u, p, d, x_rate[part.used[0]], slope[part.used[2]]]
+            v, sides = damped(
+                z / nominal,
+                _copied(part.step, [np.array([point.t]), x], nominal, rest),
+                _copied(part.value, [np.array([point.t]), x], nominal, rest),
+                part.names,
+            )
+            point.z[part.columns] = v * nominal
+            rates[part.columns] = -sides[n : 2 * n] * nominal
 
-    def _solve(self, point: Point, block: int, slope: np.ndarray, rates: np.ndarray) -> None:
-        columns, value, step = self._functions(block)
-        nominal, z, n = self.model.z.nominals[columns], point.z.copy(), len(columns)
-        arguments = [np.array([point.t]), point.x, z, point.u, point.p, point.d, slope]
 
-        def value_at(v: np.ndarray) -> np.ndarray:
-            z[columns] = v * nominal
-            return value(*arguments)[0]
+def _entries(vector: ca.SX, places: np.ndarray) -> ca.SX:
+    return ca.vertcat(ca.SX(0, 1), *(vector[int(i)] for i in places))
 
-        def step_at(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            z[columns] = v * nominal
-            residual, sides = step(*arguments)
-            return residual.copy(), sides.copy()
 
-        names = [self.model.r.names[i] for i in np.flatnonzero(self._row_of == block)]
-        v, sides = damped(z[columns] / nominal, step_at, value_at, names)
-        point.z[columns] = v * nominal
-        rates[columns] = -sides[n : 2 * n] * nominal
+def _copied(
+    function: Buffered, before: list[np.ndarray], nominal: np.ndarray, after: list[np.ndarray]
+) -> Callable[[np.ndarray], Any]:
+    """A function of the scaled unknowns alone, with results of its own: one array, or a tuple of them."""
+
+    def at(v: np.ndarray) -> Any:
+        found = [result.copy() for result in function(*before, v * nominal, *after)]
+        return found[0] if len(found) == 1 else tuple(found)
+
+    return at
 
 
 @lru_cache(maxsize=16)

@@ -121,9 +121,10 @@ def passes(state: LineState, crossing: Crossing) -> bool:
     if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
         return True
     forces = sides(state, crossing.r, k, crossing.load)
+    enough = 1.0 - 1e-9  # a load without mass passes
     if crossing.forward:
-        return forces.out_loaded >= forces.ratio * forces.in_bare
-    return forces.ratio * forces.in_loaded >= forces.out_bare
+        return forces.out_loaded >= enough * forces.ratio * forces.in_bare
+    return forces.ratio * forces.in_loaded >= enough * forces.out_bare
 
 
 @dataclass(frozen=True)
@@ -140,20 +141,20 @@ class Sides:
 
 def sides(state: LineState, r: int, k: int, load: int) -> Sides:
     """Tensions beside support k, on which `load` stands."""
-    layout = state.model.layouts[r]
-    weight = np.array([0.0, 0.0, state.runs[r].loads.mass[load] * state.point.p[0]])
-    y, index = state.outputs(), state.model.y.index
-    before = state.runs[r].spans[k - 1].name
-    coming = state.point.z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
-    coming[2] = y[index[f"{before}.vertical_b"]]
-    going = state.point.z[layout.force[k] : layout.force[k] + 3].copy()
-    if load >= state.passed[r][k]:  # it hangs at the end of the span before
+    layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
+    beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
+    weight = np.array([0.0, 0.0, mass[load] * gravity])
+    going = z[layout.force[k] : layout.force[k] + 3].copy()
+    coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
+    rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
+    carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
+    coming[2] += carried * gravity
+    held = state.point.d[layout.held[k]] > 0.0
+    ratio = 1.0 if held else float(np.linalg.norm(going) / np.linalg.norm(coming))
+    if load >= beyond[k]:  # it hangs at the end of the span before
         bare_in, bare_out = coming - weight, going
     else:
         bare_in, bare_out = coming, going + weight
-    node = state.runs[r].nodes[k].name
-    held = state.point.d[layout.held[k]] > 0.0
-    ratio = 1.0 if held else float(y[index[f"{node}.tension_out"]] / y[index[f"{node}.tension_in"]])
     return Sides(
         float(np.linalg.norm(bare_in)),
         float(np.linalg.norm(bare_in + weight)),
@@ -171,7 +172,7 @@ def apply(state: LineState, crossing: Crossing) -> str:
         state.hold(crossing.r, k, crossing.load)
         return "load held"
     state.passed[crossing.r][k] += 1 if crossing.forward else -1
-    state.write_slots()
+    state.write_beside(crossing.r, k)
     last = len(run.nodes) - 1
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
     if run.closed and k == last:
@@ -198,4 +199,4 @@ def let_go(state: LineState, crossing: Crossing) -> None:
     """Releases a load that stood on a sheave to the side that the crossing says."""
     state.release(crossing.r, crossing.k)
     state.passed[crossing.r][crossing.k] = crossing.load + (1 if crossing.forward else 0)
-    state.write_slots()
+    state.write_beside(crossing.r, crossing.k)

@@ -8,7 +8,7 @@ algebraic variables follow section by section.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -24,6 +24,18 @@ _NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 _WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
 
 
+def _derivative() -> np.ndarray:
+    """Derivatives at the points of the polynomial through values there."""
+    with np.errstate(divide="ignore"):
+        matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (_NODES[:, None] - _NODES[None, :])
+    np.fill_diagonal(matrix, 0.0)
+    np.fill_diagonal(matrix, -matrix.sum(axis=1))
+    return matrix
+
+
+_DERIVATIVE = _derivative()
+
+
 @dataclass(frozen=True)
 class Window:
     """States over a stretch from `start` [s] of length `h`: `values` (13, nx) at its Chebyshev points."""
@@ -32,14 +44,20 @@ class Window:
     h: float
     values: np.ndarray
 
-    def at(self, time: float) -> np.ndarray:
-        """States at a time, by the polynomial through all points, shape (nx,)."""
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """Rates of the states at the Chebyshev points [per s]."""
+        return np.asarray(_DERIVATIVE @ self.values / self.h)
+
+    def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """States and their rates at a time, by the polynomials through all points, shapes (nx,)."""
         distance = (time - self.start) / self.h - _NODES
         near = int(np.argmin(np.abs(distance)))
         if abs(distance[near]) < 1e-14:
-            return self.values[near].copy()
+            return self.values[near].copy(), self.rates[near].copy()
         share = _WEIGHTS / distance
-        return np.asarray(share @ self.values / share.sum())
+        share /= share.sum()
+        return share @ self.values, share @ self.rates
 
 
 class Drives:

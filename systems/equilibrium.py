@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import pandas as pd
 from scipy.sparse.linalg import splu
 
 from ropeway.components import catenary
-from ropeway.components.component import Kind
+from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.model import Model, component_of
+from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
+from ropeway.systems.stability import condensed_pivots
 from ropeway.systems.state import LineState, find
 from ropeway.systems.system import System
 
@@ -82,6 +83,8 @@ class Equilibrium:
                         w: self.outputs[self.model.y.index[f"{span.name}.{s}[{slot + 1}]"]]
                         for w, s in _LOAD_OUTPUTS.items()
                     }
+                    if run.loads.mass[i] == 0.0:  # a missing load
+                        continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
         return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
 
@@ -110,11 +113,11 @@ class Equilibrium:
             spread = np.union1d(spread, at)
         if spread.size and (spread.min() < 0.0 or spread.max() > length * (1.0 + 1e-12)):
             raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
-        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], self.point.p[p[f"{name}.construction"]])
+        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        start = np.array([self.point.p[p[f"{run.nodes[k].name}.{axis}"]] for axis in "xyz"])
+        start = np.array([self[f"{run.nodes[k].name}.{axis}"] for axis in "xyz"])
         place = start + curve.reach
         return pd.DataFrame(
             {
@@ -164,9 +167,8 @@ def equilibrium(
             state.release(r, k)
     else:
         raise InputError("start is the equilibrium of another system", "Start from one of the same components")
-    for name, value in (parameters or {}).items():
-        state.set(name, value)
     if parameters:
+        state.set(parameters)
         state.restart() if start is None else state.write_slots()
     if wanted:
         _solve_swapped(state, wanted, [model.swaps.get(n, n) for n in freed_names])
@@ -300,21 +302,33 @@ def _check(state: LineState) -> None:
 def _unstable(state: LineState) -> str | None:
     """The support whose travel has no positive stiffness, if any: the condensed stiffness of all free
     travels must be positive definite."""
-    model = state.model
-    free = [b for b in model.balances if not state.is_held(b)]
+    held = state.held_travels()
+    free = tuple(b for b in state.model.balances if b.travel not in held)
     if not free:
         return None
-    newton = newton_of(model)
-    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
-    n = len(model.z)
-    # Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
-    # when, and only when, that symmetric matrix is positive definite.
-    order_c = np.concatenate([np.setdiff1d(np.arange(n), columns), columns])
-    order_r = np.concatenate([np.setdiff1d(np.arange(n), rows), rows])
-    matrix = newton.matrix(state.point)[order_r][:, order_c].tocsc()
-    pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[n - len(free) :]
+    rows, columns = _condensed_last(state.model, free)
+    matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
+    if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
+        pivots = condensed_pivots(matrix, len(free))
+    else:
+        pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
-    return component_of(model.z.names[columns[int(np.argmax(soft))]]) if soft.any() else None
+    return component_of(state.model.z.names[free[int(np.argmax(soft))].travel]) if soft.any() else None
+
+
+@lru_cache(maxsize=16)
+def _condensed_last(model: Model, free: tuple[Balance, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """An order of rows and columns in which the balances come last.
+
+    Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
+    when, and only when, that symmetric matrix is positive definite.
+    """
+    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
+    everything = np.arange(len(model.z))
+    return (
+        np.concatenate([np.setdiff1d(everything, rows), rows]),
+        np.concatenate([np.setdiff1d(everything, columns), columns]),
+    )
 
 
 def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:

@@ -73,20 +73,20 @@ class Slots:
     @cached_property
     def _cells(self) -> tuple[np.ndarray, np.ndarray]:
         """Span and slot number of every slot."""
-        span = np.repeat(np.arange(len(self.count)), self.count)
-        first = np.concatenate([[0], np.cumsum(self.count)[:-1]])
-        return span, np.arange(len(span)) - first[span]
+        return _cells(np.arange(len(self.count)), self.count)
 
-    def write(self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray) -> None:
-        """Fills the slots with the loads that `passed` puts into each span; `start` (supports,) is the
-        rope at each support at zero travel [m]."""
-        span, slot = self._cells
-        load = passed[span] - 1 - slot
-        full = load >= passed[span + 1]
-        load = np.where(full, load, 0)
+    def write(
+        self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
+    ) -> None:
+        """Fills the slots of all spans, or of some, with the loads that `passed` puts there; `start`
+        (supports,) is the rope at each support at zero travel [m]."""
+        span, slot = self._cells if spans is None else _cells(spans, self.count[spans])
         loads = run.loads
         if len(loads.place) == 0:
             return
+        load = passed[span] - 1 - slot
+        full = load >= passed[span + 1]
+        load = np.where(full, load, 0)
         pinned = full & (loads.pinned[load] >= 0)
         d[self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
         d[self.at[span] + slot] = np.where(pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0))
@@ -94,18 +94,28 @@ class Slots:
         d[self.empty[span] + slot] = ~full
 
 
+def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each slot of some spans its span, and its number there."""
+    span = np.repeat(spans, count)
+    first = np.concatenate([[0], np.cumsum(count)[:-1]])
+    return span, np.arange(len(span)) - np.repeat(first, count)
+
+
 @dataclass(frozen=True)
 class Layout:
-    """A run's places in the vectors of the model: travels, slots, each span's starting length, compliance and
-    tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot."""
+    """A run's places in the vectors of the model: travels, slots, each span's starting length, mass per length,
+    compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot;
+    `grip`: the travel that a rough saddle's friction counts from, -1 where there is none."""
 
     travel: Travel
     slots: Slots
     length_start: np.ndarray
+    mass_per_length: np.ndarray
     compliance: np.ndarray
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray
+    grip: np.ndarray
 
     def start(self, p: np.ndarray) -> np.ndarray:
         """The rope at each support at zero travel [m], shape (supports,)."""
@@ -114,7 +124,8 @@ class Layout:
 
 @dataclass(frozen=True)
 class Balance:
-    """A travel in the algebraic variables and the residual that lets rope run until tensions balance.
+    """A travel in the algebraic variables and the residual that lets rope run until tensions balance, or a
+    free node's coordinate and the sum of forces along it.
     sign: +1 where more travel lowers the residual of a stable line, -1 where it raises it."""
 
     travel: int

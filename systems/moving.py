@@ -19,7 +19,7 @@ from ropeway.components.errors import SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.blocks import blocks_of
-from ropeway.systems.decoupled import drives_of
+from ropeway.systems.decoupled import Window, drives_of
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, expanded, newton_of
@@ -99,7 +99,7 @@ class Moving:
         while (coming := loads.next_crossing(self.state, motion.travel)) is not None:
             if coming.time > stop - self.time:
                 break
-            motion = self._follow(window.at(self.time + coming.time), coming.time, motion)
+            motion = self._follow(window, self.time + coming.time, motion)
             touched = self._beside([coming])
             motion = self._solve_parts(touched, motion, stop)
             now = loads.gap_of(self.state, coming, motion.travel)
@@ -107,7 +107,7 @@ class Moving:
                 if now.time > stop - self.time:
                     continue
                 # The section has been solved here: a short way on, and it is on its support.
-                motion = self._follow(window.at(self.time + now.time), now.time, motion)
+                motion = self._follow(window, self.time + now.time, motion)
                 if abs(now.time) > self.tiny:
                     motion = self._solve_parts(touched, motion, stop)
                     now = loads.gap_of(self.state, coming, motion.travel)
@@ -116,7 +116,7 @@ class Moving:
             motion = self._cross(now, motion, stop, exact=False)
             if self.state.standing():
                 return self.solve(stop)
-        motion = self._follow(window.at(stop), stop - self.time, motion)
+        motion = self._follow(window, stop, motion)
         motion = self.solve(stop)
         if drives.decoupled(self.state.point):
             return motion
@@ -124,12 +124,12 @@ class Moving:
         drop()
         return None
 
-    def _follow(self, x: np.ndarray, h: float, motion: Motion) -> Motion:
+    def _follow(self, window: Window, time: float, motion: Motion) -> Motion:
         """Takes the states from the drives, and the algebraic variables along a straight line."""
-        self.state.point.x[:] = x
-        self.state.point.z[:] += h * motion.z
-        self.set_time(self.time + h)
-        return self._motion(motion.z)
+        self.state.point.x[:], x_rate = window.at(time)
+        self.state.point.z[:] += (time - self.time) * motion.z
+        self.set_time(time)
+        return self._moving(x_rate, motion.z)
 
     def _as_whole(self, motion: Motion, stop: float) -> Motion:
         """To the next event or the stop, all equations at once."""
@@ -153,6 +153,8 @@ class Moving:
 
     def inputs_at(self, t: float) -> np.ndarray:
         """Values of all inputs, shape (nu,)."""
+        if not len(self.breaks):  # all of them constant
+            return np.array(self.signals, dtype=float)
         return np.array([s.at(t) if isinstance(s, Schedule) else s for s in self.signals], dtype=float)
 
     def slope(self, stop: float) -> np.ndarray:
@@ -165,7 +167,8 @@ class Moving:
     def solve(self, stop: float) -> Motion:
         """Solves the algebraic variables; returns how everything moves from here."""
         state = self.state
-        return self._motion(newton_of(state.model).solve(state.point, slope=self.slope(stop)))
+        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
+        return self._motion(np.zeros(0) if z is None else z)
 
     def _beside(self, crossings: Sequence[loads.Crossing]) -> list[int]:
         """The sections on both sides of crossings."""
@@ -178,14 +181,15 @@ class Moving:
     def _solve_parts(self, touched: Sequence[int], motion: Motion, stop: float) -> Motion:
         """Solves some sections only; the others keep their rates."""
         z = motion.z.copy()
-        blocks_of(self.state.model).solve(self.state.point, touched, self.slope(stop), z)
-        return self._motion(z)
+        blocks_of(self.state.model).solve(self.state.point, touched, motion.x, self.slope(stop), z)
+        return self._moving(motion.x, z)
 
     def _motion(self, z: np.ndarray) -> Motion:
         """All rates, from those of the algebraic variables."""
-        state = self.state
-        x = rates_of(state.model)(*state.point.arguments)[0].copy()
-        return Motion(x, z, [layout.travel.read(x, z) for layout in state.model.layouts])
+        return self._moving(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
+
+    def _moving(self, x: np.ndarray, z: np.ndarray) -> Motion:
+        return Motion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
 
     def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
         """Moves the state on by `h` seconds, a little backwards too."""
@@ -245,6 +249,8 @@ class Moving:
                 just.add((crossing.r, crossing.k))
                 self.note(crossing, loads.apply(self.state, crossing))
             motion = self._solve_parts(self._beside(crossings), motion, stop)
+            if exact:  # the drives feel the jump
+                motion = self._motion(motion.z)
             crossings = loads.overrun(self.state, just)
             if not crossings:
                 self.record(exact)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix
+from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
@@ -76,7 +77,9 @@ class Newton:
         time, point = ca.SX.sym("t"), {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
         for i, (kind, k) in enumerate(freed, len(model.z)):
-            full[kind] = ca.vertcat(full[kind][:k], v[i] * self.scale[i], full[kind][k + 1 :])
+            entries = ca.vertsplit(full[kind])
+            entries[k] = v[i] * self.scale[i]
+            full[kind] = ca.vertcat(*entries)
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
         target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")
@@ -95,13 +98,16 @@ class Newton:
         inputs = [v, time, *known, target, damping, anchor, slope]
         self.residual = ca.Function("residual", inputs, [residual])
         self.jacobian = ca.Function("jacobian", inputs, [ca.jacobian(residual, v)])
-        both = ca.Function("both", inputs, [residual, ca.horzcat(residual, drift)])
-        symbols = [ca.MX.sym(f"a{i}", *both.size_in(i)) for i in range(both.n_in())]
-        value, sides = both(*symbols)
-        self._value = Buffered(self.residual)
-        self._step = Buffered(
-            ca.Function("step", symbols, [value, ca.solve(self.jacobian(*symbols), ca.densify(sides), "csparse")])
-        )
+        self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
+        pattern = self.jacobian.sparsity_out(0)
+        self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
+        self._step = Buffered(_linear_solves("step", inputs, residual, v, residual))
+        self._symbols = (inputs, residual, v, ca.horzcat(residual, drift))
+
+    @cached_property
+    def _step_and_rates(self) -> Buffered:
+        """As `_step`, with the rates: made only where rates are asked for."""
+        return Buffered(_linear_solves("rates", *self._symbols))
 
     def arguments(self, point: Point) -> list[np.ndarray]:
         """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
@@ -112,8 +118,8 @@ class Newton:
 
     def matrix(self, point: Point) -> csc_matrix:
         """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
-        value = self.jacobian(*self.arguments(point))
-        return csc_matrix((value.nonzeros(), value.row(), value.colind()), shape=value.shape)
+        values = self._matrix(*self.arguments(point))[0]
+        return csc_matrix((values, self._rows, self._columns), shape=self.jacobian.size_out(0))
 
     def solve(
         self,
@@ -123,30 +129,31 @@ class Newton:
         slope: np.ndarray | None = None,
         damping: float = 0.0,
         iterations: int = 50,
-    ) -> np.ndarray:
-        """Solves in place. Returns the rates of the algebraic variables [per s], shape (nz,), as the states
-        move on and the inputs change with `slope` (nu,).
+    ) -> np.ndarray | None:
+        """Solves in place. With `slope` (nu,), the rates of the inputs, returns those of the algebraic
+        variables [per s], shape (nz,), as the states move on.
 
         With `damping` above 0 each idler's travel is held back in proportion to its move from the start.
         Raises EquilibriumError; the point is unchanged then.
         """
         n = len(self.scale)
         if n == 0:
-            return np.zeros(0)
+            return None if slope is None else np.zeros(0)
         v, *rest = self.arguments(point)
         if target is not None:
             rest[5] = target
         rest[6] = np.array([damping])
         if slope is not None:
             rest[8] = slope
+        function = self._step if slope is None else self._step_and_rates
 
         def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, sides = self._step(v, *rest)
+            value, sides = function(v, *rest)
             return value.copy(), sides.copy()
 
-        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self._names, iterations)
+        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations)
         self._put(v, point)
-        return np.asarray(-sides[n : n + len(point.z)] * self.model.z.nominals)
+        return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
 
     def _start(self, point: Point) -> np.ndarray:
         freed = [point.vector(kind)[k] for kind, k in self.freed]
@@ -158,9 +165,30 @@ class Newton:
         for value, (kind, k) in zip(values[len(point.z) :], self.freed, strict=True):
             point.vector(kind)[k] = value
 
-    @property
-    def _names(self) -> Sequence[str]:
-        return self.model.r.names
+
+def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
+    """Solution of a sparse system, its rows and columns put into an order that keeps chains of spans banded.
+
+    CasADi's "csparse" takes them as they come, and so would fill in; its "qr" gives NaN where an entry of the
+    pattern is zero, as all those across a plane line are.
+    """
+    pattern = matrix.sparsity()
+    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+    rows = maximum_bipartite_matching(graph, perm_type="row")
+    if np.any(rows < 0):
+        return ca.solve(matrix, right, "csparse")  # structurally singular: it says so
+    order = reverse_cuthill_mckee(graph[rows].tocsr(), symmetric_mode=False)
+    rows, columns = rows[order], order
+    found = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
+    return found[np.argsort(columns).tolist(), :]
+
+
+def _linear_solves(name: str, inputs: list[ca.SX], residual: ca.SX, v: ca.SX, sides: ca.SX) -> ca.Function:
+    """inputs -> residual, and the solutions of the Jacobian's system for all right-hand `sides`."""
+    parts = ca.Function("parts", inputs, [residual, ca.jacobian(residual, v), ca.densify(sides)])
+    symbols = parts.mx_in()
+    value, matrix, right = parts(*symbols)
+    return ca.Function(name, symbols, [value, solve_sparse(matrix, right)])
 
 
 def damped(

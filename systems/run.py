@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ropeway.components.component import Node
+from ropeway.components.component import Node, Seat
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.rope import Rope
 from ropeway.components.span import Span
@@ -42,9 +42,11 @@ class Loads:
 
 @dataclass(frozen=True)
 class Run:
-    """A rope through consecutive spans; nodes has one more element than spans."""
+    """A rope through consecutive spans; nodes has one more element than spans. `seats`: where the rope
+    arrives at each node, and where it leaves the first."""
 
     nodes: tuple[Node, ...]
+    seats: tuple[Seat, ...]
     spans: tuple[Span, ...]
     loads: Loads
     feed: Feed | None = None
@@ -93,9 +95,8 @@ def find_runs(system: System) -> tuple[Run, ...]:
     follows: dict[str, str] = {}
     for name in spans:
         owner, seat_name = system.connections[name, "b"]
-        seat = next(s for s in nodes[owner].seats if s.name == seat_name)
-        onward = nodes[owner].through(seat)
-        if onward is not None:
+        onward = nodes[owner].through(_seat(nodes[owner], seat_name))
+        if onward is not None and (owner, onward.name) in by_seat:
             other, end = by_seat[owner, onward.name]
             if end != "a":
                 raise UnbalancedSystemError(
@@ -111,8 +112,9 @@ def find_runs(system: System) -> tuple[Run, ...]:
         while chain[-1] in follows and follows[chain[-1]] != start:
             chain.append(follows[chain[-1]])
         on = tuple(spans[name] for name in chain)
-        over = (nodes[system.connections[start, "a"][0]], *(nodes[system.connections[s.name, "b"][0]] for s in on))
-        runs.append(_run(system, over, on))
+        places = (system.connections[start, "a"], *(system.connections[s.name, "b"] for s in on))
+        seats = tuple(_seat(nodes[owner], seat) for owner, seat in places)
+        runs.append(_run(system, tuple(nodes[owner] for owner, _ in places), seats, on))
     return tuple(runs)
 
 
@@ -141,11 +143,14 @@ def _cuts(spans: Iterable[str], follows: Mapping[str, str], starts: Sequence[str
     return cuts
 
 
-def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Run:
+def _seat(node: Node, name: str) -> Seat:
+    return next(s for s in node.seats if s.name == name)
+
+
+def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans: tuple[Span, ...]) -> Run:
     if any(span.rope != spans[0].rope for span in spans):
         raise InputError(f"Rope {spans[0].name} ... {spans[-1].name} changes on its way", "Use one rope a run")
-    fixed = [n for n in nodes if n.kept_tension is None and all(s.travel is None for s in n.seats)]
-    if not fixed and all(n.drive_speed is None for n in nodes):
+    if all(s.travel is not None for s in seats) and all(n.drive_speed is None for n in nodes):
         raise UnbalancedSystemError(
             f"Nothing holds the rope {spans[0].name} ... {spans[-1].name}: it could run freely",
             "Give one of its supports a speed, or anchor an end",
@@ -174,7 +179,7 @@ def _run(system: System, nodes: tuple[Node, ...], spans: tuple[Span, ...]) -> Ru
             np.where(single, first, -1) if hung else first,
             at,
         ).sorted(start)
-    return Run(nodes, spans, loads, feed)
+    return Run(nodes, seats, spans, loads, feed)
 
 
 def _around(feed: Feed, length: float) -> Feed:
@@ -224,6 +229,6 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
     spare = 1 if len(run.spans) > 1 and len(place) else 0
     room = [int(np.ceil(s.length * 1.02 / gap)) + 1 if run.moves and len(place) else 0 for s in run.spans]
     return tuple(
-        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c), r)
+        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r)
         for c, r in zip(counts, room, strict=True)
     )

@@ -237,6 +237,8 @@ class _Simulation:
         if not what:
             return
         run = self.state.runs[crossing.r]
+        if run.loads.mass[crossing.load] == 0.0:  # a missing load
+            return
         name = run.loads.names[crossing.load]
         self.events.append(
             Event(

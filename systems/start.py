@@ -37,7 +37,7 @@ def run_start(
     start = np.concatenate([[0.0], np.cumsum(length)])
     rope = start - (np.zeros(len(start)) if travel is None else travel)
     chords = parabola.Chords.between(run.points)
-    free = np.array([n.drive_speed is None and all(s.travel is not None for s in n.seats) for n in run.nodes])
+    free = np.array([n.drive_speed is None and s.travel is not None for n, s in zip(run.nodes, run.seats, strict=True)])
     held = np.flatnonzero(~free)
     # Consecutive spans that can pass rope to each other form a group.
     group = np.concatenate([[0], np.cumsum(~free[1:-1])]).astype(int)

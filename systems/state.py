@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
-from ropeway.systems.model import Balance, Model, nearest
+from ropeway.systems.model import Model, nearest
 from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.run import Run, extended, loads_passed
 from ropeway.systems.start import run_start
@@ -82,6 +82,15 @@ class LineState:
             )
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))
+
+    def write_beside(self, r: int, k: int) -> None:
+        """`write_slots` for the spans on both sides of a support."""
+        layout, beyond = self.model.layouts[r], self.passed[r]
+        spans = np.arange(max(k - 1, 0), min(k + 1, len(beyond) - 1))
+        if np.any(beyond[spans] - beyond[spans + 1] > layout.slots.count[spans]):
+            self.write_slots()
+        else:
+            layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
 
     def snapshot(self) -> Record:
         """The state as it can be written down and made again."""
@@ -167,9 +176,9 @@ class LineState:
         """Names of the supports on which a load stands."""
         return tuple(self.runs[r].nodes[k].name for r, k, _ in self.standing())
 
-    def is_held(self, balance: Balance) -> bool:
-        """Whether a load stands on the idler of this balance."""
-        return any(self.model.layouts[r].travel.algebraic[k] == balance.travel for r, k, _ in self.standing())
+    def held_travels(self) -> set[int]:
+        """Places in the algebraic variables of the travels of idlers on which a load stands."""
+        return {int(self.model.layouts[r].travel.algebraic[k]) for r, k, _ in self.standing()}
 
     def rezero(self) -> None:
         """Makes the present travel of the supports the zero: span lengths and places of loads follow."""
@@ -185,6 +194,8 @@ class LineState:
                 ),
             )
             self.point.p[layout.length_start] = np.diff(rope)
+            rough = layout.grip >= 0
+            self.point.p[layout.grip[rough]] -= layout.travel.read(self.point.x, self.point.z)[rough]
             layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
             on = layout.held[layout.held >= 0]
             self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
@@ -201,25 +212,29 @@ class LineState:
         """The vector entry of a variable, an output or a load's quantity. Raises UnknownNameError."""
         return find(self.model, self.runs, self.passed, name)
 
-    def set(self, name: str, value: float) -> None:
-        """Gives a parameter, an input, a drive's travel or a load's mass another value."""
-        if not np.isfinite(value):
-            raise InputError(f"{name} is {value!r}", "Give a finite number")
-        owner, _, quantity = name.partition(".")
-        for r, run in enumerate(self.runs):
-            if quantity == "mass" and owner in run.loads.names:
-                if value < 0.0 or (value == 0.0 and run.feed is None):
+    def set(self, values: Mapping[str, float]) -> None:
+        """Gives parameters, inputs, drives' states and masses of loads other values. Raises InputError."""
+        owners = {name: (r, i) for r, run in enumerate(self.runs) for i, name in enumerate(run.loads.names)}
+        masses = [run.loads.mass.copy() for run in self.runs]
+        for name, value in values.items():
+            if not np.isfinite(value):
+                raise InputError(f"{name} is {value!r}", "Give a finite number")
+            owner, _, quantity = name.partition(".")
+            if quantity == "mass" and owner in owners:
+                r, i = owners[owner]
+                if value < 0.0 or (value == 0.0 and self.runs[r].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                mass = run.loads.mass.copy()
-                mass[run.loads.names.index(owner)] = value
-                self.runs[r] = replace(run, loads=replace(run.loads, mass=mass))
-                return
-        kind, k = self.find(self.model.swaps.get(name, name))
-        if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
-            raise InputError(f"{name} is a result", "Use given= and solve_for=")
-        if self.model.tables[kind].positive[k] and value <= 0.0:
-            raise InputError(f"{name} is {value!r}", "It must be above zero")
-        self.point.vector(kind)[k] = value
+                masses[r][i] = value
+                continue
+            kind, k = self.find(self.model.swaps.get(name, name))
+            if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
+                raise InputError(f"{name} is a result", "Use given= and solve_for=")
+            if self.model.tables[kind].positive[k] and value <= 0.0:
+                raise InputError(f"{name} is {value!r}", "It must be above zero")
+            self.point.vector(kind)[k] = value
+        self.runs = [
+            replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
+        ]
 
 
 def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:

@@ -114,26 +114,36 @@ class System:
         self.supplies[supply.owner.name] = outlet.owner.name
 
     def string(
-        self, rope: Rope, *nodes: Node, length: float | None = None, tension: float | None = None
+        self,
+        rope: Rope,
+        *over: Node | Seat,
+        length: float | None = None,
+        tension: float | None = None,
+        name: str | None = None,
     ) -> tuple[Span, ...]:
-        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`.
+        """Run one rope over supports, from the first to the last; returns its spans, named `from_to`, or
+        `name_from_to` where two ropes run between the same two. A seat stands for its node where that has
+        several to choose from.
 
         length: total unstretched length of the rope [m]; or tension: of the empty rope at rest at the first
         support [N] (taut). The empty rope at rest has equal tension on both sides of each support; this sets
         how its length is shared out, also where a drive then holds it. Raises InputError, SlackRopeError.
         """
-        if len(nodes) < 2:
-            raise InputError(f"A rope needs two supports, not {len(nodes)}", "Name its ends and what it runs over")
+        if len(over) < 2:
+            raise InputError(f"A rope needs two supports, not {len(over)}", "Name its ends and what it runs over")
+        arriving = [seat if isinstance(seat, Seat) else seat.arriving for seat in over]
+        nodes = [_node_of(seat) for seat in arriving]
         if (length is None) == (tension is None):
             raise InputError("string needs either length or tension", "Give one of them")
-        for node in nodes[1:-1]:
-            if node.through(node.arriving) is None:
+        for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
+            if node.through(seat) is None:
                 raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
         for before, after in pairwise(nodes):
             if before.at == after.at:
                 raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
         points = [node.at for node in nodes]
-        names = [f"{a.name}_{b.name}" for a, b in pairwise(nodes)]
+        prefix = "" if name is None else f"{name}_"
+        names = [f"{prefix}{a.name}_{b.name}" for a, b in pairwise(nodes)]
         weight = rope.mass_per_length * self.gravity
         if length is not None:
             check.positive(length, f"Rope {names[0]} ...", "length", "m")
@@ -146,9 +156,11 @@ class System:
         trial = self.copy()  # nothing half-built when one of the parts is refused
         for component in (*nodes, *spans):
             trial.add(component)
-        for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
-            trial.connect(span.a, a.leaving)
-            trial.connect(span.b, b.arriving)
+        leaving = [nodes[0].leaving if isinstance(over[0], Node) else over[0]]
+        leaving += [node.through(seat) or seat for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True)]
+        for span, a, b in zip(spans, leaving, arriving[1:], strict=True):
+            trial.connect(span.a, a)
+            trial.connect(span.b, b)
         self.components, self.connections, self._origins = trial.components, trial.connections, trial._origins
         return spans
 
@@ -241,10 +253,18 @@ class System:
             f"{port} (added at {self.origin(c.name)})"
             for c in self.components.values()
             for port in c.ports
-            if (c.name, port.name) not in joined
+            if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
         ]
         if lone:
             raise UnbalancedSystemError(f"Ports left open: {', '.join(lone)}", "Connect each port once")
+
+
+def _node_of(seat: Seat) -> Node:
+    """The node of a seat. Raises InputError where it has no place yet."""
+    node = seat.owner
+    if not isinstance(node, Node) or not node.at:
+        raise InputError(f"{node.name!r} has no place", "Give at=, or stand it on a terrain")
+    return node
 
 
 def _caller() -> str:

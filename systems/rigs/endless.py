@@ -76,12 +76,13 @@ def _line(
     for i, row in enumerate(table.itertuples(index=False)):
         label, at = str(row.name), tuple(points[i])
         if row.kind == "control":
-            nodes.append(ControlSheave(label, at=at, speed=speed, drive=drive or IdealDrive()))
+            # The drive's wheel lies flat: it holds the rope in height from either side.
+            nodes.append(ControlSheave(label, at=at, hold_down=i == 0, speed=speed, drive=drive or IdealDrive()))
         elif row.kind == "return" and take_up is not None:
             # It slides in the middle between its ropes, away from them.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
             way = before / np.linalg.norm(before) + after / np.linalg.norm(after)
-            nodes.append(TensionedReturn(label, at=at, direction=tuple(way.tolist()), take_up=take_up))
+            nodes.append(TensionedReturn(label, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up))
         else:
             nodes.append(Sheave(label, at=at))
     line = System(name, gravity=gravity)

@@ -12,14 +12,14 @@ from ropeway.components import check
 from ropeway.components.anchor import Anchor
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
-from ropeway.components.drive import Drive, IdealDrive
+from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
-from ropeway.components.response import Response
+from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.systems.empty_rope import support_tensions
-from ropeway.systems.rigs.supports import read_supports
+from ropeway.systems.rigs.supports import read_supports, with_own
 from ropeway.systems.system import GRAVITY, System
 
 _Part = TypeVar("_Part", Drive, Response)
@@ -48,8 +48,9 @@ def monocable(
     on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
     load_spacing [m of rope]: the rope starts full of loads, more are put on at the first support at the same
     spacing, and all are taken off at the last; a mass of 0 is a missing load. drive and response: of the
-    control sheaves, one for all or one for each name (ideal drives and no response otherwise); precedence: who
-    acts first when several respond. Raises InputError, SlackRopeError.
+    control sheaves, one for all or one for each name (ideal drives and no response otherwise); columns of
+    the table such as drive.relief_pressure or response.increment change single values for a support;
+    precedence: who acts first when several respond. Raises InputError, SlackRopeError.
     """
     table = read_supports(supports)
     check.positive(tension, "monocable", "tension", "N")
@@ -68,6 +69,10 @@ def monocable(
         elif row.kind == "control":
             own: Drive | None = _of(drive, label)
             rule: Response | None = _of(response, label)
+            if isinstance(own, HydraulicDrive):
+                own = with_own(own, table.loc[i], "drive")
+            if isinstance(rule, (ThresholdResponse, ProportionalResponse)):
+                rule = with_own(rule, table.loc[i], "response")
             nodes.append(ControlSheave(label, at=at, speed=speed, drive=own or IdealDrive(), response=rule))
         elif row.kind == "drum" and i == 0 and not controlled:
             nodes.append(Drum(label, at=at, speed=speed))

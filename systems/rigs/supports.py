@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 
+from ropeway.components.drive import HydraulicDrive
 from ropeway.components.errors import InputError
+from ropeway.components.response import ProportionalResponse, ThresholdResponse
+
+_Part = TypeVar("_Part", bound=HydraulicDrive | ThresholdResponse | ProportionalResponse)
 
 KINDS = ("anchor", "drum", "idler", "control", "return")
 """Kinds of support of a mono-cable line. A return is the wheel at which the rope turns back."""
@@ -16,7 +22,7 @@ _COLUMNS = ("name", "x", "y", "z", "kind")
 
 def read_supports(source: str | Path | pd.DataFrame, *, endless: bool = False) -> pd.DataFrame:
     """The table of supports, checked: name, x, y, z [m], kind, in the order of the rope; an endless rope begins
-    and ends at the first one, a control sheave.
+    and ends at the first one, a control sheave. Columns drive.* and response.* are kept.
 
     Raises InputError that names file and line.
     """
@@ -51,4 +57,21 @@ def read_supports(source: str | Path | pd.DataFrame, *, endless: bool = False) -
             if endless:
                 remedy = "An endless rope begins at a control, the others are idlers, controls or returns"
             raise InputError(f"{line}: {row.name!r} is {row.kind} at place {i + 1} of {len(table)}", remedy)
-    return table[list(_COLUMNS)]
+    own = [c for c in table.columns if str(c).startswith(("drive.", "response."))]
+    return table[[*_COLUMNS, *own]]
+
+
+def with_own(part: _Part, row: pd.Series, prefix: str) -> _Part:
+    """A drive or response with the values that the row of its support gives in columns `prefix.field`; blank
+    ones leave it as it is. Raises InputError for a field that it does not have."""
+    given = {
+        str(column).removeprefix(f"{prefix}."): value
+        for column, value in row.items()
+        if str(column).startswith(f"{prefix}.") and pd.notna(value)
+    }
+    known = {f.name for f in fields(part)}
+    if unknown := sorted(set(given) - known):
+        raise InputError(
+            f"Support {row['name']!r}: a {prefix} has no {unknown[0]!r}", f"It has {', '.join(sorted(known))}"
+        )
+    return replace(part, **given)

@@ -102,7 +102,7 @@ def test_a_taut_span_is_a_parabola() -> None:
 
 
 def test_construction_stretch_as_derived() -> None:
-    """Construction stretch (integrated from Lyons 2008, eq. 14) against the difference that the quadratic term makes."""
+    """Lyons 2008, eq. 14, integrated: against the difference that the quadratic term makes."""
     k, h, v, weight, length = 1.2e-13, 4e4, -9e3, 30.0, 250.0
     with_it = catenary.segment((h, 0.0, v), weight, length, Strain(0.0, k)).reach
     without = catenary.segment((h, 0.0, v), weight, length, Strain(0.0, 0.0)).reach

@@ -105,3 +105,16 @@ def test_bad_settings(settings: dict[str, object], message: str) -> None:
 def test_missing_file() -> None:
     with pytest.raises(rw.InputError, match=r"no file nowhere.csv"):
         rw.monocable(ROPE, "nowhere.csv", **SETTINGS)
+
+
+def test_drives_and_responses_of_single_supports_in_the_table(tmp_path: Path) -> None:
+    rule = rw.ThresholdResponse(low=40e3, high=60e3, increment=0.01)
+    table = with_row(2, **{"response.increment": 0.02, "response.high": 66e3})
+    table.to_csv(tmp_path / "line.csv", index=False)
+    sheave = rw.monocable(ROPE, tmp_path / "line.csv", response=rule, **SETTINGS).components["c1"]
+    assert isinstance(sheave, rw.ControlSheave)
+    assert sheave.response == rw.ThresholdResponse(low=40e3, high=66e3, increment=0.02)
+    with pytest.raises(rw.InputError, match=r"'c1': a response has no 'colour'"):
+        rw.monocable(ROPE, with_row(2, **{"response.colour": 1.0}), response=rule, **SETTINGS)
+    with pytest.raises(rw.InputError, match="increment"):
+        rw.monocable(ROPE, with_row(2, **{"response.increment": 0.0}), response=rule, **SETTINGS)

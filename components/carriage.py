@@ -1,0 +1,144 @@
+"""A carriage on a skyline."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ropeway.components import check
+from ropeway.components.catenary import namespace, norm
+from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.errors import InputError
+
+Holding = Literal["bisector", "horizontal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Carriage(Node):
+    """Runs on a skyline that comes in at seat a and goes out at seat b, and carries `payload` besides its own
+    `mass` [kg]. Its place is found from the balance of all forces on it; `at` is where the search starts.
+
+    Rolling: equal skyline tension on both sides; `travel` is the skyline that has run through it. clamped: it
+    keeps its place on the skyline, `travel` is given. holding: without a mainline an ideal force [N] keeps it
+    at its x: along the bisector of the skyline's tangents ("bisector") or horizontal ("horizontal"), positive
+    towards a. depth: from the skyline down to the lowest point of the load [m]. Mainline, haulback and
+    dropline may stay open. Raises InputError.
+    """
+
+    at: tuple[float, ...] = (0.0, 0.0, 0.0)
+    mass: float
+    payload: float = 0.0
+    clamped: bool = False
+    holding: Holding | None = None
+    depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.not_negative(self.mass, self.label, "mass", "kg")
+        check.not_negative(self.payload, self.label, "payload", "kg")
+        check.not_negative(self.depth, self.label, "depth", "m")
+        if self.holding not in (None, "bisector", "horizontal"):
+            raise InputError(f"{self.label}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None')
+        if self.clamped and self.holding is not None:
+            raise InputError(f"{self.label} is clamped and held", "The clamp holds it: leave holding out")
+
+    @property
+    def a(self) -> Seat:
+        """Where the skyline comes in."""
+        return Seat(self, "a", travel="travel")
+
+    @property
+    def b(self) -> Seat:
+        """Where the skyline goes out."""
+        return Seat(self, "b", travel="travel")
+
+    @property
+    def mainline(self) -> Seat:
+        """Where the mainline ends."""
+        return Seat(self, "mainline", optional=True)
+
+    @property
+    def haulback(self) -> Seat:
+        """Where the haulback ends."""
+        return Seat(self, "haulback", optional=True)
+
+    @property
+    def dropline(self) -> Seat:
+        """Where the dropline ends."""
+        return Seat(self, "dropline", optional=True)
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.a, self.b, self.mainline, self.haulback, self.dropline)
+
+    def through(self, seat: Seat) -> Seat | None:
+        return self.b if seat == self.a else None
+
+    @property
+    def balance(self) -> str | None:
+        return "tension_law" if not self.clamped and self.holding is None else None
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        # An ideal holding force follows the rope: the balance has no stiffness matrix of its own.
+        return () if self.holding is not None else tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def structure(self, site: Site) -> Hashable:
+        return (Carriage, self.clamped, self.holding)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT
+        x, y, z = self.at
+        force, near = site.force, 0.01 * site.force
+        travel = "unstretched skyline that has run through"
+        return (
+            Variable("x", alg if self.holding is None else par, "m", "x of the carriage", x, 100.0),
+            Variable("y", alg, "m", "y of the carriage", y, 100.0),
+            Variable("z", alg, "m", "z of the carriage", z, 100.0),
+            Variable("mass", par, "kg", "mass of the empty carriage", self.mass, 1000.0),
+            Variable("payload", par, "kg", "mass of the payload", self.payload, 1000.0),
+            Variable("travel", par if self.clamped else alg, "m", travel, 0.0, site.length),
+            *([] if self.holding is None else [Variable("holding", alg, "N", "holding force", 0.0, force)]),
+            *(Variable(f"balance_{axis}", res, "N", f"forces on the carriage, {axis}", 0.0, near) for axis in "xyz"),
+            *([] if self.clamped else [Variable("tension_law", res, "N", "skyline tension on both sides", 0.0, force)]),
+            Variable("tension_a", out, "N", "skyline tension at the carriage, side a", nominal=force),
+            Variable("tension_b", out, "N", "skyline tension at the carriage, side b", nominal=force),
+            Variable("mainline_pull", out, "N", "tension of the mainline at the carriage", nominal=force),
+            Variable("haulback_pull", out, "N", "tension of the haulback at the carriage", nominal=force),
+            Variable("dropline_pull", out, "N", "tension of the dropline at the carriage", nominal=force),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        a, b = v.a.force, v.b.force
+        tension_a, tension_b = norm(a), norm(b)
+        pulls = (v.mainline.force, v.haulback.force, v.dropline.force)
+        held = (0.0, 0.0, 0.0)
+        if self.holding is not None:
+            way = [a[i] / tension_a - b[i] / tension_b for i in range(3)]
+            if self.holding == "horizontal":
+                way[2] = 0.0 * way[2]
+            length = norm((way[0], way[1], way[2]))
+            held = (v.holding * way[0] / length, v.holding * way[1] / length, v.holding * way[2] / length)
+        total = [a[i] + b[i] + sum(pull[i] for pull in pulls) + held[i] for i in range(3)]
+        total[2] = total[2] - (v.mass + v.payload) * v.gravity
+        residuals = {f"balance_{axis}": total[i] for i, axis in enumerate("xyz")}
+        if not self.clamped:
+            residuals["tension_law"] = tension_b - tension_a
+        return Equations(
+            residuals=residuals,
+            outputs={
+                "tension_a": tension_a,
+                "tension_b": tension_b,
+                **{
+                    f"{line}_pull": _length(pull)
+                    for line, pull in zip(("mainline", "haulback", "dropline"), pulls, strict=True)
+                },
+            },
+        )
+
+
+def _length(pull: Any) -> Any:
+    """Length of a force that is zero where a seat is left open, with a derivative there too."""
+    xp = namespace(*pull)
+    return xp.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2 + 1e-60)

@@ -1,0 +1,228 @@
+"""A guyed spar: a rigid mast pinned at its foot and held by guylines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from ropeway.components import check
+from ropeway.components.catenary import norm
+from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
+from ropeway.components.errors import InputError
+from ropeway.components.rope import Rope
+from ropeway.components.spar import Ground, HeadSpar
+
+
+@dataclass(frozen=True)
+class Guyline:
+    """A guyline: its rope, its anchor `at` (x, y, z) [m], and its `pretension` at the anchor [N] in set-up, with
+    the spar held upright. stiffness: of the anchor [N/m], inf for a rigid one. Raises InputError."""
+
+    name: str
+    rope: Rope
+    at: tuple[float, ...]
+    pretension: float
+    stiffness: float = math.inf
+
+    def __post_init__(self) -> None:
+        label = f"Guyline {self.name!r}"
+        check.name(self.name, "Guyline")
+        object.__setattr__(self, "at", check.point(self.at, label))
+        check.positive(self.pretension, label, "pretension", "N")
+        check.positive(self.stiffness, label, "stiffness", "N/m", infinite=True)
+        if self.pretension >= self.rope.breaking_load:
+            raise InputError(
+                f"{label}: pretension {self.pretension:g} N is above its minimum breaking load "
+                f"{self.rope.breaking_load:g} N",
+                "Ask for less or take a stronger rope",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpringAnchor(Node):
+    """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
+
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.positive(self.stiffness, self.label, "stiffness", "N/m")
+
+    @property
+    def rope(self) -> Seat:
+        """Where the rope is fixed."""
+        return Seat(self, "rope")
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.rope,)
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return tuple((axis, f"spring_{axis}") for axis in "xyz")
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par = Kind.PARAMETER
+        return (
+            Variable("stiffness", par, "N/m", "stiffness of the anchor", self.stiffness, 1e6),
+            *(
+                Variable(f"rest_{a}", par, "m", f"{a} without pull", at, 100.0)
+                for a, at in zip("xyz", self.at, strict=True)
+            ),
+            *(
+                Variable(a, Kind.ALGEBRAIC, "m", f"{a} of the anchor", at, 100.0)
+                for a, at in zip("xyz", self.at, strict=True)
+            ),
+            *(Variable(f"spring_{a}", Kind.RESIDUAL, "N", f"forces, {a}", 0.0, 0.01 * site.force) for a in "xyz"),
+            Variable("tension", Kind.OUTPUT, "N", "tension of the rope at the anchor", nominal=site.force),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        pull = v.rope.force
+        place, rest = (v.x, v.y, v.z), (v.rest_x, v.rest_y, v.rest_z)
+        return Equations(
+            residuals={f"spring_{a}": pull[i] - v.stiffness * (place[i] - rest[i]) for i, a in enumerate("xyz")},
+            outputs={"tension": norm(pull)},
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuyedSpar(HeadSpar):
+    """A rigid mast of `height` [m], pinned at its foot, held upright by `guylines`: two-force member, so that
+    the ropes at its top balance with its axial force alone (p-delta included: the balance is taken where the
+    top has gone). Place it by its foot, foot=(x, z) or (x, y, z), or by station and height on a terrain.
+
+    mass: of the mast [kg], half of it counts at the top. mainline_block: a block at the top that the mainline
+    runs through. The skyline may stay open. Raises InputError.
+    """
+
+    foot: tuple[float, ...] = ()
+    mass: float = 0.0
+    guylines: tuple[Guyline, ...] = ()
+    mainline_block: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "guylines", tuple(self.guylines))
+        check.not_negative(self.mass, self.label, "mass", "kg")
+        if self.height is None:
+            raise InputError(f"{self.label} has no height", "Give height=, and foot= or station=")
+        check.positive(self.height, self.label, "height", "m")
+        if self.foot:
+            foot = check.point(self.foot, self.label)
+            object.__setattr__(self, "foot", foot)
+            object.__setattr__(self, "at", (foot[0], foot[1], foot[2] + self.height))
+            if self.station is None:
+                object.__setattr__(self, "station", foot[0])
+        elif self.at:
+            raise InputError(f"{self.label} is placed by its top", "Give foot=, or station and height")
+        super().__post_init__()
+        if len(self.guylines) < 2:
+            raise InputError(f"{self.label} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
+        if len({g.name for g in self.guylines}) < len(self.guylines):
+            raise InputError(f"{self.label} has two guylines of one name", "Give each a name of its own")
+
+    def placed(self, ground: Ground | None) -> Self:
+        if self.foot:
+            return self
+        if ground is None or self.station is None:
+            raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with foot=")
+        return replace(self, foot=(self.station, 0.0, ground.elevation_at(self.station)))
+
+    @property
+    def skyline(self) -> Seat:
+        """Where the skyline is fixed."""
+        return Seat(self, "skyline", optional=True)
+
+    @property
+    def block_in(self) -> Seat:
+        """Where the mainline comes up from its drum."""
+        return Seat(self, "block_in", travel="travel")
+
+    @property
+    def block_out(self) -> Seat:
+        """Where the mainline goes out."""
+        return Seat(self, "block_out", travel="travel")
+
+    def guy(self, name: str) -> Seat:
+        """Where a guyline is fixed."""
+        return Seat(self, f"guy_{name}")
+
+    @property
+    def arriving(self) -> Seat:
+        return self.skyline
+
+    @property
+    def leaving(self) -> Seat:
+        return self.skyline
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        block = (self.block_in, self.block_out) if self.mainline_block else ()
+        return (self.skyline, *block, *(self.guy(g.name) for g in self.guylines))
+
+    def through(self, seat: Seat) -> Seat | None:
+        return self.block_out if seat == self.block_in else None
+
+    @property
+    def balance(self) -> str | None:
+        return "tension_law" if self.mainline_block else None
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        # z follows from the mast's length, the axial force from the vertical balance.
+        return (("x", "balance_x"), ("y", "balance_y"))
+
+    def limits(self) -> tuple[Limit, ...]:
+        return () if self.capacity is None else (Limit("compression", "above capacity", high=self.capacity),)
+
+    def structure(self, site: Site) -> Hashable:
+        return (GuyedSpar, self.mainline_block, len(self.guylines), tuple(g.name for g in self.guylines))
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, alg, res, out, force = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.force
+        foot = check.point(self.foot, self.label)
+        rolling = (
+            Variable("travel", alg, "m", "mainline that has run through the block", 0.0, site.length),
+            Variable("tension_law", res, "N", "mainline tension on both sides of the block", 0.0, force),
+        )
+        upright = sum(g.pretension for g in self.guylines)
+        return (
+            *(
+                Variable(f"foot_{a}", par, "m", f"{a} of the foot", at, 100.0)
+                for a, at in zip("xyz", foot, strict=True)
+            ),
+            Variable("height", par, "m", "length of the mast", self.height or 0.0, 10.0),
+            Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0),
+            *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
+            Variable("axial", alg, "N", "compression of the mast", upright, force),
+            *(rolling if self.mainline_block else ()),
+            *(Variable(f"balance_{a}", res, "N", f"forces at the top, {a}", 0.0, 0.01 * force) for a in "xyz"),
+            Variable("rigid", res, "m", "the mast keeps its length", 0.0, 10.0),
+            Variable("compression", out, "N", "compression of the mast", nominal=force),
+            Variable("lean", out, "m", "horizontal way of the top from upright"),
+            Variable("tension", out, "N", "tension of the skyline at the top", nominal=force),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        along = (v.x - v.foot_x, v.y - v.foot_y, v.z - v.foot_z)
+        forces = [v.skyline.force, *(getattr(v, f"guy_{g.name}").force for g in self.guylines)]
+        if self.mainline_block:
+            forces += [v.block_in.force, v.block_out.force]
+        total = [sum(f[i] for f in forces) + v.axial * along[i] / v.height for i in range(3)]
+        total[2] = total[2] - v.mass / 2.0 * v.gravity
+        residuals = {f"balance_{a}": total[i] for i, a in enumerate("xyz")}
+        # (|p|^2 - h^2) / 2h is the length's error to first order, and smooth.
+        residuals["rigid"] = (along[0] ** 2 + along[1] ** 2 + along[2] ** 2 - v.height**2) / (2.0 * v.height)
+        if self.mainline_block:
+            residuals["tension_law"] = norm(v.block_out.force) - norm(v.block_in.force)
+        lean = (along[0] ** 2 + along[1] ** 2 + 1e-30) ** 0.5
+        return Equations(
+            residuals=residuals,
+            outputs={
+                "compression": v.axial,
+                "lean": lean,
+                "tension": (v.skyline.force[0] ** 2 + v.skyline.force[1] ** 2 + v.skyline.force[2] ** 2 + 1e-60) ** 0.5,
+            },
+        )

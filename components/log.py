@@ -1,0 +1,143 @@
+"""A log under a carriage: lifted at its front, its rear dragging on the ground or free."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+from ropeway.components import check
+from ropeway.components.catenary import namespace
+from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.errors import InputError
+
+_FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in metres
+
+
+@dataclass(frozen=True, kw_only=True)
+class Log(Node):
+    """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).
+
+    Partial suspension: its rear drags on a plane through (ground_x, ground_z) with a `slope` (rise over run),
+    with Coulomb `friction` against its motion; `moving` is the sign of its way in x (-1 towards smaller x,
+    0 at rest without friction). Full suspension: it hangs free. Which of both follows from the contact law,
+    normal force * gap = 0, both not negative, written as Fischer and Burmeister's function; `smoothing` [m]
+    rounds its corner: normal force / 1e4 N * gap = smoothing^2 / 2. With friction a log just about to come off
+    the ground can be at rest in both ways, dragging on a line that slopes or hanging on a plumb one: which of
+    them is found depends on where the search starts.
+    `at`: where its front is about; centre: of gravity, in parts of the length from the front. It trails its
+    front to start from. After the rigid-log statics of Kendrick and Sessions, derived anew here.
+    Raises InputError.
+    """
+
+    at: tuple[float, ...] = (0.0, 0.0, 0.0)
+    mass: float
+    length: float
+    friction: float = 0.6
+    centre: float = 0.5
+    slope: float = 0.0
+    ground_x: float = 0.0
+    ground_z: float = -1e3
+    moving: float = -1.0
+    smoothing: float = 1e-8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.positive(self.mass, self.label, "mass", "kg")
+        check.positive(self.length, self.label, "length", "m")
+        check.not_negative(self.friction, self.label, "friction")
+        check.positive(self.smoothing, self.label, "smoothing", "m")
+        for field in ("slope", "ground_x", "ground_z"):
+            check.number(getattr(self, field), self.label, field)
+        if not 0.0 < self.centre < 1.0:
+            raise InputError(f"{self.label}: centre is {self.centre!r}", "Give the part of the length from the front")
+        if self.moving not in (-1.0, 0.0, 1.0):
+            raise InputError(f"{self.label}: moving is {self.moving!r}", "Give -1, 0 or 1")
+
+    @property
+    def front(self) -> Seat:
+        """Where the tagline or dropline holds it."""
+        return Seat(self, "front")
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.front,)
+
+    def structure(self, site: Site) -> Hashable:
+        return Log
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT
+        x, y, z = self.at
+        weight = 10.0 * self.mass
+        rear_x, rear_z, normal = self.rear_start()
+        return (
+            Variable("mass", par, "kg", "mass of the log", self.mass, 1000.0, positive=True),
+            Variable("length", par, "m", "length of the log", self.length, 10.0, positive=True),
+            Variable("centre", par, "1", "centre of gravity from the front over length", self.centre),
+            Variable("friction", par, "1", "friction of the log on the ground", self.friction),
+            Variable("slope", par, "1", "slope of the ground under the rear", self.slope),
+            Variable("ground_x", par, "m", "x of a point of the ground", self.ground_x, 100.0),
+            Variable("ground_z", par, "m", "z of a point of the ground", self.ground_z, 100.0),
+            Variable("moving", par, "1", "sign of the log's way in x", self.moving),
+            Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3),
+            Variable("x", alg, "m", "x of the front", x, 100.0),
+            Variable("y", alg, "m", "y of the front", y, 100.0),
+            Variable("z", alg, "m", "z of the front", z, 100.0),
+            Variable("rear_x", alg, "m", "x of the rear", rear_x, 100.0),
+            Variable("rear_z", alg, "m", "z of the rear", rear_z, 100.0),
+            Variable("normal", alg, "N", "force of the ground, normal to it", normal, weight),
+            *(Variable(f"balance_{a}", res, "N", f"forces on the log, {a}", 0.0, weight) for a in "xyz"),
+            Variable("moment", res, "Nm", "moments about the front", 0.0, weight * self.length),
+            Variable("rigid", res, "m", "the log keeps its length", 0.0, 10.0),
+            Variable("contact", res, "m", "normal force or gap is zero"),
+            Variable("gap", out, "m", "height of the rear over the ground, normal to it"),
+            Variable("ground_force", out, "N", "force of the ground on the log, normal to it", nominal=weight),
+            Variable("line_pull", out, "N", "tension of the line at the front", nominal=weight),
+            Variable("inclination", out, "rad", "of the log from its rear up to its front"),
+        )
+
+    def rear_start(self) -> tuple[float, float, float]:
+        """Where the rear is about, and the normal force: on the ground behind the front, or below the front."""
+        x, _, z = self.at
+        trailing = -self.moving or (-1.0 if self.slope > 0.0 else 1.0)  # at rest it lies downhill
+        over = z - self.ground_z - self.slope * (x - self.ground_x)
+        if over >= self.length:
+            return x + 1e-3 * trailing * self.length, z - self.length, 0.0
+        over = max(over, 0.0)
+        # On the plane: (x + d, ground + slope d) at the log's length from the front.
+        a, b, c = 1.0 + self.slope**2, -2.0 * over * self.slope, over**2 - self.length**2
+        d = (-b + trailing * (b * b - 4.0 * a * c) ** 0.5) / (2.0 * a)
+        return x + d, z - over + self.slope * d, 4.0 * self.mass
+
+    def equations(self, v: Any) -> Equations:
+        pull = v.front.force
+        unit = (1.0 + v.slope**2) ** 0.5
+        across, up = -v.slope / unit, 1.0 / unit  # normal of the ground; its tangent is (up, -across)
+        drag = -v.moving * v.friction
+        ground_x = v.normal * (across + drag * up)
+        ground_z = v.normal * (up - drag * across)
+        dx, dz = v.rear_x - v.x, v.rear_z - v.z
+        weight = v.mass * v.gravity
+        gap = (v.rear_x - v.ground_x) * across + (v.rear_z - v.ground_z) * up
+        pressed = v.normal / _FORCE
+        return Equations(
+            residuals={
+                "balance_x": pull[0] + ground_x,
+                "balance_y": pull[1],
+                "balance_z": pull[2] + ground_z - weight,
+                "moment": dx * ground_z - dz * ground_x - v.centre * dx * weight,
+                "rigid": (dx * dx + dz * dz - v.length**2) / (2.0 * v.length),
+                "contact": pressed + gap - (pressed**2 + gap**2 + v.smoothing**2) ** 0.5,
+            },
+            outputs={
+                "gap": gap,
+                "ground_force": v.normal,
+                "line_pull": (pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2) ** 0.5,
+                "inclination": _angle(-dz, (dx * dx + 1e-30) ** 0.5),
+            },
+        )
+
+
+def _angle(rise: Any, run: Any) -> Any:
+    return namespace(rise, run).atan2(rise, run)

@@ -1,0 +1,49 @@
+"""A running skyline: the haulback runs over the carriage to the tail block and back to the carriage."""
+
+from __future__ import annotations
+
+from ropeway.components import check
+from ropeway.components.carriage import Carriage
+from ropeway.components.errors import InputError
+from ropeway.components.rope import Rope
+from ropeway.components.spar import Ground, HeadSpar, TailSpar
+from ropeway.systems.rigs.skyline import Kind, SkylineRig, joined
+from ropeway.systems.system import GRAVITY
+
+
+def running_skyline(
+    terrain: Ground | None,
+    *,
+    headspar: HeadSpar,
+    tailspar: TailSpar,
+    haulback: Rope,
+    mainline: Rope,
+    carriage: Carriage,
+    tension: float,
+    name: str = "running skyline",
+    gravity: float = GRAVITY,
+) -> SkylineRig:
+    """A running skyline. tension: of the haulback at its drum, which the yarder keeps [N]; the mainline holds
+    the carriage. `payload(..., clearance=)` and `load_path(..., height=)` set the tension at each station
+    instead. Raises InputError.
+    """
+    check.positive(tension, name, "tension", "N")
+    if carriage.clamped:
+        raise InputError(f"{carriage.label} is clamped", "A running skyline's carriage rolls on the haulback")
+    return joined(
+        Kind.RUNNING,
+        terrain,
+        headspar=headspar,
+        supports=(),
+        tailspar=tailspar,
+        skyline=haulback,
+        tension=tension,
+        length=None,
+        mainline=mainline,
+        haulback=None,
+        haulback_tension=None,
+        carriage=carriage,
+        holding="bisector",
+        name=name,
+        gravity=gravity,
+    )

@@ -1,0 +1,327 @@
+"""What all skyline rigs share: their parts, and the System they make with the carriage in one of the spans."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import Enum
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ropeway.components import check
+from ropeway.components.carriage import Carriage, Holding
+from ropeway.components.component import Node
+from ropeway.components.drum import Drum
+from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.log import Log
+from ropeway.components.rope import Rope
+from ropeway.components.sheave import Sheave
+from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
+from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
+from ropeway.systems.rigs import carriage_start
+from ropeway.systems.rigs.guylines import string_guylines
+from ropeway.systems.system import System
+
+
+class Kind(Enum):
+    """How the skyline is held at the yarder."""
+
+    STANDING = "standing"
+    LIVE = "live"
+    GRAVITY = "gravity"
+    RUNNING = "running"
+
+
+@dataclass(frozen=True)
+class Turn:
+    """What hangs under the carriage: a `log` on a `dropline` of unstretched `length` [m]. The payload is the
+    log's mass. Raises InputError."""
+
+    log: Log
+    dropline: Rope
+    length: float
+
+    def __post_init__(self) -> None:
+        check.positive(self.length, f"Dropline of {self.log.name!r}", "length", "m")
+
+    def under(self, x: float, y: float, z: float, mass: float, ground: Ground | None) -> Log:
+        """The log about where it hangs under a carriage at (x, y, z), with the ground under its rear."""
+        lag = 0.2 * self.length * (-self.log.moving or 1.0)
+        log = replace(self.log, at=(x + lag, y, z - 0.98 * self.length), mass=max(mass, LEAST))
+        for _ in range(3):
+            log = on_ground(log, ground, log.rear_start()[0])
+        return log
+
+
+LEAST = 1.0
+"""A log's least mass [kg]: a payload of nothing is one of this."""
+
+
+def on_ground(log: Log, ground: Ground | None, x: float) -> Log:
+    """A log with the plane of the ground under a point x; far below where there is none."""
+    if ground is None:
+        return log
+    slope, at, z = ground.plane_at(x)
+    return replace(log, slope=slope, ground_x=at, ground_z=z)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SkylineRig:
+    """A skyline with its carriage. `system(span, station)` joins its public parts.
+
+    `length` [m]: unstretched, from the headspar to where the skyline is tied; None for a running skyline.
+    The functions standing_skyline, live_skyline, gravity_skyline and running_skyline make one.
+    """
+
+    kind: Kind
+    terrain: Ground | None
+    headspar: HeadSpar
+    supports: tuple[IntermediateSupport, ...]
+    tailspar: TailSpar
+    skyline: Rope
+    length: float | None
+    tension: float | None
+    mainline: Rope | None
+    haulback: Rope | None
+    haulback_tension: float | None
+    carriage: Carriage
+    turn: Turn | None
+    name: str
+    gravity: float
+
+    @property
+    def stands(self) -> tuple[Node, ...]:
+        """What bounds the spans: headspar, intermediate supports, tailspar."""
+        return (self.headspar, *self.supports, self.tailspar)
+
+    @property
+    def tail(self) -> tuple[Node, ...]:
+        """The tailspar, with its block and tailhold where the skyline runs on."""
+        hold = self.tailspar.tailhold
+        if hold is None:
+            return (self.tailspar,)
+        return (Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity), hold)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Points that the skyline runs over, shape (n, 3) [m]."""
+        return np.array([node.at for node in (self.headspar, *self.supports, *self.tail)])
+
+    @property
+    def spans(self) -> int:
+        """Spans that the carriage can run on."""
+        return len(self.supports) + 1
+
+    def span_of(self, station: float) -> int:
+        """The span of a station, counted from 0; at a support that before it. Raises InputError."""
+        x = [node.at[0] for node in self.stands]
+        if not x[0] < station < x[-1]:
+            raise InputError(
+                f"Station {station:g} m is outside the skyline",
+                f"It runs from {x[0]:g} m to {x[-1]:g} m, ends excluded",
+            )
+        return int(np.searchsorted(x, station, side="left")) - 1
+
+    @property
+    def ideal(self) -> bool:
+        """Whether an ideal force holds the carriage."""
+        return self.mainline is None and not self.carriage.clamped
+
+    def start(self, span: int, station: float, payload: float, height: float | None = None) -> carriage_start.Start:
+        """Where the carriage is about: the ellipse of its span [or at a given `height` z]."""
+        load = (self.carriage.mass + payload) * self.gravity
+        weight, strain = self.skyline.mass_per_length * self.gravity, self.skyline.strain
+        ends = self.points[span : span + 2]
+        if self.kind is Kind.RUNNING:
+            return carriage_start.running(ends, station, weight, load, self.tension or 0.0, height)
+        if height is not None:
+            return carriage_start.at_height(ends, station, weight, load, height)
+        return carriage_start.ellipse(self.points, span, station, weight, strain, self.length or 0.0, load)
+
+    def system(self, span: int = 0, station: float | None = None, payload: float | None = None) -> System:
+        """The system with the carriage in a span, about at a station [m] (by default mid-span).
+
+        It is solved like any other: `equilibrium(rig.system(0, 120.0))`. With an ideal holding force the
+        station is exact (`carriage.x` is a parameter); otherwise give `carriage.x` and solve for the travel
+        of the mainline's drum (of the clamp, where there is one). Raises InputError, SlackRopeError.
+        """
+        if not 0 <= span < self.spans:
+            raise InputError(f"Span {span} of {self.spans}", f"Choose from 0 to {self.spans - 1}")
+        here, there = self.stands[span].at, self.stands[span + 1].at
+        x = (here[0] + there[0]) / 2.0 if station is None else station
+        if not here[0] < x < there[0]:
+            raise InputError(f"Station {x:g} m is outside span {span}", f"Between {here[0]:g} m and {there[0]:g} m")
+        mass = self.carriage.payload if payload is None else payload
+        start = self.start(span, x, mass)
+        share = (x - here[0]) / (there[0] - here[0])
+        place = (x, here[1] + share * (there[1] - here[1]), start.z)
+        carriage = replace(self.carriage, at=place, payload=mass if self.turn is None else 0.0)
+        system = System(self.name, gravity=self.gravity)
+        if isinstance(self.headspar, GuyedSpar):
+            string_guylines(system, self.headspar)
+        if self.kind is Kind.RUNNING:
+            self._running(system, carriage)
+        else:
+            self._skyline(system, carriage, span)
+        if self.mainline is not None and not carriage.clamped:
+            self._mainline(system, carriage, span, start.pull)
+        if self.haulback is not None and not carriage.clamped and self.kind is not Kind.RUNNING:
+            drum = Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)
+            _string(system, self.haulback, [drum, carriage.haulback], self.haulback_tension or 0.0)
+        if self.turn is not None:
+            log = self.turn.under(*place, mass, self.terrain)
+            system.string(self.turn.dropline, carriage.dropline, log, length=self.turn.length)
+        return system
+
+    def _skyline(self, system: System, carriage: Carriage, span: int) -> None:
+        head: Node = self.headspar
+        if self.kind is not Kind.STANDING:
+            head = Drum(self.headspar.name, at=self.headspar.at)
+        over: list[Node] = [head, *self.supports, *self.tail]
+        over.insert(span + 1, carriage)
+        length = self.length or 0.0
+        if any(s.friction > 0.0 for s in self.supports):
+            # Friction in the saddles counts from where the bare rope lay on them.
+            strung = np.cumsum(self._shared([node.at for node in over]))
+            bare = np.cumsum(self._shared(self.points))
+            for k, node in enumerate(over):
+                if isinstance(node, IntermediateSupport):
+                    over[k] = replace(node, rest=float(strung[k - 1] - bare[k - 1 - (k > span + 1)]))
+        system.string(self.skyline, *over, length=length)
+
+    def _shared(self, points: Sequence[Sequence[float]] | np.ndarray) -> np.ndarray:
+        """How the skyline's length is shared out at rest over `points` without a load."""
+        names = [f"skyline {k + 1}" for k in range(len(points) - 1)]
+        weight = self.skyline.mass_per_length * self.gravity
+        return lengths_for_total([tuple(p) for p in points], weight, self.skyline.strain, self.length or 0.0, names)
+
+    def _running(self, system: System, carriage: Carriage) -> None:
+        drum = Drum("haulback", at=self.headspar.at, tension=self.tension)
+        block = Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity)
+        _string(system, self.skyline, [drum, carriage, block, carriage.haulback], self.tension or 0.0)
+
+    def _mainline(self, system: System, carriage: Carriage, span: int, pull: float) -> None:
+        rope = self.mainline
+        if rope is None:
+            return
+        rollers = [Sheave(f"{s.name}_mainline", at=s.at) for s in self.supports[:span]]
+        if isinstance(self.headspar, GuyedSpar):
+            over: list[Any] = [Drum("mainline", at=self.headspar.foot), self.headspar.block_in, *rollers]
+            _string(system, rope, [*over, carriage.mainline], pull, "line")
+        else:
+            over = [Drum("mainline", at=self.headspar.at), *rollers]
+            _string(system, rope, [*over, carriage.mainline], pull)
+
+
+def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, name: str | None = None) -> None:
+    """Runs a rope with about a tension [N], and not less than its own weight needs."""
+    nodes = [o if isinstance(o, Node) else o.owner for o in over]
+    points = np.array([node.at for node in nodes])
+    lengths = carriage_start.rope_lengths(points, rope.mass_per_length * system.gravity, rope.strain, tension)
+    system.string(rope, *over, length=float(lengths.sum()), name=name)
+
+
+def joined(
+    kind: Kind,
+    terrain: Ground | None,
+    *,
+    headspar: HeadSpar,
+    supports: Sequence[IntermediateSupport],
+    tailspar: TailSpar,
+    skyline: Rope,
+    tension: float | None,
+    length: float | None,
+    mainline: Rope | None,
+    haulback: Rope | None,
+    haulback_tension: float | None,
+    carriage: Carriage,
+    holding: Holding,
+    name: str,
+    gravity: float,
+    turn: Turn | None = None,
+) -> SkylineRig:
+    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError."""
+    check.positive(gravity, name, "gravity", "m/s2")
+    head = headspar.placed(terrain)
+    tail = tailspar.placed(terrain)
+    if tail.tailhold is not None:
+        tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
+    if isinstance(head, GuyedSpar):
+        if kind is not Kind.STANDING:
+            raise InputError(f"{head.label} holds a standing skyline only", "Take a HeadSpar")
+        head = replace(head, mainline_block=mainline is not None and not carriage.clamped)
+    between = tuple(support.placed(terrain) for support in supports)
+    stands = (head, *between, tail)
+    for before, after in pairwise(stands):
+        if not before.at[0] < after.at[0]:
+            raise InputError(
+                f"{after.label} stands at station {after.at[0]:g} m, {before.label} before it at {before.at[0]:g} m",
+                "Name headspar, supports and tailspar in the order of their stations",
+            )
+    if (haulback is None) != (haulback_tension is None):
+        raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
+    if haulback_tension is not None:
+        check.positive(haulback_tension, name, "haulback_tension", "N")
+    if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
+        raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
+    if turn is not None and (terrain is None or kind is Kind.RUNNING):
+        raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
+    ideal = mainline is None and not carriage.clamped
+    rig = SkylineRig(
+        kind=kind,
+        terrain=terrain,
+        headspar=head,
+        supports=between,
+        tailspar=tail,
+        skyline=skyline,
+        length=length,
+        tension=tension,
+        mainline=mainline,
+        haulback=haulback,
+        haulback_tension=haulback_tension,
+        carriage=replace(carriage, holding=holding if ideal else None),
+        turn=turn,
+        name=name,
+        gravity=gravity,
+    )
+    return rig if kind is Kind.RUNNING else _with_length(rig)
+
+
+def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
+    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError."""
+    placed = tuple(support.placed(rig.terrain) for support in supports)
+    return _with_length(replace(rig, supports=placed, length=None))
+
+
+def _with_length(rig: SkylineRig) -> SkylineRig:
+    """With the skyline's length for its tension, checked against its strength."""
+    rope, points = rig.skyline, rig.points
+    weight = rope.mass_per_length * rig.gravity
+    if (rig.length is None) == (rig.tension is None):
+        raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
+    length = rig.length
+    if rig.tension is not None:
+        check.positive(rig.tension, rig.name, "tension", "N")
+        if rig.tension >= rope.breaking_load:
+            raise InputError(
+                f"{rig.name}: tension {rig.tension:g} N is above the rope's minimum breaking load "
+                f"{rope.breaking_load:g} N",
+                "Ask for less tension or take a stronger rope",
+            )
+        names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
+        names += [f"{rig.tailspar.name}_{rig.tail[-1].name}"] * (len(rig.tail) - 1)
+        length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
+    check.positive(length or 0.0, rig.name, "length", "m")
+    chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    shortest = chords / (1.0 + rope.strain.at(rope.breaking_load))
+    if (length or 0.0) <= shortest:
+        raise InputError(
+            f"{rig.name}: the skyline is {length:.6g} m long; at its minimum breaking load it needs at least "
+            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.tail[-1].name!r}",
+            "Give a longer skyline or a lower tension",
+        )
+    return replace(rig, length=length)

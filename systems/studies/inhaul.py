@@ -1,0 +1,252 @@
+"""A skyline rig in time: the carriage pulled by the mainline's drum, over its supports, with payloads picked up,
+hoisted on or lost on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.newton import Point, newton_of, outputs_of
+from ropeway.systems.rigs.skyline import SkylineRig
+from ropeway.systems.simulation import simulate
+from ropeway.systems.state import LineState
+from ropeway.systems.studies.load_path import row, units_of
+from ropeway.systems.studies.stations import SIDE, Solved, SpanModel, span_model
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class Happening(NamedTuple):
+    """Something that happened to the carriage: time [s], what, and where [m]."""
+
+    time: float
+    event: str
+    station: float
+
+
+@dataclass(frozen=True, eq=False)
+class Inhaul:
+    """A run of the carriage. `frame`: one row every interval (index time [s]), the columns of `load_path`, and
+    payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W, positive: the drum
+    drives, negative: it brakes]. `events`: time, event, station."""
+
+    rig: SkylineRig
+    frame: pd.DataFrame
+    events: pd.DataFrame
+
+    def plot(self) -> Figure:
+        """Place, tensions and powers over time."""
+        from ropeway.systems.studies.skyline_plot import inhaul_figure
+
+        return inhaul_figure(self)
+
+
+def inhaul(
+    rig: SkylineRig,
+    *,
+    payload: float,
+    start: float,
+    end: float,
+    speed: float = 3.0,
+    every: float = 1.0,
+    changes: Sequence[tuple[float, float]] = (),
+    tolerance: float = 1e-8,
+) -> Inhaul:
+    """The carriage from station `start` to station `end` [m], the mainline's drum running at `speed` [m/s of
+    unstretched rope, above zero].
+
+    payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
+    rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the carriage
+    has to be braked by a haulback. At a point saddle the carriage changes spans as soon as the mainline's length
+    allows. Raises InputError; SimulationError that holds what has run so far.
+    """
+    check.positive(speed, rig.name, "speed", "m/s")
+    check.positive(every, rig.name, "every", "s")
+    check.not_negative(payload, rig.name, "payload", "kg")
+    if rig.mainline is None or rig.carriage.clamped:
+        raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")
+    if rig.turn is not None:
+        raise InputError(f"{rig.name} drags a log", "Take it as a payload of the carriage: turn=None")
+    last = 0.0
+    for when, mass in changes:
+        check.not_negative(mass, rig.name, "payload", "kg")
+        if not when > last:
+            raise InputError(f"{rig.name}: changes of the payload at {when:g} s after {last:g} s", "Sort them by time")
+        last = when
+    spans = (rig.span_of(start), rig.span_of(end))
+    run = _Run(rig, float(payload), every, list(changes), tolerance)
+    try:
+        run.go(float(start), float(end), spans, speed if end < start else -speed)
+    except EquilibriumError as error:
+        cause = f"At t = {run.time:.3f} s: {error.cause}"
+        raise SimulationError(cause, error.remedy, run.time, run.result()) from error
+    except SimulationError as error:
+        raise SimulationError(error.cause, error.remedy, run.time + error.time, run.result()) from error
+    return run.result()
+
+
+class _Run:
+    """One run, span by span; rows and events are appended."""
+
+    def __init__(
+        self, rig: SkylineRig, payload: float, every: float, changes: list[tuple[float, float]], tolerance: float
+    ) -> None:
+        self.rig, self.payload, self.every, self.changes, self.tolerance = rig, payload, every, changes, tolerance
+        self.time = 0.0
+        self.rows: list[dict[str, float | str | int]] = []
+        self.events: list[Happening] = []
+
+    def result(self) -> Inhaul:
+        frame = pd.DataFrame(self.rows)
+        if len(frame):
+            frame = frame.set_index("time")
+        frame.attrs["units"] = {
+            **units_of(frame),
+            "carriage_speed": "m/s",
+            "drum_power": "W",
+            "haulback_power": "W",
+            "time": "s",
+        }
+        return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(Happening._fields)))
+
+    def go(self, start: float, end: float, spans: tuple[int, int], speed: float) -> None:
+        """speed: of the drum, positive winds in."""
+        way = -1 if speed > 0.0 else 1
+        span = spans[0]
+        at = span_model(self.rig, span, False)
+        eq = self.rest(at, at.solve(start, self.payload))
+        self.record(at, eq, speed)
+        while True:
+            boundary = self.rig.points[span + (way > 0), 0] - way * SIDE
+            target = end if span == spans[1] else float(boundary)
+            eq = self.through(at, eq, target, speed)
+            if span == spans[1]:
+                break
+            eq, at = self.over(at, eq, span, way, speed)
+            span += way
+        self.record(at, eq, speed)
+
+    def rest(self, at: SpanModel, point: Point) -> Equilibrium:
+        """An equilibrium from a solved point, its travels the new zero."""
+        state = LineState.cold(at.model)
+        whole = LineState(at.model, point.copy(), at.model.runs, state.passed)
+        whole.rezero()
+        return Equilibrium(at.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
+
+    def paid_out(self, at: SpanModel, eq: Equilibrium) -> float:
+        """Length of the mainline [m, unstretched]."""
+        run = at.model.runs[at.roles.index("mainline")]
+        return sum(eq[f"{s.name}.length"] for s in run.spans)
+
+    def through(self, at: SpanModel, eq: Equilibrium, target: float, speed: float) -> Equilibrium:
+        """On to a station in the same span, stopping where the payload changes."""
+        while True:
+            reached = at.solve(target, self.payload, near=eq.point)
+            needed = self.paid_out(at, eq) - self.paid_out(at, self.as_equilibrium(at, reached))
+            duration = needed / speed
+            change = self.changes[0][0] - self.time if self.changes else np.inf
+            if duration > 0.0:
+                eq = self.integrate(at, eq, min(duration, change), speed)
+            if change > duration:
+                return eq
+            self.record(at, eq, speed)
+            self.payload = self.changes.pop(0)[1]
+            self.events.append(Happening(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"]))
+            point = eq.point.copy()
+            at.load(point, self.payload)
+            newton_of(at.model).solve(point)
+            eq = self.rest(at, point)
+            self.record(at, eq, speed)
+
+    def as_equilibrium(self, at: SpanModel, point: Point) -> Equilibrium:
+        cold = LineState.cold(at.model)
+        return Equilibrium(at.model, point, at.model.runs, tuple(cold.passed), ())
+
+    def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
+        """IDAS for some seconds; rows on the grid of the whole run."""
+        if duration < 1e-9:
+            return eq
+        first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
+        result = simulate(
+            at.model,
+            until=duration,
+            every=min(self.every, duration),
+            inputs={"mainline.speed": -speed},
+            start=eq,
+            tolerance=self.tolerance,
+            progress=False,
+        )
+        for t in np.arange(first, self.time + duration + 1e-9, self.every):
+            self.record(at, result.at(min(t - self.time, duration)), speed, float(t))
+        self.time += duration
+        return self.rest(at, result.at(duration).point)
+
+    def over(self, at: SpanModel, eq: Equilibrium, span: int, way: int, speed: float) -> tuple[Equilibrium, SpanModel]:
+        """Over a support into the next span: at once where the mainline is long or short enough for it, else
+        after the drum has run on while the carriage rests on the saddle."""
+        support = self.rig.stands[span + (way > 0)]
+        beyond = span_model(self.rig, span + way, False)
+        x, *_ = support.at
+        point = beyond.solve(x + way * SIDE, self.payload)
+        have, need = self.paid_out(at, eq), self.paid_out(beyond, self.as_equilibrium(beyond, point))
+        wait = (have - need) / speed
+        self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{self.rig.carriage.name}.x"]))
+        if wait >= 0.0:
+            self.time += wait
+        else:  # the mainline is longer or shorter than the next span asks for: the carriage runs ahead
+            index = beyond.model.p.index
+            run = beyond.model.runs[beyond.roles.index("mainline")]
+            point.p[index[f"{run.spans[0].name}.length_start"]] += have - need
+            newton_of(beyond.model).solve(point)
+            beyond.check(point)
+        self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.place[0][1]])))
+        return self.rest(beyond, point), beyond
+
+    def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
+        """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs
+        slack."""
+        at.check(eq.point)
+        now = self.time if time is None else time
+        if self.rows:
+            before = self.rows[-1]
+            if abs(float(before["time"]) - now) < 1e-9 and (before["payload"], before["span"]) == (
+                self.payload,
+                at.span + 1,
+            ):
+                return
+        outputs = outputs_of(at.model)(*eq.point.arguments)[0].copy()
+        solved = Solved(at, eq.point, outputs, "mainline")
+        name = self.rig.carriage.name
+        values = row(solved, solved[f"{name}.x"])
+        point = eq.point.copy()
+        point.u[:] = 0.0
+        if "mainline.speed" in at.model.u.index:
+            point.u[at.model.u.index["mainline.speed"]] = -speed
+        solution = newton_of(at.model).solve(point, slope=np.zeros(len(point.u)))
+        rates = np.zeros(len(point.z)) if solution is None else solution
+        main = self.rig.mainline
+        index = at.model.z.index
+        pull = solved["mainline.rope_tension"]
+        drum = speed * (main.strain.potential(pull) if main is not None else 0.0)
+        haul = 0.0
+        if "haulback.travel" in index and "haulback.rope_tension" in at.model.y.index:
+            rope = self.rig.skyline if self.rig.haulback is None else self.rig.haulback
+            haul = -rates[index["haulback.travel"]] * rope.strain.potential(solved["haulback.rope_tension"])
+        self.rows.append(
+            {
+                "time": now,
+                **values,
+                "payload": self.payload,
+                "carriage_speed": float(rates[index[f"{name}.x"]]),
+                "drum_power": float(drum),
+                "haulback_power": float(haul),
+            }
+        )

@@ -1,0 +1,171 @@
+"""The load path: the carriage moved along all spans, station by station."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.terrain import Piece, Profile, deflection
+
+UNITS = {
+    "station": "m",
+    "carriage_x": "m",
+    "carriage_y": "m",
+    "carriage_z": "m",
+    "skyline_tension": "N",
+    "highest_tension": "N",
+    "headspar_tension": "N",
+    "tailspar_tension": "N",
+    "anchor_tension": "N",
+    "mainline_pull": "N",
+    "mainline_tension": "N",
+    "haulback_tension": "N",
+    "sag": "m",
+    "deflection": "%",
+    "clearance": "m",
+    "rope_clearance": "m",
+    "spar_compression": "N",
+    "spar_lean": "m",
+    "payload": "kg",
+}
+
+
+def load_path(
+    rig: SkylineRig,
+    payload: float,
+    stations: Sequence[float] | np.ndarray | None = None,
+    *,
+    height: float | None = None,
+) -> pd.DataFrame:
+    """The carriage with a payload [kg] at `stations` [m] (by default every 5 m of all spans).
+
+    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
+    the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
+    (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
+    the headspar) and mainline_tension at its drum; haulback_tension at its drum; sag below its span's chord
+    and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
+    one of all ropes; for each support `NAME_force`, upward on the rope, negative where it lifts off; span
+    (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
+    holding. A guyed spar adds spar_compression, spar_lean [m] and for each guyline `NAME_tension` at its top.
+    A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance that of its
+    lower end, of its front where the rear drags.
+
+    height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
+    over the ground [m]. At a support's own station the carriage hangs 2 cm before it. Raises InputError,
+    EquilibriumError.
+    """
+    check.not_negative(payload, rig.name, "payload", "kg")
+    if height is not None and rig.turn is not None:
+        raise InputError(f"{rig.name} carries a log on a dropline", "Its height follows: leave height out")
+    if height is not None and rig.kind is Kind.STANDING:
+        raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
+    solver = Stations(rig, by_height=height is not None)
+    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
+    rows = []
+    for x in where:
+        check.number(float(x), rig.name, "a station", "m")
+        z = None if height is None else carriage_height(rig, float(x), height)
+        rows.append(row(solver.solve(float(x), payload, z), float(x)))
+    frame = pd.DataFrame(rows)
+    frame.attrs["units"] = units_of(frame)
+    return frame
+
+
+def units_of(frame: pd.DataFrame) -> dict[str, str]:
+    """The unit of each column."""
+    return {c: UNITS.get(c, "N" if c.endswith(("_force", "_tension")) else "") for c in frame.columns}
+
+
+def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
+    """About every `spacing` metres of all spans, supports included, the ends left out."""
+    x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
+    return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
+
+
+def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
+    """Height z [m] of the carriage with its load `height` over the ground. Raises InputError."""
+    if rig.terrain is None:
+        raise InputError(f"{rig.name} has no terrain", "Give it a Profile to keep a height over the ground")
+    return rig.terrain.elevation_at(station) + height + rig.carriage.depth
+
+
+def row(solved: Solved, station: float) -> dict[str, float | str | int]:
+    """The row of a load path at a solved station."""
+    rig, model, k = solved.at.rig, solved.at.model, solved.at.span
+    name, head, tail = rig.carriage.name, rig.headspar, rig.tailspar
+    x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
+    a, b = rig.stands[k].at, rig.stands[k + 1].at
+    sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
+    sky = model.runs[solved.at.skyline]
+    ends = [solved[f"{s.name}.tension_{end}"] for s in sky.spans for end in "ab"]
+    into_tail = next(s for s, node in zip(sky.spans, sky.nodes[1:], strict=True) if node.name == tail.name)
+    at_carriage = max(solved[f"{name}.tension_a"], solved[f"{name}.tension_b"])
+    pull = solved[f"{name}.holding"] if solved.held_by == "holding" else 0.0
+    main = 0.0
+    if solved.held_by == "mainline":
+        pull = solved[f"{name}.mainline_pull"]
+        main = solved["mainline.rope_tension"]
+    haul = solved["haulback.rope_tension"] if "haulback.rope_tension" in model.y.index else 0.0
+    values: dict[str, float | str | int] = {
+        "station": station,
+        "carriage_x": x,
+        "carriage_y": y,
+        "carriage_z": z,
+        "skyline_tension": at_carriage,
+        "highest_tension": max(ends),
+        "headspar_tension": ends[0],
+        "tailspar_tension": solved[f"{into_tail.name}.tension_b"],
+        "anchor_tension": ends[-1],
+        "mainline_pull": pull,
+        "mainline_tension": main,
+        "haulback_tension": haul,
+        "sag": sag,
+        "deflection": deflection(sag, float(np.hypot(b[0] - a[0], b[1] - a[1]))),
+        "clearance": np.nan,
+        "rope_clearance": np.nan,
+        **{f"{s.name}_force": solved[f"{s.name}.support_force"] for s in rig.supports},
+        "span": k + 1,
+        "held_by": solved.held_by,
+    }
+    if isinstance(head, GuyedSpar):
+        values["spar_compression"] = solved[f"{head.name}.compression"]
+        values["spar_lean"] = solved[f"{head.name}.lean"]
+        values.update({f"{g.name}_tension": solved[f"{g.name}_{head.name}.tension_b"] for g in head.guylines})
+    if rig.turn is not None and isinstance(rig.terrain, Profile):
+        log = rig.turn.log.name
+        drags = solved[f"{log}.ground_force"] > 1.0
+        end = ("x", "z") if drags else ("rear_x", "rear_z")
+        values["ground_force"] = solved[f"{log}.ground_force"]
+        values["dropline_tension"] = solved[f"{name}.dropline_pull"]
+        values["suspension"] = "partial" if drags else "full"
+        values["clearance"] = solved[f"{log}.{end[1]}"] - float(rig.terrain.elevations(solved[f"{log}.{end[0]}"]))
+        values["rope_clearance"] = rope_clearance(solved, rig.terrain)
+    elif isinstance(rig.terrain, Profile):
+        values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
+        values["rope_clearance"] = rope_clearance(solved, rig.terrain)
+    return values
+
+
+def rope_clearance(solved: Solved, ground: Profile) -> float:
+    """Least height of the skyline over the ground between headspar and tailspar [m]."""
+    rig, at = solved.at.rig, solved.at
+    least, r = np.inf, at.skyline
+    run = at.model.runs[r]
+    strain = run.rope.strain
+    for k, span in enumerate(run.spans):
+        force = at.curve(solved.point, k, r)
+        start = (solved[f"{run.nodes[k].name}.x"], solved[f"{run.nodes[k].name}.z"])
+        if force[0] > 0.0:
+            weight = run.rope.mass_per_length * rig.gravity
+            piece = Piece(start, force, weight, solved[f"{span.name}.length"], strain)
+            least = min(least, ground.clearance(piece).height)
+        if run.nodes[k + 1].name == rig.tailspar.name:
+            break
+    return float(least)

@@ -1,0 +1,233 @@
+"""The largest payload along a corridor, and which limit governs where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import brentq
+
+from ropeway.components import check
+from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
+from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.terrain import Profile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Row = dict[str, Any]
+Margin = Callable[[Row, Solved], float]
+"""How far a solved station stays from a limit, in parts of it; negative beyond it."""
+
+MOST = 1e7
+"""A payload [kg] that no limit stops is reported as this."""
+
+
+@dataclass(frozen=True, eq=False)
+class PayloadStudy:
+    """The largest payload by station. `frame` has one row a station: station [m], payload [kg], limited_by,
+    and the columns of `load_path` under that payload. A payload of 0 with limited_by is an answer: not even
+    the empty carriage keeps that limit."""
+
+    rig: SkylineRig
+    frame: pd.DataFrame
+    safety_factor: float
+    mainline_safety_factor: float
+    clearance: float | None
+
+    @cached_property
+    def limiting(self) -> pd.Series[Any]:
+        """The row of the station that carries least: its payload is the corridor's."""
+        return self.frame.loc[self.frame["payload"].idxmin()]
+
+    @property
+    def payload(self) -> float:
+        """Largest payload that can be brought along all stations [kg]."""
+        return float(self.limiting["payload"])
+
+    def plot(self) -> Figure:
+        """The corridor to scale with the load path, the payload by station in the colour of the limit that
+        governs, and the tensions against their safe working loads."""
+        from ropeway.systems.studies.skyline_plot import payload_figure
+
+        return payload_figure(self)
+
+
+def payload(
+    rig: SkylineRig,
+    *,
+    safety_factor: float = 3.0,
+    clearance: float | None = None,
+    rope_clearance: float = 0.0,
+    stations: Sequence[float] | np.ndarray | None = None,
+    mainline_safety_factor: float | None = None,
+    lift_off: bool = True,
+) -> PayloadStudy:
+    """The largest payload at `stations` [m] (by default about every 5 m) within all limits.
+
+    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback and
+    guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
+    rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
+    stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
+    running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
+    itself needs. Raises InputError.
+    """
+    check.positive(safety_factor, rig.name, "safety_factor")
+    others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
+    check.positive(others, rig.name, "mainline_safety_factor")
+    if clearance is not None:
+        check.number(clearance, rig.name, "clearance", "m")
+        if not isinstance(rig.terrain, Profile):
+            raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
+    check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
+    if where.size == 0:
+        raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
+    for x in where:
+        check.number(float(x), rig.name, "a station", "m")
+    margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
+    search = _Search(rig, margins, clearance if rig.kind is not Kind.STANDING else None, rope_clearance)
+    rows = []
+    for x in where:
+        rows.append(search.at(float(x)))
+    frame = pd.DataFrame(rows)
+    frame.attrs["units"] = units_of(frame)
+    return PayloadStudy(rig, frame, safety_factor, others, clearance)
+
+
+def margins_of(
+    rig: SkylineRig, safety_factor: float, others: float, clearances: tuple[float | None, float], lift_off: bool
+) -> dict[str, Margin]:
+    """For each limit how far a loaded rig stays from it, in parts of the limit (of 10 m for clearances)."""
+
+    def tension(column: str, limit: float) -> Margin:
+        return lambda r, s: 1.0 - r[column] / limit
+
+    def capacity(output: str, limit: float) -> Margin:
+        return lambda r, s: 1.0 - s[output] / limit
+
+    def pressed(column: str) -> Margin:
+        return lambda r, s: r[column] / skyline
+
+    skyline = rig.skyline.breaking_load / safety_factor
+    found: dict[str, Margin] = {"skyline tension": tension("highest_tension", skyline)}
+    if rig.mainline is not None:
+        found["mainline tension"] = tension("mainline_tension", rig.mainline.breaking_load / others)
+    if rig.haulback is not None and rig.kind is not Kind.RUNNING:
+        found["haulback tension"] = tension("haulback_tension", rig.haulback.breaking_load / others)
+    of_load, of_rope = clearances
+    if of_load is not None and rig.kind is Kind.STANDING:
+        found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
+        found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
+    for support in rig.supports:
+        if lift_off:
+            found[f"lift-off at {support.name}"] = pressed(f"{support.name}_force")
+        if support.capacity is not None:
+            found[f"capacity of {support.name}"] = capacity(f"{support.name}.bearing_load", support.capacity)
+    if rig.headspar.capacity is not None:
+        head = rig.headspar
+        found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
+    if isinstance(rig.headspar, GuyedSpar):
+        for guy in rig.headspar.guylines:
+            found[f"guyline {guy.name}"] = tension(f"{guy.name}_tension", guy.rope.breaking_load / others)
+    tail, hold = rig.tailspar, rig.tailspar.tailhold
+    if tail.capacity is not None:
+        through = hold is not None or rig.kind is Kind.RUNNING
+        output = "bearing_load" if through else "tension"
+        found[f"capacity of {tail.name}"] = capacity(f"{tail.name}.{output}", tail.capacity)
+    if hold is not None and hold.capacity is not None:
+        found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)
+    return found
+
+
+def head_load(solved: Solved) -> float:
+    """Resultant of all ropes at the headspar's top, or the compression of a guyed one [N]."""
+    head = solved.at.rig.headspar
+    if isinstance(head, GuyedSpar):
+        return solved[f"{head.name}.compression"]
+    total = np.zeros(3)
+    for r, run in enumerate(solved.at.model.runs):
+        if run.nodes[0].at == head.at:
+            total += solved.at.curve(solved.point, 0, r)
+    return float(np.linalg.norm(total))
+
+
+class _Search:
+    """The largest payload at one station after another."""
+
+    def __init__(self, rig: SkylineRig, margins: dict[str, Margin], clearance: float | None, of_rope: float) -> None:
+        self.rig, self.margins, self.clearance, self.of_rope = rig, margins, clearance, of_rope
+        self.solver = Stations(rig, by_height=clearance is not None)
+        self.guess = 1000.0
+
+    def at(self, station: float) -> Row:
+        """The row of a station."""
+        height = None if self.clearance is None else carriage_height(self.rig, station, self.clearance)
+        best = self._largest(station, height, self.margins)
+        if height is not None and best.get("rope_clearance", np.inf) < self.of_rope - 1e-6:
+            best = self._raised(station, height) or {**best, "payload": 0.0, "limited_by": "rope clearance"}
+        if best["payload"] > 0.0:
+            self.guess = best["payload"]
+        return best
+
+    def _raised(self, station: float, height: float) -> Row | None:
+        """With the carriage raised until the skyline itself clears the ground; None where that is impossible."""
+
+        def short(extra: float) -> float:
+            found = self._largest(station, height + extra, self.margins)
+            return float(found.get("rope_clearance", -np.inf)) - self.of_rope
+
+        k = self.rig.span_of(station)
+        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
+        top = a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height - 0.05
+        if top <= 0.0 or not short(top) >= 0.0:
+            return None
+        extra = float(brentq(short, 0.0, top, xtol=1e-6))
+        found = self._largest(station, height + extra, self.margins)
+        return {**found, "limited_by": "rope clearance" if found["payload"] > 0.0 else found["limited_by"]}
+
+    def _largest(self, station: float, height: float | None, margins: dict[str, Margin]) -> Row:
+        """Bracket and root of the smallest margin over the payload."""
+        tried: dict[float, tuple[float, str, Row | None]] = {}
+
+        def least(mass: float) -> float:
+            if mass not in tried:
+                tried[mass] = self._least(station, mass, height, margins)
+            return tried[mass][0]
+
+        if least(0.0) < 0.0:
+            return self._answer(station, 0.0, tried[0.0])
+        if self.rig.kind is Kind.GRAVITY and (tried[0.0][2] or {}).get("held_by") == "clamp":
+            return self._answer(station, 0.0, (0.0, "does not run out by gravity", tried[0.0][2]))
+        low, high = 0.0, self.guess
+        while least(high) >= 0.0:
+            low, high = high, 2.0 * high
+            if high > MOST:
+                return self._answer(station, low, (0.0, "nothing", tried[low][2]))
+        while least(high) == -1.0 and high - low > 1e-3:  # no equilibrium so far up: come down to where there is
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if least(middle) >= 0.0 else (low, middle)
+        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13)) if least(high) != -1.0 else low
+        least(mass)
+        return self._answer(station, mass, tried[mass])
+
+    def _least(self, station: float, mass: float, height: float | None, margins: dict[str, Margin]) -> Any:
+        """Smallest margin, its name, and the row; -1 where there is no equilibrium."""
+        try:
+            solved = self.solver.solve(station, mass, height)
+        except EquilibriumError:
+            return -1.0, "no equilibrium", None
+        values = row(solved, station)
+        name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
+        return max(margin, -0.999), name, values
+
+    def _answer(self, station: float, mass: float, found: tuple[float, str, Row | None]) -> Row:
+        _, name, values = found
+        return {"station": station, "payload": mass, "limited_by": name, **(values or {})}

@@ -1,0 +1,209 @@
+"""A terrain profile along a corridor: piecewise linear ground, and how far ropes and loads are above it."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ropeway.components import check
+from ropeway.components.catenary import Strain, Vector, segment
+from ropeway.components.errors import InputError
+
+
+class Clearance(NamedTuple):
+    """Least height over the ground [m], and the station where it is [m]."""
+
+    height: float
+    station: float
+
+
+class Piece(NamedTuple):
+    """A load-free rope piece in a corridor: its start (x, z) [m], tension vector there [N], weight [N/m],
+    unstretched length [m] and strain law. It runs towards growing x."""
+
+    start: tuple[float, float]
+    force: Vector
+    weight: float
+    length: float
+    strain: Strain
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """The ground along a corridor: `station` [m], increasing, and `elevation` [m] there, straight between.
+
+    Raises InputError.
+    """
+
+    station: np.ndarray
+    elevation: np.ndarray
+
+    def __init__(self, station: ArrayLike, elevation: ArrayLike) -> None:
+        x, z = np.array(station, dtype=float), np.array(elevation, dtype=float)
+        if x.ndim != 1 or x.shape != z.shape or len(x) < 2:
+            raise InputError(
+                f"Profile has stations of shape {x.shape} and elevations of shape {z.shape}",
+                "Give as many elevations as stations, at least two",
+            )
+        if not np.all(np.isfinite(x)) or not np.all(np.isfinite(z)):
+            raise InputError("Profile holds a value that is not finite", "Remove NaN and inf")
+        if np.any(np.diff(x) <= 0.0):
+            k = int(np.argmax(np.diff(x) <= 0.0))
+            raise InputError(f"Profile stations do not increase: {x[k + 1]:g} m after {x[k]:g} m", "Sort them")
+        object.__setattr__(self, "station", x)
+        object.__setattr__(self, "elevation", z)
+
+    @classmethod
+    def from_csv(cls, path: str | Path) -> Profile:
+        """From a CSV file with columns station and elevation [m]; others are left alone.
+
+        Raises InputError that names the file and line.
+        """
+        rows: list[tuple[float, float]] = []
+        with Path(path).open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.DictReader(file, skipinitialspace=True)
+            missing = [c for c in ("station", "elevation") if c not in (reader.fieldnames or ())]
+            if missing:
+                raise InputError(
+                    f"{path}, line 1: no column {', '.join(missing)}",
+                    "Give the columns station and elevation, in metres",
+                )
+            for row in reader:
+                try:
+                    x, z = float(row["station"]), float(row["elevation"])
+                except (TypeError, ValueError) as error:
+                    raise InputError(
+                        f"{path}, line {reader.line_num}: station {row['station']!r}, elevation {row['elevation']!r}",
+                        "Give numbers in metres",
+                    ) from error
+                if not (math.isfinite(x) and math.isfinite(z)) or (rows and x <= rows[-1][0]):
+                    raise InputError(
+                        f"{path}, line {reader.line_num}: station {x:g} m, elevation {z:g} m",
+                        "Stations must increase, and all values be finite",
+                    )
+                rows.append((x, z))
+        if len(rows) < 2:
+            raise InputError(f"{path} has {len(rows)} points", "Give at least two")
+        return cls(*np.array(rows).T)
+
+    @classmethod
+    def from_dem(
+        cls, path: str | Path, start: tuple[float, float], end: tuple[float, float], spacing: float | None = None
+    ) -> Profile:
+        """From a raster of elevations, between two points (easting, northing) in the raster's coordinates.
+
+        Bilinear between the centres of its cells; spacing [m]: of the stations, by default half a cell. Needs
+        rasterio (the extra `gis`). Raises InputError where the line leaves the raster or its data.
+        """
+        try:
+            import rasterio
+        except ImportError as error:
+            raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
+        from ropeway.systems.studies.raster import along
+
+        with rasterio.open(path) as raster:
+            return cls(*along(raster, str(path), start, end, spacing))
+
+    def elevation_at(self, station: float) -> float:
+        """Elevation [m] at a station [m]. Raises InputError outside the profile."""
+        if not self.station[0] <= station <= self.station[-1]:
+            raise InputError(
+                f"Station {station:g} m is outside the profile",
+                f"It runs from {self.station[0]:g} m to {self.station[-1]:g} m",
+            )
+        return float(np.interp(station, self.station, self.elevation))
+
+    def elevations(self, stations: float | np.ndarray) -> np.ndarray:
+        """Elevations [m] at stations [m], NaN outside the profile."""
+        return np.asarray(np.interp(stations, self.station, self.elevation, left=np.nan, right=np.nan))
+
+    def slope_at(self, station: float) -> float:
+        """Slope of the ground (rise over run) at a station; at a vertex that of the segment after it."""
+        self.elevation_at(station)
+        k = min(int(np.searchsorted(self.station, station, side="right")) - 1, len(self.station) - 2)
+        return float(np.diff(self.elevation[k : k + 2])[0] / np.diff(self.station[k : k + 2])[0])
+
+    def plane_at(self, station: float) -> tuple[float, float, float]:
+        """Slope of the segment under a station, and its first point (station, elevation); beyond the profile's
+        ends that of its outermost segments."""
+        k = int(np.clip(np.searchsorted(self.station, station, side="right") - 1, 0, len(self.station) - 2))
+        rise, run = self.elevation[k + 1] - self.elevation[k], self.station[k + 1] - self.station[k]
+        return float(rise / run), float(self.station[k]), float(self.elevation[k])
+
+    def chord_slope(self, start: float, end: float) -> float:
+        """Slope of the straight line between the ground at two stations (rise over run)."""
+        if start == end:
+            raise InputError(f"Both stations are {start:g} m", "Give two different ones")
+        return (self.elevation_at(end) - self.elevation_at(start)) / (end - start)
+
+    def resampled(self, spacing: float) -> Profile:
+        """At even stations about `spacing` metres apart, first and last kept."""
+        check.positive(spacing, "Profile", "spacing", "m")
+        count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
+        stations = np.linspace(self.station[0], self.station[-1], count)
+        return Profile(stations, self.elevations(stations))
+
+    def clearance(self, piece: Piece) -> Clearance:
+        """Least height of a rope piece over the ground, exact: at the ends, over the ground's vertices, and
+        where the rope is parallel to the ground between them. (inf, nan) where there is no ground below."""
+        fx, _, v0 = piece.force
+        ends = segment(piece.force, piece.weight, piece.length, piece.strain).reach
+        x0, z0 = piece.start
+        low, high = max(x0, self.station[0]), min(x0 + ends[0], self.station[-1])
+        if not low <= high:
+            return Clearance(math.inf, math.nan)
+        slopes = np.diff(self.elevation) / np.diff(self.station)
+        parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
+        inside = self.station[(self.station > low) & (self.station < high)]
+        along = np.concatenate([parallel, self._distances(piece, np.array([low, *inside, high]))])
+        shape = np.ones_like(along)
+        reach = segment((fx * shape, 0.0 * shape, v0 * shape), piece.weight, along, piece.strain).reach
+        x = x0 + reach[0]
+        height = z0 + reach[2] - np.interp(x, self.station, self.elevation)
+        height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
+        k = int(np.argmin(height))
+        return Clearance(float(height[k]), float(x[k]))
+
+    @staticmethod
+    def _distances(piece: Piece, x: np.ndarray) -> np.ndarray:
+        """Unstretched distances from the start of a piece at which it is over `x`: Newton's method, kept
+        inside the piece."""
+        fx, _, v0 = piece.force
+        total = segment(piece.force, piece.weight, piece.length, piece.strain).reach[0]
+        wanted = x - piece.start[0]
+        d = np.clip(wanted / total, 0.0, 1.0) * piece.length
+        one = np.ones_like(d)
+        for _ in range(50):
+            reach = segment((fx * one, 0.0 * one, v0 * one), piece.weight, d, piece.strain).reach[0]
+            v = v0 + piece.weight * d
+            tension = np.hypot(fx, v)
+            rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
+            move = (wanted - reach) / rate
+            d = np.clip(d + move, 0.0, piece.length)
+            if np.max(np.abs(move), initial=0.0) <= 1e-13 * (1.0 + abs(total)):
+                break
+        return d
+
+    def clearance_of_line(self, points: Sequence[tuple[float, float]] | np.ndarray) -> Clearance:
+        """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
+        too. (inf, nan) where there is no ground below."""
+        line = np.asarray(points, dtype=float).reshape(-1, 2)
+        line = line[np.argsort(line[:, 0], kind="stable")]
+        x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
+        height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)
+        if np.all(np.isnan(height)):
+            return Clearance(math.inf, math.nan)
+        k = int(np.nanargmin(height))
+        return Clearance(float(height[k]), float(x[k]))
+
+
+def deflection(sag: float, span: float) -> float:
+    """Deflection in percent of the horizontal span."""
+    return 100.0 * sag / span

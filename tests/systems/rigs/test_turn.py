@@ -1,0 +1,101 @@
+"""A log under a skyline: partial and full suspension along a corridor, and the forces on the whole."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from ropeway.systems.studies.stations import Stations
+
+G = 9.80665
+CORRIDOR = rw.Profile.from_csv(Path(rw.__file__).parent / "examples" / "corridor.csv")
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+
+
+def rig(dropline: float, terrain: rw.Profile = CORRIDOR, friction: float = 0.6) -> rw.SkylineRig:
+    log = rw.Log("log", mass=2000.0, length=10.0, friction=friction)
+    return rw.standing_skyline(
+        terrain,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        supports=[rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
+        skyline=ROPE,
+        tension=70e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        turn=rw.Turn(log, dropline=MAIN, length=dropline),
+    )
+
+
+def test_the_corridor_in_partial_and_full_suspension() -> None:
+    stations = np.arange(20.0, 480.0, 10.0)
+    short, long = (rw.load_path(rig(d), 2500.0, stations) for d in (1.0, 7.0))
+    assert set(short.suspension) == {"partial", "full"}
+    assert set(long.suspension) == {"partial"}
+    # What drags weighs less on the skyline and more on the mainline.
+    assert (long.highest_tension <= short.highest_tension + 1.0).all()
+    full = short[short.suspension == "full"]
+    np.testing.assert_allclose(full.dropline_tension, (2500.0 + 0.73 * 1.0) * G, rtol=1e-9)
+    np.testing.assert_allclose(full.ground_force, 0.0, atol=1e-6)
+    # Hanging free it is the same as a payload at the carriage with the dropline's weight.
+    plain = rw.standing_skyline(
+        CORRIDOR,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        supports=[rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
+        skyline=ROPE,
+        tension=70e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0 + 0.73),
+    )
+    same = rw.load_path(plain, 2500.0, full.station.to_numpy())
+    np.testing.assert_allclose(full.highest_tension, same.highest_tension, rtol=1e-9)
+    np.testing.assert_allclose(full.mainline_pull, same.mainline_pull, rtol=1e-8)
+
+
+@pytest.mark.parametrize("station", [95.0, 150.0, 263.0, 340.0, 455.0])
+def test_the_rear_lies_on_the_ground_and_the_log_is_in_balance(station: float) -> None:
+    found = Stations(rig(7.0)).solve(station, 2500.0)
+    rear = np.array([found["log.rear_x"], found["log.rear_z"]])
+    front = np.array([found["log.x"], found["log.z"]])
+    assert rear[1] == pytest.approx(CORRIDOR.elevation_at(float(rear[0])), abs=1e-7)
+    assert np.linalg.norm(rear - front) == pytest.approx(10.0, rel=1e-9)
+    slope = found["log.slope"]
+    reaction = found["log.normal"] * (np.array([-slope, 1.0]) + 0.6 * np.array([1.0, slope])) / np.hypot(1.0, slope)
+    pull = np.array([0.0, 2500.0 * G]) - reaction
+    assert found["log.line_pull"] == pytest.approx(np.linalg.norm(pull), rel=1e-8)
+    arm = rear - front
+    moment = arm[0] * reaction[1] - arm[1] * reaction[0] - 0.5 * arm[0] * 2500.0 * G
+    assert moment == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_friction_free_log_pulls_less() -> None:
+    rough, smooth = (rw.load_path(rig(7.0, friction=f), 2500.0, [100.0]).iloc[0] for f in (0.6, 0.0))
+    assert rough.mainline_pull > smooth.mainline_pull + 1000.0
+
+
+def test_payload_study_with_a_log() -> None:
+    study = rw.payload(rig(5.0), stations=[60.0, 130.0, 400.0])
+    assert (study.frame.payload > 3000.0).all()
+    carried = rw.load_path(rig(5.0), study.payload, [60.0, 130.0, 400.0])
+    assert (carried.highest_tension <= ROPE.breaking_load / 3.0 * (1.0 + 1e-9)).all()
+    assert (carried.mainline_tension <= MAIN.breaking_load / 3.0 * (1.0 + 1e-9)).all()
+
+
+def test_what_a_log_does_not_go_with() -> None:
+    with pytest.raises(rw.InputError, match="drags on a terrain"):
+        rw.standing_skyline(
+            None,
+            headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+            tailspar=rw.TailSpar("tail", at=(200.0, -20.0)),
+            skyline=ROPE,
+            length=207.0,
+            carriage=rw.Carriage("carriage", mass=100.0),
+            turn=rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=3.0),
+        )
+    with pytest.raises(rw.InputError, match="drags a log"):
+        rw.inhaul(rig(3.0), payload=1000.0, start=200.0, end=100.0)
+    with pytest.raises(rw.InputError, match="length"):
+        rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=0.0)

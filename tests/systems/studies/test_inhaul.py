@@ -1,0 +1,107 @@
+"""A skyline rig in time: the same statics at every moment, events, power, and refusals."""
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+
+
+def rig(**how: object) -> rw.SkylineRig:
+    parts: dict[str, object] = {
+        "mainline": MAIN,
+        "haulback": MAIN,
+        "haulback_tension": 6e3,
+        "carriage": rw.Carriage("carriage", mass=450.0),
+    }
+    return rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 100.0)),
+        supports=[rw.IntermediateSupport("s1", at=(160.0, 40.0)), rw.IntermediateSupport("s2", at=(330.0, -20.0))],
+        tailspar=rw.TailSpar("tail", at=(480.0, -70.0)),
+        skyline=ROPE,
+        tension=70e3,
+        **{**parts, **how},  # type: ignore[arg-type]
+    )
+
+
+@pytest.mark.parametrize(("start", "end"), [(430.0, 40.0), (40.0, 430.0)])
+def test_a_full_run_over_two_supports_is_the_load_path(start: float, end: float) -> None:
+    run = rw.inhaul(rig(), payload=2500.0, start=start, end=end, speed=3.0, every=4.0)
+    frame = run.frame
+    assert (frame.carriage_x.iloc[0], frame.carriage_x.iloc[-1]) == pytest.approx((start, end), abs=1e-6)
+    path = rw.load_path(rig(), 2500.0, frame.carriage_x.to_numpy())
+    assert (path.held_by == "mainline").all()
+    for column in ("carriage_z", "skyline_tension", "headspar_tension", "tailspar_tension", "mainline_pull"):
+        np.testing.assert_allclose(frame[column], path[column], rtol=1e-6)
+    assert [e for e in run.events.event if e.startswith("reaches")] == (
+        ["reaches s2", "reaches s1"] if end < start else ["reaches s1", "reaches s2"]
+    )
+    # Inhaul takes power at the mainline's drum and gives some back at the haulback's; outhaul the other way.
+    sign = 1.0 if end < start else -1.0
+    assert (sign * frame.drum_power > 0.0).all()
+    assert (sign * frame.haulback_power < 0.0).all()
+
+
+def test_power_is_what_lifts_the_load() -> None:
+    """Between two moments in one span, the drums' work is what load and ropes have gained: here almost all of it is
+    the load's own height, with ropes light and stiff."""
+    light = rw.Rope(mass_per_length=1e-3, axial_stiffness=1e10, breaking_load=1e6)
+    alone = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 100.0)),
+        tailspar=rw.TailSpar("tail", at=(300.0, 0.0)),
+        skyline=light,
+        length=322.0,
+        mainline=light,
+        carriage=rw.Carriage("carriage", mass=500.0),
+    )
+    frame = rw.inhaul(alone, payload=2000.0, start=200.0, end=120.0, speed=2.0, every=0.25).frame
+    work = np.trapezoid(frame.drum_power, frame.index)
+    gained = 2500.0 * 9.80665 * (frame.carriage_z.iloc[-1] - frame.carriage_z.iloc[0])
+    assert work == pytest.approx(gained, rel=1e-4)
+
+
+def test_a_payload_drop_is_an_event() -> None:
+    run = rw.inhaul(rig(), payload=2500.0, start=300.0, end=200.0, speed=2.0, every=5.0, changes=[(12.0, 0.0)])
+    at_drop = run.frame.loc[12.0]
+    assert list(at_drop.payload) == [2500.0, 0.0]
+    assert at_drop.carriage_z.iloc[1] > at_drop.carriage_z.iloc[0] + 1.0
+    after = run.frame[run.frame.payload == 0.0]
+    path = rw.load_path(rig(), 0.0, after.carriage_x.to_numpy())
+    np.testing.assert_allclose(after.highest_tension, path.highest_tension, rtol=1e-6)
+    assert "payload 0 kg" in set(run.events.event)
+
+
+def test_a_carriage_that_runs_ahead_stops_the_run_with_what_there_is() -> None:
+    flat = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 10.0)),
+        tailspar=rw.TailSpar("tail", at=(300.0, 0.0)),
+        skyline=ROPE,
+        tension=60e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    with pytest.raises(rw.SimulationError) as error:
+        rw.inhaul(flat, payload=2000.0, start=60.0, end=280.0, speed=2.0, every=2.0)
+    assert isinstance(error.value.result, rw.Inhaul)
+
+
+@pytest.mark.parametrize(
+    ("how", "words"),
+    [
+        ({"speed": 0.0}, "speed"),
+        ({"payload": -1.0}, "payload"),
+        ({"changes": [(5.0, 1.0), (3.0, 1.0)]}, "changes"),
+        ({"start": 700.0}, "outside the skyline"),
+    ],
+)
+def test_bad_questions_are_refused(how: dict[str, object], words: str) -> None:
+    asked: dict[str, object] = {"payload": 100.0, "start": 300.0, "end": 200.0, **how}
+    with pytest.raises(rw.InputError, match=words):
+        rw.inhaul(rig(), **asked)  # type: ignore[arg-type]
+    with pytest.raises(rw.InputError, match="no mainline"):
+        rw.inhaul(rig(mainline=None, haulback=None, haulback_tension=None), payload=1.0, start=300.0, end=200.0)

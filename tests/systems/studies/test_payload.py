@@ -1,0 +1,233 @@
+"""The payload study: Harvey's exact payloads, limits that govern, infeasible corridors."""
+
+import time
+
+import numpy as np
+import pytest
+import skyline_oracle as oracle
+
+import ropeway as rw
+
+G = 9.80665
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+GROUND = rw.Profile([0, 100, 200, 260, 300, 400, 500], [100, 85, 70, 75, 65, 50, 52])
+
+
+def corridor(**how: object) -> rw.SkylineRig:
+    parts: dict[str, object] = {
+        "headspar": rw.HeadSpar("head", station=0.0, height=15.0),
+        "supports": [rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+        "tailspar": rw.TailSpar("tail", station=480.0, height=8.0),
+        "skyline": ROPE,
+        "tension": 70e3,
+        "mainline": MAIN,
+        "carriage": rw.Carriage("carriage", mass=450.0),
+    }
+    return rw.standing_skyline(GROUND, **{**parts, **how})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("drop", "clamped", "rolling"),
+    [(0.0, 8977.45581, 8977.45581), (20.0, 8710.64822, 8837.60190), (40.0, 8385.98260, 8467.26049)],
+)
+def test_exact_payloads_of_harveys_profiles(drop: float, clamped: float, rolling: float) -> None:
+    """Harvey 2013, 200 m spans with 0, 10 and 20 % chord slope, 25 m of deflection at mid-span, 19,600 kgf at the
+    headspar, rope of 3.48 kgf/m, carriage 150 kg: exact payloads (the printed ones are off by up to 10 %)."""
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=np.inf, breaking_load=3.0 * 19_600 * G)
+    ground = rw.Profile([0.0, 100.0, 200.0], [-60.0, -35.0 - drop / 2.0, -60.0 - drop])
+    for clamp, exact in ((True, clamped), (False, rolling)):
+        live = rw.live_skyline(
+            ground,
+            headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+            tailspar=rw.TailSpar("tail", at=(200.0, -drop)),
+            skyline=rope,
+            length=207.0 + drop / 8.0,
+            carriage=rw.Carriage("carriage", mass=150.0, clamped=clamp),
+            holding="horizontal",
+        )
+        study = rw.payload(live, safety_factor=3.0, clearance=10.0, stations=[100.0])
+        assert study.payload == pytest.approx(exact, rel=2e-9)
+        assert study.limiting.limited_by == "skyline tension"
+        assert study.limiting.headspar_tension == pytest.approx(19_600 * G, rel=1e-10)
+        assert study.limiting.carriage_z == pytest.approx(-25.0 - drop / 2.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("station", [40.0, 100.0, 170.0])
+def test_largest_payload_against_direct_integration(station: float) -> None:
+    """Equal tension on both sides, on and off mid-span: with the payload found, the integrated rope has just its safe
+    working load at the headspar."""
+    points = [(0.0, 0.0), (200.0, -20.0)]
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=points[0]),
+        tailspar=rw.TailSpar("tail", at=points[1]),
+        skyline=ROPE,
+        length=204.0,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        holding="horizontal",
+    )
+    found = rw.payload(rig, safety_factor=3.0, stations=[station]).limiting
+    cable = oracle.Cable(3.48 * G, 34.8e6)
+    exact = oracle.carriage(
+        cable,
+        points,
+        204.0,
+        0,
+        station,
+        (found.payload + 450.0) * G,
+        holding="horizontal",
+        z=found.carriage_z + 0.1,
+        tension=found.skyline_tension,
+    )
+    assert max(exact.start, exact.end) == pytest.approx(ROPE.breaking_load / 3.0, rel=1e-8)
+    assert exact.left == pytest.approx(exact.right, rel=1e-10)
+
+
+def test_a_corridor_with_all_limits() -> None:
+    rig = corridor()
+    rw.payload(corridor(), stations=[100.0])
+    begin = time.process_time()
+    study = rw.payload(rig, safety_factor=3.0, clearance=1.0, stations=np.linspace(4.0, 476.0, 100))
+    assert time.process_time() - begin < 3.0
+    frame = study.frame
+    assert (frame.payload > 3500.0).all()
+    assert study.limiting.payload == frame.payload.min() == study.payload
+    tension = frame[frame.limited_by == "skyline tension"]
+    np.testing.assert_allclose(tension.highest_tension, ROPE.breaking_load / 3.0, rtol=1e-9)
+    main = frame[frame.limited_by == "mainline tension"]
+    assert len(main) > 0
+    np.testing.assert_allclose(main.mainline_tension, MAIN.breaking_load / 3.0, rtol=1e-9)
+    for _, found in frame.iloc[::9].iterrows():
+        again = rw.load_path(rig, found.payload, [found.station]).iloc[0]
+        assert again.highest_tension == pytest.approx(found.highest_tension, rel=1e-8)
+
+
+def test_clearance_governs_where_the_ground_is_near() -> None:
+    study = rw.payload(corridor(mainline=None), safety_factor=3.0, clearance=3.5, stations=[95.0, 100.0, 150.0])
+    low = study.frame.iloc[1]
+    assert low.limited_by == "clearance"
+    assert low.clearance == pytest.approx(3.5, abs=1e-9)
+    higher = rw.payload(corridor(mainline=None), clearance=3.5, rope_clearance=3.8, stations=[100.0])
+    assert higher.limiting.limited_by == "rope clearance"
+    assert higher.limiting.rope_clearance == pytest.approx(3.8, abs=1e-9)
+    assert study.limiting.payload == study.frame.payload.min()
+
+
+def test_lift_off_governs_at_a_saddle_in_a_hollow() -> None:
+    low = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 20.0)),
+        supports=[rw.IntermediateSupport("jack", at=(150.0, -1.0))],
+        tailspar=rw.TailSpar("tail", at=(300.0, 0.0)),
+        skyline=ROPE,
+        tension=40e3,
+        carriage=rw.Carriage("carriage", mass=300.0),
+    )
+    study = rw.payload(low, stations=[225.0])
+    assert study.limiting.limited_by == "lift-off at jack"
+    assert study.limiting.jack_force <= 1e-6
+    assert rw.payload(low, stations=[225.0], lift_off=False).payload > 1000.0
+
+
+def test_capacities_govern() -> None:
+    weak = rw.Tailhold("stump", station=495.0, height=0.0, capacity=110e3)
+    rig = corridor(tailspar=rw.TailSpar("tail", station=480.0, height=8.0, tailhold=weak))
+    study = rw.payload(rig, stations=[100.0])
+    assert study.limiting.limited_by == "capacity of stump"
+    assert study.limiting.anchor_tension == pytest.approx(110e3, rel=1e-9)
+    jack = rw.IntermediateSupport("jack", station=260.0, height=9.0, capacity=30e3)
+    study = rw.payload(corridor(supports=[jack]), stations=[230.0])
+    assert study.limiting.limited_by == "capacity of jack"
+    head = rw.HeadSpar("head", station=0.0, height=15.0, capacity=120e3)
+    assert rw.payload(corridor(headspar=head), stations=[100.0]).limiting.limited_by == "capacity of head"
+
+
+def test_an_infeasible_corridor_is_an_answer() -> None:
+    study = rw.payload(corridor(), clearance=30.0, stations=[100.0, 200.0])
+    assert study.payload == 0.0
+    assert "clearance" in study.limiting.limited_by
+    tight = rw.payload(corridor(tension=300e3), safety_factor=3.0, stations=[100.0])
+    assert (tight.payload, tight.limiting.limited_by) == (0.0, "skyline tension")
+
+
+def test_live_and_running_skylines_keep_the_clearance() -> None:
+    live = rw.live_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
+        skyline=ROPE,
+        tension=70e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    double = rw.Rope(mass_per_length=1.4, axial_stiffness=15e6, breaking_load=256e3)
+    running = rw.running_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
+        haulback=double,
+        mainline=double,
+        tension=40e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    for rig in (live, running):
+        study = rw.payload(rig, safety_factor=3.0, clearance=2.0, stations=[30.0, 80.0, 120.0, 200.0])
+        frame = study.frame
+        np.testing.assert_allclose(frame.clearance, 2.0, atol=1e-9)
+        assert (frame.payload > 500.0).all()
+        assert set(frame.limited_by) <= {"skyline tension", "mainline tension"}
+        path = rw.load_path(rig, 500.0, [30.0, 120.0], height=4.0)
+        np.testing.assert_allclose(path.clearance, 4.0, atol=1e-9)
+
+
+def test_gravity_skyline_needs_its_carriage_to_run_out() -> None:
+    def rig(tail: float) -> rw.SkylineRig:
+        return rw.gravity_skyline(
+            rw.Profile([0.0, 150.0, 300.0], [0.0, -60.0 + tail / 2.0, tail]),
+            headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+            tailspar=rw.TailSpar("tail", station=300.0, height=10.0),
+            skyline=ROPE,
+            mainline=MAIN,
+            tension=60e3,
+            carriage=rw.Carriage("carriage", mass=450.0),
+        )
+
+    steep = rw.payload(rig(-120.0), clearance=15.0, stations=[100.0, 200.0])
+    assert (steep.frame.payload > 1000.0).all()
+    flat = rw.payload(rig(0.0), clearance=15.0, stations=[250.0])
+    assert (flat.payload, flat.limiting.limited_by) == (0.0, "does not run out by gravity")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"tailspar": rw.TailSpar("tail", at=(480.0, 0.0))}, "below the ground"),
+        ({"tailspar": rw.TailSpar("tail", station=520.0, height=8.0)}, "outside the profile"),
+        ({"tailspar": rw.TailSpar("tail", station=100.0, height=8.0)}, "order of their stations"),
+        ({"tension": None, "length": 400.0}, "minimum breaking load"),
+        ({"tension": 1e6}, "minimum breaking load"),
+        ({"tension": 70e3, "length": 500.0}, "either length or tension"),
+        ({"haulback": MAIN}, "haulback_tension"),
+    ],
+)
+def test_bad_rigs_are_refused(change: dict[str, object], words: str) -> None:
+    with pytest.raises(rw.InputError, match=words) as error:
+        corridor(**change)
+    assert error.value.remedy
+
+
+def test_bad_questions_are_refused() -> None:
+    rig = corridor()
+    with pytest.raises(rw.InputError, match="payload"):
+        rw.load_path(rig, -1.0, [100.0])
+    with pytest.raises(rw.InputError, match="outside the skyline"):
+        rw.load_path(rig, 1.0, [500.0])
+    with pytest.raises(rw.InputError, match="cannot be set"):
+        rw.load_path(rig, 1.0, [100.0], height=3.0)
+    with pytest.raises(rw.InputError, match="safety_factor"):
+        rw.payload(rig, safety_factor=0.0)
+    with pytest.raises(rw.InputError, match="stands 2 m below"):
+        rw.TailSpar("tail", station=1.0, height=-2.0)
+    with pytest.raises(rw.InputError, match="no place"):
+        rw.TailSpar("tail")
