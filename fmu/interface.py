@@ -53,7 +53,7 @@ class References:
 
 class Interface:
     """The variables of an FMU. inputs, outputs, parameters: names to show; None for all that make sense: inputs that
-    no Schedule drives; outputs, states and travels; parameters and load masses. Raises InputError, UnknownNameError."""
+    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses. Raises InputError, UnknownNameError."""
 
     def __init__(
         self,
@@ -87,10 +87,10 @@ class Interface:
 
     def _outputs(self, names: Sequence[str] | None) -> tuple[str, ...]:
         m = self.equations.model
-        travels = [n for n in m.z.names if n.endswith(".travel")]
+        places = [n for n, unit in zip(m.z.names, m.z.units, strict=True) if unit == "m"]
         discrete = [*self.limit_names, *self.passed_names.values()]
         if names is None:
-            return (*(n for n in m.y.names if ".slot_" not in n), *m.x.names, *travels, *discrete)
+            return (*(n for n in m.y.names if ".slot_" not in n), *m.x.names, *places, *discrete)
         return tuple(_known(names, (*m.y.names, *m.z.names, *m.x.names, *discrete), "an output"))
 
     def _parameters(self, names: Sequence[str] | None) -> tuple[str, ...]:

@@ -48,6 +48,30 @@ def one_span() -> rw.System:
     return s
 
 
+def skyline() -> rw.System:
+    """A standing skyline whose mainline drum can haul the carriage."""
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+        tailspar=rw.TailSpar("tail", at=(200.0, -20.0)),
+        skyline=ROPE,
+        length=207.0,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
+    )
+    return rig.system(0, 110.0, payload=2500.0)
+
+
+def valley(speed: float, at: float) -> rw.System:
+    """A hold-down sheave in a valley: a load is pushed back there from either side."""
+    s = rw.System("valley")
+    h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
+    ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
+    spans = s.string(ROPE, ends[0], h, m, ends[1], tension=60e3)
+    s.hang(rw.Load("l1", mass=400.0), spans, at=at)
+    return s
+
+
 HYDRAULIC = rw.HydraulicDrive(
     displacement=1e-4,
     gear_ratio=20.0,

@@ -9,7 +9,6 @@ import pytest
 from fmus import HYDRAULIC, RESPONSE, Opened, Opener, example_line, short_line
 
 import ropeway as rw
-
 from ropeway.fmu import export
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
-from fmus import HYDRAULIC, RESPONSE, ROPE, Opener, example_line, one_span, short_line
+from fmpy.validation import validate_fmu
+from fmus import HYDRAULIC, RESPONSE, ROPE, Opener, example_line, one_span, short_line, skyline, valley
 
 import ropeway as rw
 from ropeway.fmu import export
@@ -15,7 +16,7 @@ from ropeway.fmu import export
 EVERY = 0.73  # no load crosses at one of its multiples
 
 
-def deviation(path: Path, system: rw.System, until: float, kind: str) -> tuple[str, float]:
+def deviation(path: Path, system: rw.System, until: float, kind: str, least: int = 40) -> tuple[str, float]:
     """The output that differs most from rw.simulate, relative to its largest value, away from events."""
     result = rw.simulate(system, until, every=EVERY)
     run = fmpy.simulate_fmu(
@@ -29,7 +30,7 @@ def deviation(path: Path, system: rw.System, until: float, kind: str) -> tuple[s
     )
     frame, events = result.frame, result.events["time"].to_numpy()
     names = [c for c in frame.columns if c in run.dtype.names]
-    assert len(names) > 40
+    assert len(names) >= least
     times = [t for t in frame.index if np.abs(events - t).min(initial=1.0) > 1e-4 and t < until]
     at = [int(np.argmin(np.abs(run["time"] - t))) for t in times]
     assert np.abs(run["time"][at] - times).max() < 1e-9
@@ -59,6 +60,29 @@ def test_event_times_in_model_exchange(line2: Path) -> None:
     events = result.events["time"].to_numpy()
     assert len(events) > 20
     assert max(np.abs(found - t).min() for t in events) < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_a_skyline_hauls_its_carriage(tmp_path: Path, kind: str) -> None:
+    path = export(skyline(), tmp_path / "skyline.fmu", "3.0")
+    assert validate_fmu(str(path)) == []
+    run = fmpy.simulate_fmu(
+        str(path), fmi_type=kind, stop_time=20.0, start_values={"mainline.speed": -1.0}, relative_tolerance=1e-8
+    )
+    last = rw.simulate(skyline(), 20.0, every=20.0, inputs={"mainline.speed": -1.0}).frame.iloc[-1]
+    names = ["carriage.x", "carriage.z", "head.tension", "tail.tension", "mainline.rope_tension"]
+    assert [run[n][-1] for n in names] == pytest.approx([last[n] for n in names], rel=1e-9)
+
+
+@pytest.mark.parametrize(("speed", "at"), [(1.0, 80.0), (-1.0, 125.0)])
+def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> None:
+    line = valley(speed, at)
+    result = rw.simulate(line, 40.0, every=EVERY)
+    assert result.events["event"].str.contains("held").any()
+    path = export(line, tmp_path / "valley.fmu")
+    for kind in ("CoSimulation", "ModelExchange"):
+        where, error = deviation(path, line, 40.0, kind, least=10)
+        assert error < 1e-5, (kind, where)
 
 
 def test_a_schedule_runs_inside(tmp_path: Path) -> None:
