@@ -53,7 +53,10 @@ class References:
 
 class Interface:
     """The variables of an FMU. inputs, outputs, parameters: names to show; None for all that make sense: inputs that
-    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses. Raises InputError, UnknownNameError."""
+    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses.
+
+    Raises InputError, UnknownNameError.
+    """
 
     def __init__(
         self,
