@@ -9,10 +9,10 @@ when its supports' stiffness, from the same integrals, is positive, else its ten
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from oracle import UP, Line, LineSolved, Material, beam, by_quadrature, solve_line
+from oracle import UP, Line, LineSolved, Material, beam, by_quadrature, solve_line, taut_branch
 
 import ropeway as rw
 
@@ -67,6 +67,17 @@ class Case:
     def stiffness(self) -> float:
         """Least stiffness of a section's supports."""
         return min(s.solved.stiffness for s in self.sections)
+
+    def taut(self, found: np.ndarray) -> Case:
+        """This line with, where `found` (n, 3) [N] is not a section's known equilibrium, the one to which the oracle
+        comes from a taut rope: a slack line with loads near its supports can have several stable ones."""
+        sections = []
+        for s in self.sections:
+            own = found[s.first : s.first + len(s.solved.start)]
+            tension = float(np.linalg.norm(s.solved.start, axis=1).max())
+            known = np.abs(own - s.solved.start).max() <= 1e-6 * tension
+            sections.append(s if known else replace(s, solved=taut_branch(s.line, tension)))
+        return replace(self, sections=tuple(sections))
 
     def system(self) -> rw.System:
         """The line as a user declares it. The rope of a section is shared out by the chords, or, where no inner

@@ -281,6 +281,8 @@ class Stations:
         rig = self.rig
         if rig.ideal or rig.carriage.clamped:
             return self._solve(rig, span, x, payload, height, clamp=False)
+        if rig.kind is Kind.RUNNING and height is None:
+            self._require_lift(x, payload)
         own = self._own_pull(span, x)
         held = None
         if self._was_clamped.get(span):
@@ -304,6 +306,22 @@ class Stations:
             solved = self._solve(rig, span, x, payload, height, clamp=False)
         self._was_clamped[span] = False
         return solved
+
+    def _require_lift(self, x: float, payload: float) -> None:
+        """Raises EquilibriumError where a running skyline's haulback cannot carry the load however deep it hangs:
+        with straight ropes all but plumb, T + M = 2 T (L - x) / x towards the headspar and 2 T towards the tail.
+        Half of the four ropes' weight counts, at least that of their horizontal lengths."""
+        head, tail = self.rig.points[0], self.rig.points[1]
+        most = 2.0 * (self.rig.tension or 0.0) * (tail[0] - head[0]) / (x - head[0])
+        ropes = 0.99 * self.rig.skyline.mass_per_length * (tail[0] - head[0])
+        load = (payload + self.rig.carriage.mass + ropes) * self.rig.gravity
+        if load >= most:
+            raise EquilibriumError(
+                f"A haulback tension of {self.rig.tension:g} N carries less than {most:.6g} N at station {x:g} m, "
+                f"load and ropes of {self.rig.name!r} weigh {load:.6g} N",
+                "Raise the haulback's tension",
+                self.rig.carriage.name,
+            )
 
     def _own_pull(self, span: int, x: float) -> float:
         """What the mainline pulls by its own weight, at most [N]: below it, it cannot be kept taut."""

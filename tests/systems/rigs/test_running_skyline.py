@@ -86,3 +86,9 @@ def test_a_clamped_carriage_is_refused() -> None:
             tension=30e3,
             carriage=rw.Carriage("carriage", mass=500.0, clamped=True),
         )
+
+
+def test_a_haulback_too_weak_for_the_load_is_a_typed_error() -> None:
+    with pytest.raises(rw.EquilibriumError, match="carries less than") as error:
+        rw.load_path(rig(1.4, tension=8e3), 4000.0, [110.0])
+    assert "Raise" in error.value.remedy

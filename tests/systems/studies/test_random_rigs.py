@@ -83,11 +83,11 @@ def solve(seed: int) -> str:
 def test_random_rigs() -> None:
     failed = {seed: reason for seed in range(120) if (reason := solve(seed))}
     assert len(failed) <= 1, failed
-    assert all("rest point" in reason for reason in failed.values()), failed
+    assert all("rest point" in reason or "carries less" in reason for reason in failed.values()), failed
 
 
 @pytest.mark.slow
 def test_a_thousand_random_rigs() -> None:
     failed = {seed: reason for seed in range(1000, 2000) if (reason := solve(seed))}
     assert len(failed) <= 5, failed
-    assert all("rest point" in reason for reason in failed.values()), failed
+    assert all("rest point" in reason or "carries less" in reason for reason in failed.values()), failed
