@@ -239,6 +239,8 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "fmu":
+        return import_module("ropeway.fmu")
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     raise AttributeError(f"module 'ropeway' has no attribute {name!r}")

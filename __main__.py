@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ropeway.components.errors import RopewayError
+from ropeway.fmu.command import app as fmu_commands
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,6 +24,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+app.add_typer(fmu_commands, name="fmu")
 
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; it is made if need be.")]
 

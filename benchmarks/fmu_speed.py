@@ -1,0 +1,83 @@
+"""An exported line's doStep against the same line wrapped with pythonfmu, in one run; size and time of export."""
+
+import importlib.util
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import ropeway as rw
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+STEP, STEPS = 0.1, 600
+
+SLAVE = """
+import numpy as np
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+import ropeway as rw
+from ropeway.systems.assembly import assemble
+from ropeway.systems.moving import Moving
+from ropeway.systems.state import LineState
+
+rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+line = rw.monocable(rope, {supports!r}, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
+
+
+class PythonLine(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        model = assemble(line)
+        rest = rw.equilibrium(model)
+        state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
+        state.unpin()
+        self.line = Moving(state, model.signals, 1e-6, lambda exact: None, lambda *a: None, lambda: lambda: None)
+        self.line.set_time(0.0)
+        self.line.solve(0.1)
+        self.place = model.y.index["c1.tension_in"]
+        self.tension = 0.0
+        self.register_variable(Real("tension", causality=Fmi2Causality.output))
+
+    def do_step(self, current_time, step_size):
+        self.line.run_to(current_time + step_size)
+        self.tension = float(self.line.state.outputs()[self.place])
+        return True
+"""
+
+
+def seconds_a_step(path: Path, output: str) -> float:
+    """Mean time of doStep and reading one output [s]."""
+    with rw.fmu.Slave(rw.fmu.load(path)) as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        begin = time.perf_counter()
+        for _ in range(STEPS):
+            slave.step(STEP, {}, {})
+            slave.get([output])
+        return (time.perf_counter() - begin) / STEPS
+
+
+def main() -> None:
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    supports = EXAMPLES / "line.csv"
+    line = rw.monocable(rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        begin = time.perf_counter()
+        path = rw.fmu.export(line, folder / "line.fmu")
+        print(f"export of 24 spans: {time.perf_counter() - begin:.1f} s, {path.stat().st_size / 1e3:.0f} kB")
+        ours = seconds_a_step(path, "c1.tension_in")
+        print(f"doStep of {STEP} s: {ours * 1e6:.0f} us")
+        if importlib.util.find_spec("pythonfmu") is None:
+            print("pythonfmu is not installed (extra fmu-test): no comparison")
+            return
+        script = folder / "python_line.py"
+        script.write_text(SLAVE.format(supports=str(supports)))
+        subprocess.run([sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", str(folder)], check=True)
+        theirs = seconds_a_step(folder / "PythonLine.fmu", "tension")
+        print(f"the same line in pythonfmu: {theirs * 1e6:.0f} us; ratio {theirs / ours:.0f}")
+
+
+if __name__ == "__main__":
+    main()

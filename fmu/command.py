@@ -1,0 +1,102 @@
+"""`ropeway fmu export LINE.csv -o line.fmu`, `ropeway fmu info X.fmu`, `ropeway fmu run X.fmu --until 60`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Literal, cast
+
+import typer
+
+from ropeway.components.errors import RopewayError
+
+app = typer.Typer(help="FMUs: export a line, look into one, run one.", no_args_is_help=True)
+
+File = Annotated[Path, typer.Argument(help="An FMU.")]
+
+
+@contextmanager
+def _errors_on_one_line() -> Iterator[None]:
+    """A wrong input ends with exit code 1 and one line."""
+    try:
+        yield
+    except (RopewayError, OSError) as error:
+        typer.echo(f"ropeway: {' '.join(str(error).split())}", err=True)
+        raise typer.Exit(1) from error
+
+
+@app.command("export")
+def export_line(
+    line: Annotated[Path, typer.Argument(help="Supports: CSV with columns name,x,y,z,kind, as for `simulate`.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The FMU to write.")] = Path("line.fmu"),
+    fmi: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "2.0",
+    platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; can be repeated.")] = None,
+    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
+    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    speed: Annotated[float, typer.Option(help="Rope speed at the start [m/s].")] = 1.0,
+    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
+    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+) -> None:
+    """Export a mono-cable line as an FMU."""
+    from ropeway.components.rope import Rope
+    from ropeway.fmu.exporting import export
+    from ropeway.systems.rigs.monocable import monocable
+
+    with _errors_on_one_line():
+        system = monocable(
+            Rope.named(rope),
+            line,
+            tension=tension,
+            speed=speed,
+            load_mass=load_mass,
+            load_spacing=load_spacing,
+            name=line.stem,
+        )
+        path = export(system, out, cast(Literal["2.0", "3.0"], fmi), platforms=tuple(platform or ("host",)))
+        typer.echo(f"Written to {path.resolve()} ({path.stat().st_size / 1e3:.0f} kB)")
+
+
+@app.command()
+def info(file: File) -> None:
+    """Show what an FMU is and its inputs, outputs and parameters."""
+    from ropeway.fmu.imported import load
+
+    with _errors_on_one_line():
+        fmu = load(file)
+        typer.echo(f"{fmu.name}: FMI {fmu.fmi}, {', '.join(fmu.kinds)}; binaries: {', '.join(fmu.platforms) or 'none'}")
+        for causality in ("input", "output", "parameter"):
+            chosen = fmu.variables[fmu.variables["causality"] == causality]
+            typer.echo(f"\n{len(chosen)} of causality {causality}")
+            for name, row in chosen.iterrows():
+                start = "" if row["start"] is None else f" = {row['start']}"
+                typer.echo(f"  {name}{start} [{row['unit'] or '-'}]  {row['description']}")
+
+
+@app.command()
+def run(
+    file: File,
+    until: Annotated[float, typer.Option(help="End [s].")],
+    step: Annotated[float, typer.Option(help="Communication step [s].")] = 0.1,
+    out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
+    start: Annotated[list[str] | None, typer.Option(help="A start value, name=value; can be repeated.")] = None,
+) -> None:
+    """Run an FMU for Co-Simulation; write its outputs as a table."""
+    from ropeway.components.errors import InputError
+    from ropeway.fmu.cosimulation import CoSimulation
+
+    with _errors_on_one_line():
+        values: dict[str, float] = {}
+        for text in start or []:
+            name, _, number = text.partition("=")
+            try:
+                values[name] = float(number)
+            except ValueError as error:
+                raise InputError(f"{text!r} is not name=value", "Give a number after the equals sign") from error
+        together = CoSimulation(step)
+        together.add("fmu", file, start=values)
+        frame = together.run(until)
+        units = frame.attrs["units"]
+        frame.columns = [f"{c.removeprefix('fmu.')} [{units[c]}]" for c in frame.columns]
+        frame.rename_axis("time [s]").to_csv(out)
+        typer.echo(f"{len(frame)} rows of {len(frame.columns)} outputs written to {out.resolve()}")

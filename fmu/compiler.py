@@ -1,0 +1,100 @@
+"""A C compiler for the FMU's shared library: `cc` where there is one, else the one of the ziglang package, which also
+compiles for the other platforms."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import struct
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ropeway.components.errors import InputError
+from ropeway.fmu.errors import FmuExportError
+
+_TARGETS = {
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-macos": "x86_64-macos",
+    "aarch64-macos": "aarch64-macos",
+}
+PLATFORMS = tuple(_TARGETS)
+"""Platforms that an FMU can be made for."""
+
+
+def host() -> str:
+    """The platform this runs on."""
+    from fmpy import architecture, system
+
+    return f"{architecture}-{'macos' if system == 'darwin' else system}"
+
+
+def resolved(platforms: Sequence[str]) -> tuple[str, ...]:
+    """Platforms by name, "host" replaced. Raises InputError."""
+    if isinstance(platforms, str):
+        raise InputError(f"platforms is the text {platforms!r}", f'Give a sequence: platforms=("{platforms}",)')
+    names = dict.fromkeys(host() if name == "host" else name for name in platforms)
+    for name in names:
+        if name not in _TARGETS and name != host():
+            raise InputError(f"Platform {name!r} is not known", f"Choose from host, {', '.join(_TARGETS)}")
+    return tuple(names)
+
+
+def suffix(platform: str) -> str:
+    """File name ending of a shared library."""
+    return ".dll" if "windows" in platform else ".dylib" if "macos" in platform else ".so"
+
+
+def binary_folder(fmi: str, platform: str, platforms: Sequence[str]) -> str:
+    """Where the library of a platform belongs inside the FMU. FMI 2.0 has one folder for Linux and one for macOS: the
+    first belongs to x86_64 when that is among the platforms, the second takes both (see universal)."""
+    architecture, system = platform.split("-")
+    if fmi == "3.0":
+        return f"{architecture}-{'darwin' if system == 'macos' else system}"
+    if system == "linux" and architecture != "x86_64" and "x86_64-linux" in platforms:
+        return platform
+    return {"linux": "linux64", "windows": "win64", "macos": "darwin64"}[system]
+
+
+def command(platform: str) -> list[str]:
+    """The compiler for a platform. Raises FmuExportError when there is none."""
+    own = os.environ.get("CC") or shutil.which("cc")
+    if platform == host() and own:
+        return [own]
+    if importlib.util.find_spec("ziglang") is None:
+        raise FmuExportError(f"No C compiler for {platform}", 'Install one: pip install "ropeway[fmu]"')
+    return [sys.executable, "-m", "ziglang", "cc", "-target", _TARGETS[platform]]
+
+
+def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
+    """Compiles C files in a folder to a shared library. Raises FmuExportError with the compiler's own words."""
+    options = ["-O2", "-std=c99", "-shared", "-fvisibility=hidden", "-I."]
+    if "windows" not in platform:
+        options += ["-fPIC"]
+    libraries = [] if "windows" in platform else ["-lm"]
+    run = [*command(platform), *options, *sources, "-o", str(library.resolve()), *libraries]
+    done = subprocess.run(run, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise FmuExportError(
+            f"Compiling for {platform} failed: {done.stderr.strip()[-2000:]}",
+            "Look at the compiler's message; the sources are in the FMU when platforms=() is given",
+        )
+
+
+_MACHO = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}  # CPU type and subtype
+_ALIGNMENT = 14  # bits: page size of Apple's processors
+
+
+def universal(slices: dict[str, bytes]) -> bytes:
+    """A macOS library for several architectures, from one library for each."""
+    head = struct.pack(">II", 0xCAFEBABE, len(slices))
+    body, table, place = b"", b"", 1 << _ALIGNMENT
+    for architecture, data in slices.items():
+        cpu, subtype = _MACHO[architecture]
+        table += struct.pack(">IIIII", cpu, subtype, place + len(body), len(data), _ALIGNMENT)
+        body += data + b"\0" * (-len(data) % (1 << _ALIGNMENT))
+    return (head + table).ljust(place, b"\0") + body

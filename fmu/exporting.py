@@ -1,0 +1,150 @@
+"""A cable system as an FMU: FMI 2.0 or 3.0, Model Exchange and Co-Simulation in one file, no Python inside."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import re
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal
+
+import casadi as ca
+
+import ropeway
+from ropeway.components import check
+from ropeway.components.errors import InputError
+from ropeway.fmu import compiler, description, documentation, tables
+from ropeway.fmu.equations import Equations
+from ropeway.fmu.interface import Interface
+from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.model import Model
+from ropeway.systems.system import System
+
+_TEMPLATES = Path(__file__).with_name("templates")
+_CORE = ("ropeway_instance.c", "ropeway_step.c", "ropeway_loads.c", "ropeway_solve.c", "ropeway_sparse.c")
+_HEADERS = {
+    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+_NAMESPACE = uuid.UUID("6f1f3d52-6c2b-4c0e-9d5b-1d0d3c7a9f10")
+
+
+def export(
+    system: System | Model | Equilibrium,
+    path: str | Path,
+    fmi: Literal["2.0", "3.0"] = "2.0",
+    *,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+    parameters: Sequence[str] | None = None,
+    platforms: Sequence[str] = ("host",),
+    tolerance: float = 1e-6,
+) -> Path:
+    """Writes a system as an FMU; returns its path.
+
+    It starts from the system's equilibrium, or from the one given. inputs, outputs, parameters: names of the
+    variables to show; by default all inputs that no Schedule drives; all outputs, states, travels and coordinates; all
+    parameters and load masses. platforms: "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources
+    only. tolerance: of the integrator in Co-Simulation, relative and absolute on scaled variables.
+
+    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError.
+    """
+    if fmi not in _HEADERS:
+        raise InputError(f"fmi is {fmi!r}", 'Choose "2.0" or "3.0"')
+    check.positive(tolerance, "export", "tolerance")
+    target = Path(path)
+    if target.suffix != ".fmu":
+        raise InputError(f"{target.name!r} does not end in .fmu", f"Call it {target.with_suffix('.fmu').name}")
+    names = compiler.resolved(platforms)
+    rest = system if isinstance(system, Equilibrium) else equilibrium(system)
+    interface = Interface(Equations.at(rest), inputs, outputs, parameters)
+    sources = write_sources(interface, fmi, tolerance)
+    about = _about(rest, sources["model_data.c"], tolerance)
+    compiled = tuple(name for name in sources if name.endswith(".c"))
+    picture = "model.png" if fmi == "2.0" else "documentation/diagram.png"
+    content: dict[str, bytes] = {
+        "modelDescription.xml": description.model_description(fmi, about, interface, compiled),
+        picture: documentation.picture(rest),
+        "documentation/index.html": documentation.page(
+            about, interface, "../model.png" if fmi == "2.0" else "diagram.png"
+        ).encode(),
+        **{f"sources/{name}": text.encode() for name, text in sources.items()},
+        "sources/buildDescription.xml": description.build_description(about, compiled),
+        **_binaries(sources, compiled, fmi, about.identifier, names),
+    }
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in content.items():
+            archive.writestr(name, data)
+    return target
+
+
+def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:
+    """All C files and headers of an FMU, by name. The fingerprint is that of what they compute."""
+    import fmpy
+
+    headers = Path(fmpy.__file__).with_name("c-code")
+    model, functions = _model_code(interface.equations)
+    data = tables.fill(interface, tolerance)
+    templates = {name: (_TEMPLATES / name).read_text() for name in (*_CORE, "ropeway.h")}
+    wrapper = f"fmi{fmi[0]}.c"
+    content = hashlib.sha256("".join([fmi, model, data.source(), *templates.values()]).encode()).hexdigest()
+    data.fingerprint(f"{{{uuid.uuid5(_NAMESPACE, content)}}}")
+    return {
+        wrapper: (_TEMPLATES / wrapper).read_text(),
+        **templates,
+        "model.c": model,
+        "model_data.c": data.source(),
+        "model_data.h": data.header(functions),
+        **{name: (headers / name).read_text() for name in _HEADERS[fmi]},
+    }
+
+
+def _model_code(equations: Equations) -> tuple[str, str]:
+    """The generated C of the equations, and the declarations of its functions."""
+    generator = ca.CodeGenerator("model.c", {"casadi_int": "int", "with_export": False})
+    for function in equations.functions:
+        generator.add(function)
+    declarations = "\n".join(
+        f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
+    )
+    code: str = generator.dump()
+    return code, declarations
+
+
+def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:
+    found = re.search(r'rw_fingerprint\[\d+\] = "([^"]+)"', data)
+    name = rest.model.name
+    spans = sum(len(run.spans) for run in rest.runs)
+    return description.About(
+        name=name,
+        identifier=re.sub(r"\W", "_", name) if name[:1].isalpha() else re.sub(r"\W", "_", f"system_{name}"),
+        fingerprint=found[1] if found else "",
+        description=f"Cable system of {spans} spans on {len(rest.runs)} ropes, {len(rest.loads)} loads at the start",
+        version=ropeway.__version__,
+        generated=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
+        tolerance=tolerance,
+        step=0.1,
+    )
+
+
+def _binaries(
+    sources: Mapping[str, str], compiled: Sequence[str], fmi: str, identifier: str, platforms: Sequence[str]
+) -> dict[str, bytes]:
+    """Shared libraries by their place in the archive."""
+    found: dict[str, dict[str, bytes]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text)
+        for platform in platforms:
+            library = Path(folder) / f"{platform}{compiler.suffix(platform)}"
+            compiler.compile_library(Path(folder), compiled, platform, library)
+            place = f"binaries/{compiler.binary_folder(fmi, platform, platforms)}/{identifier}{library.suffix}"
+            found.setdefault(place, {})[platform.split("-")[0]] = library.read_bytes()
+    return {
+        place: next(iter(slices.values())) if len(slices) == 1 else compiler.universal(slices)
+        for place, slices in found.items()
+    }

@@ -1,0 +1,264 @@
+/* An instance: made, set, read, initialised, saved. Value references are numbered through: time, states, rates,
+ * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
+ * (integer). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "ropeway.h"
+
+enum {
+    X = 1,
+    DX = X + RW_NX,
+    Z = DX + RW_NX,
+    U = Z + RW_NZ,
+    P = U + RW_NU,
+    MASS = P + RW_NP,
+    Y = MASS + RW_NM,
+    EI = Y + RW_NY,
+    LIMIT = EI + RW_NK + RW_NL,
+    PASSED = LIMIT + RW_NL,
+    END = PASSED + RW_NK
+};
+
+enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
+
+void rw_reset(rw_instance *m)
+{
+    rw_state *s = &m->s;
+    memset(s, 0, sizeof *s);
+    s->mode = RW_INSTANTIATED;
+    s->now.t = m->start_time;
+    memcpy(s->now.x, rw_x_start, RW_NX * sizeof(double));
+    memcpy(s->now.z, rw_z_start, RW_NZ * sizeof(double));
+    memcpy(s->u, rw_u_start, RW_NU * sizeof(double));
+    memcpy(s->p, rw_p_start, RW_NP * sizeof(double));
+    memcpy(s->d, rw_d_start, RW_ND * sizeof(double));
+    memcpy(s->mass, rw_mass_start, RW_NM * sizeof(double));
+    memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
+    s->h = 1e9;
+}
+
+rw_instance *rw_new(rw_log_function log, void *context, int co_simulation)
+{
+    rw_instance *m = calloc(1, sizeof *m);
+    if (!m) return NULL;
+    m->log = log;
+    m->context = context;
+    m->co_simulation = co_simulation;
+    rw_reset(m);
+    return m;
+}
+
+/* With parameters, masses or states other than those of the equilibrium at export the line is solved anew: at
+ * once, or by smaller steps from the equilibrium; then loads go into the spans where the rope has taken them. */
+static rw_status take_over(rw_instance *m)
+{
+    rw_state *s = &m->s;
+    double p[RW_NP + 1], mass[RW_NM + 1], x[RW_NX + 1], done = 0.0, share = 1.0;
+    rw_status status;
+    if (s->known) return RW_OK;
+    memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
+    memcpy(s->d, rw_d_start, RW_ND * sizeof(double));
+    memcpy(s->now.z, rw_z_start, RW_NZ * sizeof(double));
+    memcpy(p, s->p, sizeof p);
+    memcpy(mass, s->mass, sizeof mass);
+    memcpy(x, s->now.x, sizeof x);
+    s->lu.valid = 0;
+    while (done < 1.0) {
+        double to = fmin(done + share, 1.0);
+        rw_point from = s->now;
+        for (int i = 0; i < RW_NP; i++) s->p[i] = to == 1.0 ? p[i] : rw_p_start[i] + to * (p[i] - rw_p_start[i]);
+        for (int i = 0; i < RW_NM; i++) s->mass[i] = to == 1.0 ? mass[i] : rw_mass_start[i] + to * (mass[i] - rw_mass_start[i]);
+        for (int i = 0; i < RW_NX; i++) s->now.x[i] = to == 1.0 ? x[i] : rw_x_start[i] + to * (x[i] - rw_x_start[i]);
+        rw_write_slots(m);
+        status = rw_overrun_settle(m);
+        if (status == RW_OK) {
+            done = to;
+            continue;
+        }
+        share /= 2.0;
+        memcpy(s->now.z, from.z, sizeof from.z);
+        if (status == RW_ERROR || share < 1e-2) {
+            memcpy(s->p, p, sizeof p);
+            memcpy(s->mass, mass, sizeof mass);
+            memcpy(s->now.x, x, sizeof x);
+            s->solved = s->rated = s->shown = 0;
+            rw_message(m, RW_ERROR, "logStatusError", "No equilibrium is found for the values of the parameters and states");
+            return RW_ERROR;
+        }
+    }
+    s->known = 1;
+    return RW_OK;
+}
+
+rw_status rw_initialize(rw_instance *m)
+{
+    rw_status status = take_over(m);
+    rw_start_clocks(m);
+    return status == RW_OK ? rw_limits(m) : status;
+}
+
+/* While it is initialised an instance's variables follow from its parameters. */
+rw_status rw_up_to_date(rw_instance *m)
+{
+    if (m->s.mode <= RW_INITIALIZATION) {
+        rw_status status = take_over(m);
+        if (status != RW_OK) return status;
+    }
+    return rw_show(m);
+}
+
+rw_status rw_set_time(rw_instance *m, double t)
+{
+    if (!isfinite(t)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The time is not finite");
+        return RW_ERROR;
+    }
+    if (t != m->s.now.t) m->s.solved = m->s.rated = m->s.shown = 0;
+    m->s.now.t = t;
+    return RW_OK;
+}
+
+static rw_status bad(rw_instance *m, unsigned vr)
+{
+    rw_message(m, RW_ERROR, "logStatusError", "No such variable: value reference %u", vr);
+    return RW_ERROR;
+}
+
+rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
+{
+    rw_status status;
+    if (vr >= LIMIT || rw_access[vr] == HIDDEN) return bad(m, vr);
+    if (vr == 0) *value = m->s.now.t;
+    else if (vr < DX) *value = m->s.now.x[vr - X];
+    else if (vr >= U && vr < P) {
+        rw_inputs_at(m, m->s.now.t, m->us);
+        *value = m->us[vr - U];
+    } else if (vr >= P && vr < MASS) *value = m->s.p[vr - P];
+    else if (vr >= MASS && vr < Y) *value = m->s.mass[vr - MASS];
+    else {
+        status = rw_up_to_date(m);
+        if (status != RW_OK) return status;
+        if (vr < Z) *value = m->s.rate[vr - DX];
+        else if (vr < U) *value = m->s.now.z[vr - Z];
+        else if (vr < EI) *value = m->s.y[vr - Y];
+        else {
+            double indicator[RW_NK + RW_NL + 1];
+            status = rw_event_indicators(m, indicator);
+            if (status != RW_OK) return status;
+            *value = indicator[vr - EI];
+        }
+    }
+    return RW_OK;
+}
+
+rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
+{
+    int access = vr < LIMIT ? rw_access[vr] : HIDDEN, early = m->s.mode <= RW_INITIALIZATION;
+    if (access == HIDDEN) return bad(m, vr);
+    if (!isfinite(value)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
+        return RW_ERROR;
+    }
+    if (access == PARAMETER && (vr < MASS ? rw_positive[vr - P] && value <= 0.0 : value < 0.0)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must be above zero", vr);
+        return RW_ERROR;
+    }
+    if (access == INPUT) {
+        if (m->s.u[vr - U] == value) return RW_OK;
+        m->s.u[vr - U] = value;
+    } else if (access == PARAMETER && early) {
+        *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
+        m->s.known = 0;
+    } else if (access == STATE && (early || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
+        m->s.now.x[vr - X] = value;
+        if (early) m->s.known = 0;
+    } else {
+        rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
+        return RW_ERROR;
+    }
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    return RW_OK;
+}
+
+rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
+{
+    rw_status status = RW_OK;
+    if (vr < LIMIT || vr >= PASSED) return bad(m, vr);
+    if (m->s.mode == RW_INITIALIZATION) status = rw_initialize(m);
+    if (status <= RW_WARNING) *value = m->s.broken[vr - LIMIT];
+    return status;
+}
+
+rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value)
+{
+    rw_status status = RW_OK;
+    if (vr < PASSED || vr >= END) return bad(m, vr);
+    if (m->s.mode == RW_INITIALIZATION) status = take_over(m);
+    if (status <= RW_WARNING) *value = m->s.passed[vr - PASSED];
+    return status;
+}
+
+void rw_clear_seeds(rw_instance *m)
+{
+    m->dt = 0.0;
+    memset(m->dx, 0, sizeof m->dx);
+    memset(m->du, 0, sizeof m->du);
+    memset(m->dp, 0, sizeof m->dp);
+    memset(m->dm, 0, sizeof m->dm);
+}
+
+/* Seed of a known variable: an input, a state or a parameter. */
+rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
+{
+    int access = vr < LIMIT ? rw_access[vr] : HIDDEN;
+    if (access == STATE) m->dx[vr - X] = seed;
+    else if (access == INPUT) m->du[vr - U] = seed;
+    else if (access == PARAMETER) *(vr < MASS ? &m->dp[vr - P] : &m->dm[vr - MASS]) = seed;
+    else {
+        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u is not an input, a state or a parameter", vr);
+        return RW_ERROR;
+    }
+    return RW_OK;
+}
+
+/* Change of an unknown variable, after rw_tangent_of. */
+rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
+{
+    if (vr >= DX && vr < Z) *value = m->df[vr - DX];
+    else if (vr >= Z && vr < U) *value = m->dz[vr - Z];
+    else if (vr >= Y && vr < EI) *value = m->dy[vr - Y];
+    else {
+        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u has no derivatives", vr);
+        return RW_ERROR;
+    }
+    return RW_OK;
+}
+
+size_t rw_serialized_size(void)
+{
+    return sizeof(rw_fingerprint) + sizeof(rw_state);
+}
+
+rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
+{
+    if (size < rw_serialized_size()) {
+        rw_message(m, RW_ERROR, "logStatusError", "A state needs %lu bytes", (unsigned long)rw_serialized_size());
+        return RW_ERROR;
+    }
+    memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);
+    memcpy(bytes + sizeof rw_fingerprint, state, sizeof *state);
+    return RW_OK;
+}
+
+rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state)
+{
+    if (size != rw_serialized_size() || memcmp(bytes, rw_fingerprint, sizeof rw_fingerprint) != 0) {
+        rw_message(m, RW_ERROR, "logStatusError", "These bytes are not a state of this FMU");
+        return RW_ERROR;
+    }
+    if (!*state) *state = malloc(sizeof **state);
+    if (!*state) return RW_ERROR;
+    memcpy(*state, bytes + sizeof rw_fingerprint, sizeof **state);
+    return RW_OK;
+}

@@ -1,0 +1,354 @@
+/* Loads that cross supports. A load at place c on the rope stands on support k exactly when the support's travel
+ * is X_k - c, X_k the rope at the support at zero travel: a threshold known in advance. The supports of all ropes
+ * are numbered through; support k is the b end of span k - 1 and the a end of span k, the last support of a rope
+ * has no span of its own. Where a sheave holds the rope down the load can be pushed back from either side; it then
+ * stands on the sheave, which carries it, until one side wins. */
+#include <math.h>
+#include <string.h>
+#include "ropeway.h"
+
+#define NEAR 1e-9 /* a load is on a support within this part of a mean span */
+
+static double load_place(int run, int i)
+{
+    int first = rw_load_first[run], n = rw_load_first[run + 1] - first;
+    if (i < n) return rw_load_place[first + i];
+    return rw_load_place[first + n - 1] - rw_feed_spacing[run] * (i - n + 1);
+}
+
+static double load_mass(const rw_instance *m, int run, int i)
+{
+    int first = rw_mass_first[run], n = rw_mass_first[run + 1] - first;
+    return m->s.mass[first + i % n];
+}
+
+/* Number of loads of a run; those that its feed holds ready have no end. */
+static int load_count(int run)
+{
+    return rw_feed_spacing[run] > 0.0 ? 1 << 30 : rw_load_first[run + 1] - rw_load_first[run];
+}
+
+static double rope_start(const rw_instance *m, int k)
+{
+    double sum = 0.0;
+    for (int i = rw_run_first[rw_run_of[k]]; i < k; i++) sum += m->s.p[rw_length_start[i]];
+    return sum;
+}
+
+static double travel(const rw_instance *m, int k)
+{
+    int i = rw_travel[k];
+    return i < 0 ? 0.0 : i < RW_NX ? m->s.now.x[i] : m->s.now.z[i - RW_NX];
+}
+
+/* Rate of a support's travel [m/s], after rw_rates. */
+double rw_travel_rate(const rw_instance *m, int k)
+{
+    int i = rw_travel[k];
+    return i < 0 ? 0.0 : i < RW_NX ? m->s.rate[i] : m->s.zrate[i - RW_NX];
+}
+
+static int is_last(int k)
+{
+    return k + 1 == rw_run_first[rw_run_of[k] + 1];
+}
+
+int rw_is_held(const rw_instance *m, int k)
+{
+    return rw_held[k] >= 0 && m->s.d[rw_held[k]] > 0.0;
+}
+
+/* Puts the loads into the slots of their spans. */
+void rw_write_slots(rw_instance *m)
+{
+    double start = 0.0;
+    for (int k = 0; k < RW_NK; k++) {
+        int run = rw_run_of[k];
+        if (k == rw_run_first[run]) start = 0.0;
+        if (is_last(k)) continue;
+        for (int j = 0; j < rw_slot_count[k]; j++) {
+            int load = m->s.passed[k] - 1 - j, full = load >= m->s.passed[k + 1];
+            m->s.d[rw_slot_mass[k] + j] = full ? load_mass(m, run, load) : 0.0;
+            m->s.d[rw_slot_at[k] + j] = full ? load_place(run, load) - start : 0.0;
+            m->s.d[rw_slot_ride[k] + j] = full;
+            m->s.d[rw_slot_empty[k] + j] = !full;
+        }
+        start += m->s.p[rw_length_start[k]];
+    }
+    m->s.solved = m->s.rated = m->s.shown = 0;
+}
+
+/* How the slots change with the seeds of the parameters: masses, and distances, which fall as the rope before
+ * grows. */
+void rw_slot_seeds(rw_instance *m)
+{
+    double grown = 0.0;
+    memset(m->dd, 0, sizeof m->dd);
+    for (int k = 0; k < RW_NK; k++) {
+        if (k == rw_run_first[rw_run_of[k]]) grown = 0.0;
+        if (is_last(k)) continue;
+        for (int j = 0; j < rw_slot_count[k]; j++)
+            if (m->s.d[rw_slot_ride[k] + j] > 0.0) {
+                int run = rw_run_of[k], load = m->s.passed[k] - 1 - j;
+                m->dd[rw_slot_at[k] + j] = -grown;
+                m->dd[rw_slot_mass[k] + j] = m->dm[rw_mass_first[run] + load % (rw_mass_first[run + 1] - rw_mass_first[run])];
+            }
+        grown += m->dp[rw_length_start[k]];
+    }
+}
+
+/* More loads in a span than the FMU has room for is an error: they would get lost. */
+rw_status rw_check_slots(rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (!is_last(k) && m->s.passed[k] - m->s.passed[k + 1] > rw_slot_count[k]) {
+            rw_message(m, RW_ERROR, "logStatusError", "%d loads in the span after %s, which has room for %d: export with wider spacing",
+                       m->s.passed[k] - m->s.passed[k + 1], rw_support_name[k], rw_slot_count[k]);
+            return RW_ERROR;
+        }
+    return RW_OK;
+}
+
+/* A span without rope ends the run. */
+rw_status rw_lengths(rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (!is_last(k) && !(m->s.p[rw_length_start[k]] + travel(m, k) - travel(m, k + 1) > 0.0)) {
+            rw_message(m, RW_ERROR, "logStatusError", "No rope is left in the span after %s at t = %.9g s", rw_support_name[k], m->s.now.t);
+            return RW_ERROR;
+        }
+    return RW_OK;
+}
+
+/* How far a support's travel is from the next load that crosses it forward and backward [m]. */
+void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
+{
+    int run = rw_run_of[k], beyond = m->s.passed[k];
+    double rope = rope_start(m, k) - travel(m, k);
+    *ahead = beyond < load_count(run) ? rope - load_place(run, beyond) : INFINITY;
+    *behind = beyond > 0 ? load_place(run, beyond - 1) - rope : INFINITY;
+}
+
+/* The first crossing at the present rates. */
+int rw_next_crossing(const rw_instance *m, rw_crossing *found)
+{
+    found->time = INFINITY;
+    for (int k = 0; k < RW_NK; k++) {
+        double ahead, behind, rate = rw_travel_rate(m, k), time;
+        if (load_count(rw_run_of[k]) == 0 || fabs(rate) <= 1e-12) continue;
+        rw_gaps(m, k, &ahead, &behind);
+        time = rate > 0.0 ? ahead / rate : behind / -rate;
+        if (isfinite(time) && time < found->time) {
+            found->time = time;
+            found->gap = rate > 0.0 ? ahead : behind;
+            found->k = k;
+            found->forward = rate > 0.0;
+            found->load = m->s.passed[k] - (rate > 0.0 ? 0 : 1);
+        }
+    }
+    return isfinite(found->time);
+}
+
+typedef struct {
+    double in_bare, in_loaded, out_bare, out_loaded, ratio;
+} sides;
+
+static double length_of(const double *v, double lift)
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
+}
+
+/* Tensions beside support k, on which a load stands: with the load on the rope of that side, and without. */
+static rw_status beside(rw_instance *m, int k, int load, sides *s)
+{
+    rw_status status = rw_show(m);
+    double weight = load_mass(m, rw_run_of[k], load) * m->s.p[0];
+    double coming[3], going[3];
+    if (status != RW_OK) return status;
+    memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
+    memcpy(going, m->s.now.z + rw_force[k], sizeof going);
+    coming[2] = m->s.y[rw_vertical_b[k - 1]];
+    if (load >= m->s.passed[k]) /* it hangs at the end of the span before */
+        coming[2] -= weight;
+    else
+        going[2] += weight;
+    s->in_bare = length_of(coming, 0.0);
+    s->in_loaded = length_of(coming, weight);
+    s->out_bare = length_of(going, 0.0);
+    s->out_loaded = length_of(going, -weight);
+    s->ratio = rw_is_held(m, k) ? 1.0 : m->s.y[rw_tension_out[k]] / m->s.y[rw_tension_in[k]];
+    return RW_OK;
+}
+
+/* Moves the load, or leaves it on the support. The line is not solved anew. */
+static rw_status apply(rw_instance *m, int k, int load, int forward)
+{
+    int goes = 1;
+    rw_status status;
+    if (rw_held[k] >= 0 && !is_last(k) && k > rw_run_first[rw_run_of[k]]) {
+        sides s;
+        status = beside(m, k, load, &s);
+        if (status != RW_OK) return status;
+        const double enough = 1.0 - 1e-9; /* a load without mass passes */
+        goes = forward ? s.out_loaded >= enough * s.ratio * s.in_bare : s.ratio * s.in_loaded >= enough * s.out_bare;
+    }
+    if (goes) {
+        m->s.passed[k] += forward ? 1 : -1;
+        status = rw_check_slots(m);
+        if (status != RW_OK) return status;
+        rw_write_slots(m);
+    } else {
+        m->s.d[rw_held[k]] = 1.0;
+        m->s.d[rw_held_travel[k]] = rope_start(m, k) - load_place(rw_run_of[k], load);
+        m->s.solved = m->s.rated = m->s.shown = 0;
+    }
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", m->s.now.t, load + 1,
+               !goes ? "held at" : forward ? "crosses forward" : "crosses backward", rw_support_name[k]);
+    return RW_OK;
+}
+
+/* Loads that a jump of the line has thrown past a support cross it too; at the ends of a rope not those that have
+ * just been put on or taken off there (`just`, by support). */
+static rw_status overrun(rw_instance *m, unsigned char *just)
+{
+    for (int turn = 0; turn < 50; turn++) {
+        int moved = 0;
+        rw_status status = rw_solve(m);
+        unsigned char forward[RW_NK + 1], backward[RW_NK + 1];
+        if (status != RW_OK) return status;
+        for (int k = 0; k < RW_NK; k++) {
+            double ahead, behind, near = NEAR * rw_span_scale[rw_run_of[k]];
+            int end = is_last(k) || k == rw_run_first[rw_run_of[k]];
+            rw_gaps(m, k, &ahead, &behind);
+            forward[k] = backward[k] = 0;
+            if (rw_travel[k] < 0 || (end && just[k])) continue;
+            forward[k] = ahead < -near;
+            backward[k] = behind < -near;
+        }
+        for (int k = 0; k < RW_NK; k++) {
+            if (!forward[k] && !backward[k]) continue;
+            if (rw_is_held(m, k)) continue;
+            status = apply(m, k, m->s.passed[k] - (forward[k] ? 0 : 1), forward[k]);
+            if (status != RW_OK) return status;
+            just[k] = 1;
+            moved = 1;
+        }
+        if (!moved) return rw_lengths(m);
+    }
+    rw_message(m, RW_ERROR, "logStatusError", "Loads are thrown to and fro at t = %.9g s", m->s.now.t);
+    return RW_ERROR;
+}
+
+rw_status rw_overrun_settle(rw_instance *m)
+{
+    unsigned char just[RW_NK + 1] = {0};
+    return overrun(m, just);
+}
+
+/* Loads cross: the first one, and all others that stand on a support at this time; then the line jumps. After
+ * rw_rates. `first` may be NULL. */
+rw_status rw_cross(rw_instance *m, const rw_crossing *first)
+{
+    unsigned char just[RW_NK + 1] = {0};
+    rw_crossing due[RW_NK + 1];
+    int count = 0;
+    if (first) due[count++] = *first;
+    for (int k = 0; k < RW_NK; k++) {
+        double ahead, behind, near = NEAR * rw_span_scale[rw_run_of[k]], rate = rw_travel_rate(m, k);
+        rw_gaps(m, k, &ahead, &behind);
+        if ((first && k == first->k) || rw_is_held(m, k)) continue;
+        if ((rate > 0.0 && ahead <= near) || (rate < 0.0 && behind <= near)) {
+            due[count].k = k;
+            due[count].forward = rate > 0.0;
+            due[count++].load = m->s.passed[k] - (rate > 0.0 ? 0 : 1);
+        }
+    }
+    for (int i = 0; i < count; i++) {
+        rw_status status = apply(m, due[i].k, due[i].load, due[i].forward);
+        if (status != RW_OK) return status;
+        just[due[i].k] = 1;
+    }
+    return overrun(m, just);
+}
+
+int rw_standing(const rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (rw_is_held(m, k)) return 1;
+    return 0;
+}
+
+static int load_on(const rw_instance *m, int k)
+{
+    double place = rope_start(m, k) - m->s.d[rw_held_travel[k]];
+    int beyond = m->s.passed[k], run = rw_run_of[k];
+    if (beyond == 0) return 0;
+    if (beyond >= load_count(run)) return beyond - 1;
+    return fabs(load_place(run, beyond) - place) <= fabs(load_place(run, beyond - 1) - place) ? beyond : beyond - 1;
+}
+
+/* For the load that stands on support k the force by which a side is ahead [N]: positive when it leaves, the way
+ * that the crossing says. */
+rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead)
+{
+    sides s;
+    double forward, backward;
+    rw_status status;
+    found->k = k;
+    found->load = load_on(m, k);
+    status = beside(m, k, found->load, &s);
+    if (status != RW_OK) return status;
+    forward = s.out_loaded - s.in_bare;
+    backward = s.in_loaded - s.out_bare;
+    found->forward = forward >= backward;
+    *ahead = fmax(forward, backward);
+    return RW_OK;
+}
+
+/* Of the loads that stand on sheaves the one nearest to leaving; `ahead` is -INFINITY when none stands. */
+rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead)
+{
+    *ahead = -INFINITY;
+    for (int k = 0; k < RW_NK; k++) {
+        rw_crossing one;
+        double force;
+        rw_status status;
+        if (!rw_is_held(m, k)) continue;
+        status = rw_release_of(m, k, &one, &force);
+        if (status != RW_OK) return status;
+        if (force > *ahead) {
+            *ahead = force;
+            *found = one;
+        }
+    }
+    return RW_OK;
+}
+
+/* Releases a load that stood on a sheave. */
+rw_status rw_let_go(rw_instance *m, const rw_crossing *found)
+{
+    rw_status status;
+    m->s.d[rw_held[found->k]] = 0.0;
+    m->s.passed[found->k] = found->load + (found->forward ? 1 : 0);
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d released %s at %s", m->s.now.t, found->load + 1,
+               found->forward ? "forward" : "backward", rw_support_name[found->k]);
+    status = rw_check_slots(m);
+    if (status != RW_OK) return status;
+    rw_write_slots(m);
+    return rw_solve(m);
+}
+
+/* Takes down which limits are broken: tension above the breaking load, lift-off and so on. */
+rw_status rw_limits(rw_instance *m)
+{
+    rw_status status = rw_show(m);
+    if (status != RW_OK) return status;
+    for (int i = 0; i < RW_NL; i++) {
+        double value = m->s.y[rw_limit_output[i]], slack = m->s.broken[i] ? rw_limit_slack[i] : 0.0;
+        int broken = value >= rw_limit_high[i] - slack || value <= rw_limit_low[i] + slack;
+        if (broken && !m->s.broken[i])
+            rw_message(m, RW_WARNING, "logStatusWarning", "t = %.9f s: %s", m->s.now.t, rw_limit_name[i]);
+        m->s.broken[i] = broken;
+    }
+    return RW_OK;
+}

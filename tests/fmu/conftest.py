@@ -1,0 +1,40 @@
+"""FMUs made once for all tests of this folder."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fmus import HYDRAULIC, RESPONSE, Opener, example_line, one_span, opening, short_line
+
+from ropeway.fmu import export
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("fmus")
+
+
+@pytest.fixture(scope="session")
+def line2(fmus: Path) -> Path:
+    return export(example_line(), fmus / "line2.fmu", "2.0")
+
+
+@pytest.fixture(scope="session")
+def line3(fmus: Path) -> Path:
+    return export(example_line(), fmus / "line3.fmu", "3.0")
+
+
+@pytest.fixture(scope="session")
+def driven(fmus: Path) -> Path:
+    return export(short_line(drive=HYDRAULIC, response=RESPONSE), fmus / "driven.fmu", "2.0", tolerance=1e-8)
+
+
+@pytest.fixture(scope="session")
+def span3(fmus: Path) -> Path:
+    return export(one_span(), fmus / "span3.fmu", "3.0")
+
+
+@pytest.fixture
+def open_fmu(tmp_path: Path) -> Iterator[Opener]:
+    with opening(tmp_path) as opener:
+        yield opener

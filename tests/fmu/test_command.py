@@ -1,0 +1,38 @@
+"""`ropeway fmu` as a user meets it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas as pd
+from fmus import SUPPORTS
+
+
+def ropeway(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "ropeway", "fmu", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False)
+
+
+def test_export_info_run(tmp_path: Path) -> None:
+    done = ropeway("export", str(SUPPORTS), "-o", "line.fmu", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = ropeway("info", "line.fmu", cwd=tmp_path)
+    assert "FMI 2.0, ModelExchange, CoSimulation" in done.stdout
+    assert "c1.speed = 1.0 [m/s]" in done.stdout
+    done = ropeway("run", "line.fmu", "--until", "5", "--step", "0.5", "--start", "c1.speed=1.01", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    table = pd.read_csv(tmp_path / "result.csv", index_col=0)
+    assert table["c1.travel [m]"].iloc[-1] == 5.05
+    assert len(table) == 11
+
+
+def test_errors_on_one_line(tmp_path: Path) -> None:
+    for arguments in (
+        ("info", "none.fmu"),
+        ("run", "none.fmu", "--until", "1"),
+        ("run", "x", "--until", "1", "--start", "a"),
+    ):
+        done = ropeway(*arguments, cwd=tmp_path)
+        assert done.returncode == 1
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stderr.startswith("ropeway: ")

@@ -1,0 +1,111 @@
+"""Coupled slaves."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropeway as rw
+from ropeway.fmu import CoSimulation, FmuVariableError
+
+
+def cascade(driven: Path, line: Path, step: float, **more: object) -> pd.DataFrame:
+    """The speed of a sheave with a hydraulic drive is the command of another line's sheave."""
+    together = CoSimulation(step, **more)  # type: ignore[arg-type]
+    together.add("first", driven, start={"c1.speed": 1.02})
+    together.add("second", line)
+    together.connect("first.c1.rope_speed", "second.c1.speed")
+    return together.run(4.0)
+
+
+def lag(frame: pd.DataFrame) -> float:
+    return float(np.abs(frame["first.c1.travel"] - frame["second.c1.travel"]).max())
+
+
+@pytest.mark.parametrize("name", ["line2", "line3"])
+def test_explicit_coupling_is_of_first_order(driven: Path, name: str, request: pytest.FixtureRequest) -> None:
+    line = request.getfixturevalue(name)
+    coarse, fine = (lag(cascade(driven, line, step)) for step in (0.1, 0.05))
+    assert 1.7 < coarse / fine < 2.3
+
+
+@pytest.mark.parametrize("master", ["Jacobi", "Gauss-Seidel"])
+def test_iterated_coupling_is_of_second_order(driven: Path, line2: Path, master: str) -> None:
+    coarse, fine = (lag(cascade(driven, line2, step, iterated=True, master=master)) for step in (0.1, 0.05))
+    assert 3.0 < coarse / fine < 5.0
+    assert fine < 0.1 * lag(cascade(driven, line2, 0.05))
+
+
+def test_result_has_units(driven: Path, line2: Path) -> None:
+    frame = cascade(driven, line2, 1.0)
+    assert frame.index.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert frame.attrs["units"]["second.c1.tension_in"] == "N"
+
+
+def test_a_system_is_exported_on_the_way() -> None:
+    from fmus import one_span
+
+    together = CoSimulation(1.0)
+    together.add("span", one_span())
+    rest = rw.equilibrium(one_span())
+    assert together.run(1.0)["span.a_b.tension_a"].to_list() == pytest.approx([rest["a_b.tension_a"]] * 2, rel=1e-9)
+
+
+def test_what_does_not_fit(driven: Path, line2: Path) -> None:
+    together = CoSimulation(0.1)
+    together.add("a", driven)
+    together.add("b", line2)
+    with pytest.raises(FmuVariableError, match=r"is in N, 'c1\.speed' of line2\.fmu in m/s"):
+        together.connect("a.c1.tension_in", "b.c1.speed")
+    with pytest.raises(FmuVariableError, match="of causality 'output', not a Real input"):
+        together.connect("a.c1.rope_speed", "b.c1.tension_in")
+    with pytest.raises(FmuVariableError, match="has no variable 'nothing'"):
+        together.connect("a.nothing", "b.c1.speed")
+    with pytest.raises(rw.InputError, match="no slave is named 'c'"):
+        together.connect("c.x", "b.c1.speed")
+    together.connect("a.c1.rope_speed", "b.c1.speed")
+    with pytest.raises(rw.InputError, match="is driven already"):
+        together.connect("a.c1.command", "b.c1.speed")
+    with pytest.raises(rw.InputError, match="Two slaves are named 'a'"):
+        together.add("a", line2)
+    with pytest.raises(FmuVariableError, match="has no variable 'speed'"):
+        together.add("c", line2, start={"speed": 1.0})
+
+
+def test_bad_masters() -> None:
+    with pytest.raises(rw.InputError, match="step"):
+        CoSimulation(0.0)
+    with pytest.raises(rw.InputError, match="master is"):
+        CoSimulation(1.0, master="Newton")  # type: ignore[arg-type]
+    with pytest.raises(rw.InputError, match="no slave"):
+        CoSimulation(1.0).run(1.0)
+
+
+@pytest.mark.slow
+def test_a_foreign_pair_matches_its_monolith(tmp_path: Path) -> None:
+    """OpenModelica's two masses on springs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
+    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(tmp_path)]
+    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path, [n for n in archive.namelist() if "/linux/MassSpring" in n])
+    folder = next(tmp_path.rglob("linux"))
+
+    def pair(step: float, *, iterated: bool) -> np.ndarray:
+        whole, parts = CoSimulation(step), CoSimulation(step, iterated=iterated)
+        whole.add("both", folder / "MassSpringSystem.fmu", kind="ModelExchange")
+        for i, name in ((1, "one"), (2, "two")):
+            parts.add(name, folder / f"MassSpringSubSystem{i}.fmu", kind="ModelExchange")
+        parts.connect("one.x1", "two.x1")
+        parts.connect("two.x2", "one.x2")
+        one, both = parts.run(2.0), whole.run(2.0)
+        return np.abs(one["one.x1"] - both["both.x1"]).max()
+
+    explicit = [pair(h, iterated=False) for h in (0.02, 0.01, 0.005)]
+    assert explicit[0] / explicit[1] == pytest.approx(2.0, abs=0.1)
+    assert explicit[1] / explicit[2] == pytest.approx(2.0, abs=0.1)
+    assert pair(0.004, iterated=True) < 1e-6

@@ -1,0 +1,149 @@
+"""The exported line against rw.simulate, and what else an FMU must do while it runs."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from fmus import HYDRAULIC, RESPONSE, ROPE, Opener, example_line, one_span, short_line, skyline, valley
+
+import ropeway as rw
+from ropeway.fmu import export
+
+EVERY = 0.73  # no load crosses at one of its multiples
+
+
+def deviation(path: Path, system: rw.System, until: float, kind: str, least: int = 40) -> tuple[str, float]:
+    """The output that differs most from rw.simulate, relative to its largest value, away from events."""
+    result = rw.simulate(system, until, every=EVERY)
+    run = fmpy.simulate_fmu(
+        str(path),
+        fmi_type=kind,
+        stop_time=until,
+        output_interval=EVERY,
+        step_size=EVERY,
+        relative_tolerance=1e-8,
+        record_events=False,
+    )
+    frame, events = result.frame, result.events["time"].to_numpy()
+    names = [c for c in frame.columns if c in run.dtype.names]
+    assert len(names) >= least
+    times = [t for t in frame.index if np.abs(events - t).min(initial=1.0) > 1e-4 and t < until]
+    at = [int(np.argmin(np.abs(run["time"] - t))) for t in times]
+    assert np.abs(run["time"][at] - times).max() < 1e-9
+    wanted = frame.loc[times, names].to_numpy()
+    got = np.column_stack([run[n][at] for n in names])
+    error = np.abs(got - wanted).max(axis=0) / np.maximum(1.0, np.abs(frame[names].to_numpy()).max(axis=0))
+    return names[int(error.argmax())], float(error.max())
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+@pytest.mark.parametrize("name", ["line2", "line3"])
+def test_ten_minutes_with_hundreds_of_crossings(name: str, kind: str, request: pytest.FixtureRequest) -> None:
+    where, error = deviation(request.getfixturevalue(name), example_line(), 600.0, kind)
+    assert error < 1e-7, where
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_hydraulic_drives_and_responses(driven: Path, kind: str) -> None:
+    where, error = deviation(driven, short_line(drive=HYDRAULIC, response=RESPONSE), 120.0, kind)
+    assert error < 1e-4, where
+
+
+def test_event_times_in_model_exchange(line2: Path) -> None:
+    result = rw.simulate(example_line(), 60.0)
+    run = fmpy.simulate_fmu(str(line2), fmi_type="ModelExchange", stop_time=60.0, relative_tolerance=1e-8)
+    found = np.unique(run["time"][np.flatnonzero(np.diff(run["time"]) == 0.0)])
+    events = result.events["time"].to_numpy()
+    assert len(events) > 20
+    assert max(np.abs(found - t).min() for t in events) < 1e-6
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_a_skyline_hauls_its_carriage(tmp_path: Path, kind: str) -> None:
+    path = export(skyline(), tmp_path / "skyline.fmu", "3.0")
+    assert validate_fmu(str(path)) == []
+    run = fmpy.simulate_fmu(
+        str(path), fmi_type=kind, stop_time=20.0, start_values={"mainline.speed": -1.0}, relative_tolerance=1e-8
+    )
+    last = rw.simulate(skyline(), 20.0, every=20.0, inputs={"mainline.speed": -1.0}).frame.iloc[-1]
+    names = ["carriage.x", "carriage.z", "head.tension", "tail.tension", "mainline.rope_tension"]
+    assert [run[n][-1] for n in names] == pytest.approx([last[n] for n in names], rel=1e-9)
+
+
+@pytest.mark.parametrize(("speed", "at"), [(1.0, 80.0), (-1.0, 125.0)])
+def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> None:
+    line = valley(speed, at)
+    result = rw.simulate(line, 40.0, every=EVERY)
+    assert result.events["event"].str.contains("held").any()
+    path = export(line, tmp_path / "valley.fmu")
+    for kind in ("CoSimulation", "ModelExchange"):
+        where, error = deviation(path, line, 40.0, kind, least=10)
+        assert error < 1e-5, (kind, where)
+
+
+def test_a_schedule_runs_inside(tmp_path: Path) -> None:
+    ramp = rw.Schedule((0.0, 10.0, 20.0, 40.0), (0.0, 1.0, 0.6, 1.2))
+    line = short_line(speed=ramp)
+    path = export(line, tmp_path / "ramp.fmu")
+    assert not [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
+    for kind in ("CoSimulation", "ModelExchange"):
+        where, error = deviation(path, line, 39.0, kind)
+        assert error < 1e-7, (kind, where)
+
+
+def test_inputs_are_held(line2: Path, open_fmu: Opener) -> None:
+    one = open_fmu(line2)
+    one.initialize()
+    one.run(0.0, 10.0, 0.5, ["c1.tension_in"])
+    one.set(c1__speed=1.02)
+    one.run(10.0, 20.0, 0.5, ["c1.tension_in"])
+    step = rw.Schedule((0.0, 10.0, 10.0 + 1e-6, 30.0), (1.0, 1.0, 1.02, 1.02))
+    result = rw.simulate(example_line(), 20.0, inputs={"c1.speed": step})
+    names = ["c1.tension_in", "c1.tension_out", "c1.travel"]
+    assert one.get(*names) == pytest.approx(result.frame.iloc[-1][names].to_list(), rel=1e-6)
+
+
+def test_other_parameters_are_solved_anew(span3: Path, open_fmu: Opener) -> None:
+    one = open_fmu(span3)
+    one.set(turn__mass=9000.0, a_b__length_start=407.0)
+    one.initialize()
+    rest = rw.equilibrium(one_span(), parameters={"turn.mass": 9000.0, "a_b.length_start": 407.0})
+    names = ["a_b.tension_a", "a_b.tension_b", "a_b.vertical_a"]
+    assert one.get(*names) == pytest.approx([rest[n] for n in names], rel=1e-9)
+
+
+def test_limits_are_outputs(span3: Path, open_fmu: Opener) -> None:
+    one = open_fmu(span3)
+    flags = [one.references[f"a_b.tension_above_{limit}"] for limit in ("SWL", "MBL")]
+    one.set(turn__mass=60e3)
+    one.initialize()
+    assert list(one.fmu.getBoolean(flags)) == [True, True]
+    assert any("above_MBL" in text for text in one.log)
+
+
+def test_counts_of_loads(line2: Path, open_fmu: Opener) -> None:
+    one = open_fmu(line2)
+    one.initialize()
+    first = one.fmu.getInteger([one.references["c1.loads_passed"]])[0]
+    one.run(0.0, 100.0, 1.0, ["c1.tension_in"])
+    assert one.fmu.getInteger([one.references["c1.loads_passed"]])[0] == first + 2
+
+
+@pytest.mark.slow
+def test_a_hundred_spans_with_two_hundred_loads(tmp_path: Path) -> None:
+    nodes: list[Any] = [rw.Drum("d0", at=(0.0, 0.0, 0.0), speed=1.0)]
+    for i in range(1, 100):
+        at = (100.0 * i, 3.0 * np.sin(i), 30.0 * np.sin(i / 8.0) + (4.0 if i % 2 else 0.0))
+        nodes.append(rw.Sheave(f"s{i}", at=at) if i % 5 else rw.ControlSheave(f"c{i}", at=at, speed=1.0))
+    nodes.append(rw.Drum("d100", at=(10e3, 0.0, 0.0), tension=45e3))
+    line = rw.System("hundred spans")
+    line.feed(line.string(ROPE, *nodes, tension=45e3), spacing=50.0, masses=300.0)
+    begin = time.perf_counter()
+    path = export(line, tmp_path / "hundred.fmu")
+    assert time.perf_counter() - begin < 60.0
+    where, error = deviation(path, line, 60.0, "CoSimulation")
+    assert error < 1e-7, where
