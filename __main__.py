@@ -1,4 +1,4 @@
-"""The command line: `ropeway demo`, `ropeway simulate LINE.csv ...`, `ropeway ropes`."""
+"""The command line: demo, simulate a line, payload of a corridor, FMUs, ropes."""
 
 from __future__ import annotations
 
@@ -79,6 +79,50 @@ def simulate(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
         )
         _report(rw.simulate(system, until=until, every=every), out)
+
+
+@app.command()
+def payload(
+    corridor: Annotated[Path, typer.Argument(help="Ground of the corridor: CSV with columns station,elevation [m].")],
+    skyline: Annotated[str, typer.Option(help="Name of the skyline; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
+    mainline: Annotated[str | None, typer.Option(help="Name of the mainline; without one an ideal hold.")] = None,
+    tension: Annotated[float, typer.Option(help="Tension of the bare skyline at the headspar [N].")] = 70e3,
+    head: Annotated[float | None, typer.Option(help="Station of the headspar [m]; by default the first.")] = None,
+    tail: Annotated[float | None, typer.Option(help="Station of the tailspar [m]; by default the last.")] = None,
+    head_height: Annotated[float, typer.Option(help="Height of the headspar [m].")] = 15.0,
+    tail_height: Annotated[float, typer.Option(help="Height of the tailspar [m].")] = 8.0,
+    support: Annotated[list[str] | None, typer.Option(help="Intermediate support STATION:HEIGHT; repeat it.")] = None,
+    carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0,
+    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    clearance: Annotated[float, typer.Option(help="Least clearance under the load [m].")] = 1.0,
+    spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0,
+    out: Out = Path("ropeway-payload"),
+) -> None:
+    """Largest payload along a standing skyline, and what limits it."""
+    import ropeway as rw
+    from ropeway.systems.studies.corridor_report import payload_command
+
+    with _errors_on_one_line():
+        study, paths = payload_command(
+            corridor,
+            skyline=rw.Rope.named(skyline),
+            mainline=None if mainline is None else rw.Rope.named(mainline),
+            tension=tension,
+            head=head,
+            tail=tail,
+            head_height=head_height,
+            tail_height=tail_height,
+            supports=tuple(support or ()),
+            carriage_mass=carriage_mass,
+            safety_factor=safety_factor,
+            clearance=clearance,
+            spacing=spacing,
+            out=out,
+        )
+        frame = study.frame
+        rows = [[f"{r.station:.0f}", f"{r.payload:.0f}", str(r.limited_by)] for r in frame.itertuples()]
+        _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
+        typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 
 @app.command()

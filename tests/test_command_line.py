@@ -63,3 +63,16 @@ def test_help_and_wrong_usage(tmp_path: Path) -> None:
     assert done.returncode == 0
     assert "name,x,y,z,kind" in done.stdout.replace("\n", "")
     assert ropeway("simulate", "--no-such-option", cwd=tmp_path).returncode == 2
+
+
+def test_payload(tmp_path: Path) -> None:
+    corridor = str(EXAMPLES / "corridor.csv")
+    done = ropeway(
+        "payload", corridor, "--support", "260:9", "--tail", "480", "--spacing", "60", "--out", "p", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert "limited by" in done.stdout
+    assert (tmp_path / "p" / "payload.png").stat().st_size > 5000
+    wrong = ropeway("payload", corridor, "--support", "260", cwd=tmp_path)
+    assert wrong.returncode == 1
+    assert "STATION:HEIGHT" in wrong.stderr

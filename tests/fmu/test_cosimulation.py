@@ -85,7 +85,7 @@ def test_bad_masters() -> None:
         CoSimulation(1.0).run(1.0)
 
 
-@pytest.mark.slow
+@pytest.mark.importers
 def test_a_foreign_pair_matches_its_monolith(tmp_path: Path) -> None:
     """OpenModelica's two masses on springs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
     download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(tmp_path)]

@@ -42,7 +42,7 @@ def test_library_needs_libc_and_libm_only(line2: Path, tmp_path: Path) -> None:
     assert names <= {"libc", "libm", "libpthread"}
 
 
-@pytest.mark.slow
+@pytest.mark.importers
 def test_all_platforms_from_here(tmp_path: Path) -> None:
     assert importlib.util.find_spec("ziglang"), "needs the extra fmu"
     magic = {

@@ -7,7 +7,7 @@ from fmus import example_line
 
 import ropeway as rw
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.importers
 EVERY, UNTIL = 0.73, 73.0
 NAMES = ("c1.tension_in", "c1.tension_out", "c3.tension_in")
 
