@@ -75,16 +75,31 @@ def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
     return Segment((fx * across, fy * across, length * v * lift), (fx, fy, v1))
 
 
-def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) -> Any:
-    """Length of a load-free piece under tension [m]."""
+class _Integrals(NamedTuple):
+    """Integrals of T, T^2 and v^2 along a load-free piece, and T at its start."""
+
+    tension: Any
+    tension_squared: Any
+    vertical_squared: Any
+    start: Any
+
+
+def _integrals(force: Vector, weight: Any, length: Any) -> _Integrals:
     fx, fy, v0 = force
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
     h2 = fx * fx + fy * fy
-    s, v = xp.sqrt(h2 + v0 * v0) + xp.sqrt(h2 + v1 * v1), v0 + v1
-    tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
-    square_integral = length * (h2 + (v0 * v0 + v0 * v1 + v1 * v1) / 3)
-    return length + strain.c1 * tension_integral + strain.c2 * square_integral
+    t0 = xp.sqrt(h2 + v0 * v0)
+    s, v = t0 + xp.sqrt(h2 + v1 * v1), v0 + v1
+    vertical = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
+    tension = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
+    return _Integrals(tension, h2 * length + vertical, vertical, t0)
+
+
+def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) -> Any:
+    """Length of a load-free piece under tension [m]."""
+    along = _integrals(force, weight, length)
+    return length + strain.c1 * along.tension + strain.c2 * along.tension_squared
 
 
 class Energy(NamedTuple):
@@ -99,17 +114,11 @@ def energy(force: Vector, weight: Any, length: Any, c1: Any) -> Energy:
 
     From z = (T - T0)/w + c1 (v^2 - v0^2)/(2 w) along the piece and the integrals of T, T^2 and v^2.
     """
-    fx, fy, v0 = force
-    xp = namespace(*force, length, weight)
-    v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy
-    t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
-    s, v = t0 + t1, v0 + v1
-    tension_integral = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
-    square_integral = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
+    along = _integrals(force, weight, length)
+    v0 = force[2]
     return Energy(
-        c1 / 2 * (h2 * length + square_integral),
-        tension_integral - t0 * length + c1 / 2 * (square_integral - v0 * v0 * length),
+        c1 / 2 * along.tension_squared,
+        along.tension - along.start * length + c1 / 2 * (along.vertical_squared - v0 * v0 * length),
     )
 
 

@@ -166,7 +166,8 @@ class _Simulation:
         count, grid = 1, min(every, until)
         while True:
             t = self.line.time
-            stop = min([grid, self.next_act(), *self.line.breaks[self.line.breaks > t + 1e-9][:1]])
+            after = self.line.breaks > t + 1e-12 * max(1.0, t)
+            stop = min([grid, self.next_act(), *self.line.breaks[after][:1]])
             self.line.run_to(stop)
             self.act()
             if stop >= grid:

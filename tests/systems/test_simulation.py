@@ -53,6 +53,12 @@ def test_travel_of_drives_is_exact_and_of_a_schedule_its_integral() -> None:
         assert result.frame.loc[t, "n4.travel"] == pytest.approx(exact, abs=1e-7)
 
 
+def test_a_steep_step_of_a_schedule_is_a_step() -> None:
+    step = rw.Schedule([0.0, 10.0, 10.0 + 1e-9, 20.0], [0.5, 0.5, 1.0, 1.0])
+    result = rw.simulate(zigzag(step), until=20.0)
+    assert result.frame.loc[20.0, "n4.travel"] == pytest.approx(15.0, abs=1e-7)
+
+
 def test_crossings_are_located_to_a_billionth_of_a_span() -> None:
     result = rw.simulate(zigzag(), until=60.0)
     model, run = result.model, result.runs[0]
