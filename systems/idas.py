@@ -17,7 +17,7 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.systems.commanded import commanded_of
 from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, Point, expanded
+from ropeway.systems.newton import Buffered, Point, banded_order, expanded
 
 
 class Idas:
@@ -35,6 +35,9 @@ class Idas:
         x = x0 + passed * x_rate + w * model.x.nominals
         z = z0 + passed * z_rate + zeta * model.z.nominals
         ode, alg = expanded(model)(start + passed, x, z, u + slope * passed, p, d)
+        # IDAS's linear solver takes rows and columns as they come: see `banded_order`.
+        rows, columns = banded_order(ca.jacobian_sparsity(alg, zeta)) if nz else (np.arange(0), np.arange(0))
+        self._places = np.argsort(columns)
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
         tight = tolerance * float(np.sqrt(max(nx, 1) / (nx + nz)))
@@ -44,10 +47,10 @@ class Idas:
             {
                 "t": tau,
                 "x": w,
-                "z": zeta,
+                "z": zeta[columns.tolist()],
                 "p": knowns,
                 "ode": h * (ode - x_rate) / model.x.nominals,
-                "alg": alg / model.r.nominals,
+                "alg": (alg / model.r.nominals)[rows.tolist()],
             },
             0.0,
             1.0,
@@ -88,4 +91,4 @@ class Idas:
             ) from error
         x = point.x + h * x_rate + end[0] * m.x.nominals
         self._commanded.put(x, point, h, slope)
-        return x, point.z + h * z_rate + end[1] * m.z.nominals
+        return x, point.z + h * z_rate + end[1][self._places] * m.z.nominals

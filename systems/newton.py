@@ -97,12 +97,13 @@ class Newton:
         known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
         inputs = [v, time, *known, target, damping, anchor, slope]
         self.residual = ca.Function("residual", inputs, [residual])
-        self.jacobian = ca.Function("jacobian", inputs, [ca.jacobian(residual, v)])
+        matrix = ca.jacobian(residual, v)
+        self.jacobian = ca.Function("jacobian", inputs, [matrix])
         self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
-        self._step = Buffered(_linear_solves("step", inputs, residual, v, residual))
-        self._symbols = (inputs, residual, v, ca.horzcat(residual, drift))
+        self._step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
+        self._symbols = (inputs, residual, matrix, ca.horzcat(residual, drift))
 
     @cached_property
     def _step_and_rates(self) -> Buffered:
@@ -172,23 +173,30 @@ def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
     CasADi's "csparse" takes them as they come, and so would fill in; its "qr" gives NaN where an entry of the
     pattern is zero, as all those across a plane line are.
     """
-    pattern = matrix.sparsity()
-    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
-    rows = maximum_bipartite_matching(graph, perm_type="row")
-    if np.any(rows < 0):
-        return ca.solve(matrix, right, "csparse")  # structurally singular: it says so
-    order = reverse_cuthill_mckee(graph[rows].tocsr(), symmetric_mode=False)
-    rows, columns = rows[order], order
+    rows, columns = banded_order(matrix.sparsity())
     found = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
     return found[np.argsort(columns).tolist(), :]
 
 
-def _linear_solves(name: str, inputs: list[ca.SX], residual: ca.SX, v: ca.SX, sides: ca.SX) -> ca.Function:
-    """inputs -> residual, and the solutions of the Jacobian's system for all right-hand `sides`."""
-    parts = ca.Function("parts", inputs, [residual, ca.jacobian(residual, v), ca.densify(sides)])
+def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
+    """Orders of the rows and columns of a square pattern that give it a full diagonal and a narrow band.
+
+    A structurally singular one stays as it is.
+    """
+    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+    rows = maximum_bipartite_matching(graph, perm_type="row")
+    if np.any(rows < 0):
+        return np.arange(pattern.size1()), np.arange(pattern.size2())
+    order = reverse_cuthill_mckee(graph[rows].tocsr(), symmetric_mode=False)
+    return rows[order], order
+
+
+def _linear_solves(name: str, inputs: list[ca.SX], residual: ca.SX, matrix: ca.SX, sides: ca.SX) -> ca.Function:
+    """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
+    parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
     symbols = parts.mx_in()
-    value, matrix, right = parts(*symbols)
-    return ca.Function(name, symbols, [value, solve_sparse(matrix, right)])
+    value, system, right = parts(*symbols)
+    return ca.Function(name, symbols, [value, solve_sparse(system, right)])
 
 
 def damped(
