@@ -27,7 +27,7 @@ DRIVE = rw.HydraulicDrive(
     engine_power=60e3,
     inertia=800.0,
 )
-RESPONSE = rw.ThresholdResponse(low=44e3, high=66e3, increment=0.005, period=2.0, hold=2.0)
+RESPONSE = rw.ThresholdResponse(low=42e3, high=69e3, increment=0.004, period=2.0, hold=0.0)
 PARTS = {
     "all sections": ("moving.py", "solve"),
     "one section": ("moving.py", "_solve_parts"),
