@@ -14,6 +14,7 @@ from ropeway.components import catenary
 from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
+from ropeway.systems.continuation import solve_algebraic
 from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
@@ -187,7 +188,7 @@ def solve(state: LineState) -> None:
     """
     seen: set[bytes] = set()
     for _ in range(200):
-        _newton(state)
+        solve_algebraic(state)
         before = [p.copy() for p in state.passed]
         if state.settle():
             _check(state)
@@ -202,47 +203,6 @@ def solve(state: LineState) -> None:
         f"The loads of system {state.model.name!r} find no place on the rope",
         "Loads stand close to a support: move them a little",
     )
-
-
-def _newton(state: LineState) -> None:
-    """Newton's method, then with idlers locked and released by degrees."""
-    newton = newton_of(state.model)
-    start = state.point.copy()
-    try:
-        newton.solve(state.point)
-        return
-    except EquilibriumError as error:
-        first = error
-    for way in (_release_idlers, _stiffen):
-        for scale in (1.0, 0.3, 3.0):
-            state.point.z[:] = start.z
-            for layout in state.model.layouts:
-                for axis in range(3):
-                    state.point.z[layout.force + axis] *= scale
-            try:
-                way(newton, state)
-                return
-            except EquilibriumError:
-                state.point.p[:] = start.p
-    raise first
-
-
-def _release_idlers(newton: Newton, state: LineState) -> None:
-    """Newton's method with the idlers held back, by degrees less."""
-    for power in range(3, -5, -1):
-        newton.solve(state.point, damping=10.0**power)
-    newton.solve(state.point)
-
-
-def _stiffen(newton: Newton, state: LineState) -> None:
-    """Newton's method with a soft rope, by degrees stiffer: a nearly inextensible one can be hard to start."""
-    places = np.concatenate([layout.compliance for layout in state.model.layouts])
-    wanted = state.point.p[places].copy()
-    for power in range(-5, -13, -1):
-        state.point.p[places] = np.maximum(wanted, 10.0**power)
-        newton.solve(state.point)
-    state.point.p[places] = wanted
-    newton.solve(state.point)
 
 
 SLACK = 1.02
