@@ -104,11 +104,6 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
 class _Simulation:
     """One run. `state` moves on in place; records and events are appended."""
 
-    short = 5e-3
-    """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
-    tiny = 1e-4
-    """Stretches up to this [s] are a straight line: the second order is below rounding."""
-
     def __init__(
         self,
         start: Equilibrium,

@@ -92,8 +92,7 @@ class System:
         if not isinstance(end, RopeEnd) or not isinstance(seat, Seat):
             raise InputError(f"{one} and {other} cannot be joined", "Join a rope end to a seat of a support")
         for port in (end, seat):
-            if self.components.get(port.owner.name) is not port.owner:
-                raise InputError(f"{port.owner.name!r} is not part of system {self.name!r}", "Add it first")
+            self._require_part(port.owner)
         ends = self.connections
         if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in ends.values():
             taken = end if (end.owner.name, end.name) in ends else seat
@@ -105,8 +104,7 @@ class System:
         if not isinstance(supply, Supply) or not isinstance(outlet, Outlet):
             raise InputError(f"{one} and {other} cannot be joined", "Join the supply of a drive to a unit's outlet")
         for port in (supply, outlet):
-            if self.components.get(port.owner.name) is not port.owner:
-                raise InputError(f"{port.owner.name!r} is not part of system {self.name!r}", "Add it first")
+            self._require_part(port.owner)
         if not supply.owner.signals:
             raise InputError(f"{supply.owner.name!r} has no hydraulic drive", "Only hydraulic drives take a power unit")
         if supply.owner.name in self.supplies:
@@ -222,6 +220,11 @@ class System:
         other.supplies = dict(self.supplies)
         other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
         return other
+
+    def _require_part(self, component: Component) -> None:
+        """Raises InputError for a component that has not been added."""
+        if self.components.get(component.name) is not component:
+            raise InputError(f"{component.name!r} is not part of system {self.name!r}", "Add it first")
 
     def _load_names(self) -> set[str]:
         return {h.load.name for h in self.hung}

@@ -292,5 +292,6 @@ def test_summary_names_what_went_wrong() -> None:
     assert summary.supports.loc["c", "relief_open_time"] > 0.0
     assert (summary.spans["over_SWL"] > 0.1).all()
     assert (summary.spans["largest_sag"] > 0.3).all()
-    power = rw.simulate(small(drive=weak), until=5.0).power()
-    assert set(power.index) == {"c", "line"}
+    result = rw.simulate(small(drive=weak), until=5.0)
+    assert set(result.power().index) == {"c", "line"}
+    assert len(result.plot_power().axes) == 2
