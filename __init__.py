@@ -178,6 +178,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
+    from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
@@ -214,6 +215,7 @@ _HOMES = {
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
     "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.studies.cable_stretch": (
