@@ -19,6 +19,9 @@ if TYPE_CHECKING:
         Carriage as Carriage,
     )
     from ropeway.components import (
+        CarriageOnShoe as CarriageOnShoe,
+    )
+    from ropeway.components import (
         ConstructionStretch as ConstructionStretch,
     )
     from ropeway.components import (
@@ -190,9 +193,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
-        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope Schedule "
-        "Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
+        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline "
+        "HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope "
+        "Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (

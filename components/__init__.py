@@ -2,6 +2,7 @@
 
 from ropeway.components.anchor import Anchor
 from ropeway.components.carriage import Carriage
+from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
@@ -23,6 +24,7 @@ __all__ = [
     "Anchor",
     "Block",
     "Carriage",
+    "CarriageOnShoe",
     "ConstructionStretch",
     "ControlSheave",
     "Drum",
