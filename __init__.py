@@ -25,6 +25,9 @@ if TYPE_CHECKING:
         ControlSheave as ControlSheave,
     )
     from ropeway.components import (
+        DieselHydraulicUnit as DieselHydraulicUnit,
+    )
+    from ropeway.components import (
         Drum as Drum,
     )
     from ropeway.components import (
@@ -189,9 +192,9 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline HeadSpar "
-        "HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope Schedule "
-        "Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
+        "Anchor Block Carriage ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic GuyedSpar Guyline "
+        "HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope "
+        "Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (

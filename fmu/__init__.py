@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ropeway.fmu.cosimulation import CoSimulation as CoSimulation
+    from ropeway.fmu.embedded import FmuComponent as FmuComponent
+    from ropeway.fmu.embedded import component as component
     from ropeway.fmu.errors import FmuError as FmuError
     from ropeway.fmu.errors import FmuExportError as FmuExportError
     from ropeway.fmu.errors import FmuImportError as FmuImportError
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "cosimulation": "CoSimulation",
+    "embedded": "FmuComponent component",
     "errors": "FmuError FmuExportError FmuImportError FmuRunError FmuVariableError",
     "exporting": "export",
     "imported": "Fmu load",

@@ -31,11 +31,7 @@ class Slave:
             raise FmuImportError(
                 f"{fmu.path.name} is of FMI version {fmu.fmi}", "Use its Co-Simulation, or export it as FMI 2.0"
             )
-        if fmpy.platform not in fmu.platforms:
-            raise FmuImportError(
-                f"{fmu.path.name} has no binary for {fmpy.platform} (it has {', '.join(fmu.platforms) or 'none'})",
-                "Export it for this platform",
-            )
+        require_platform(fmu)
         self.fmu, self.name, self.kind = fmu, name, kind
         self.log: list[str] = []
         self.time = 0.0
@@ -221,6 +217,15 @@ class Slave:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def require_platform(fmu: Fmu) -> None:
+    """Raises FmuImportError unless an FMU has a binary for this platform."""
+    if fmpy.platform not in fmu.platforms:
+        raise FmuImportError(
+            f"{fmu.path.name} has no binary for {fmpy.platform} (it has {', '.join(fmu.platforms) or 'none'})",
+            "Export it for this platform",
+        )
 
 
 def require_causality(fmu: Fmu, name: str, causality: str) -> None:
