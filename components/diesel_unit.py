@@ -13,6 +13,8 @@ from ropeway.components.smooth import clip, clip_above
 
 PEAK = 0.6
 """Speed of the highest torque, of the rated speed."""
+OVERSPEED = 1.2
+"""Speed at which an engine that the line drives is in danger, of the rated speed."""
 LUGGED, STALLING = 0.8, 0.6
 """Speeds, of the rated speed, at which the pump begins to give way and at which it gives charge pressure only."""
 
@@ -81,7 +83,10 @@ class DieselHydraulicUnit(Component):
         return ()
 
     def limits(self) -> tuple[Limit, ...]:
-        return (Limit("speed_ratio", "engine lugged down", low=LUGGED),)
+        return (
+            Limit("speed_ratio", "engine lugged down", low=LUGGED),
+            Limit("speed_ratio", "engine overspeed", high=OVERSPEED),
+        )
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, state, out = Kind.PARAMETER, Kind.STATE, Kind.OUTPUT

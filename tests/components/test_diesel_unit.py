@@ -46,7 +46,9 @@ def test_energy_goes_into_load_and_rotation() -> None:
 
 
 def test_a_braking_line_speeds_the_engine_up() -> None:
-    f = run(-15e3).frame
+    result = run(-15e3)
+    f = result.frame
+    assert result.events["event"].tolist() == ["engine overspeed"]
     assert f["unit.speed"].iloc[-1] > 1.08 * 230.0
     assert f["unit.power"].iloc[-1] == pytest.approx(-15e3 * 0.88, rel=1e-2)
     assert f["unit.rack"].iloc[-1] == pytest.approx(0.0, abs=1e-6)

@@ -84,7 +84,7 @@ def test_values_of_parameters(unit: FmuComponent) -> None:
 
 def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
     path = unit.fmu.path
-    with pytest.raises(FmuImportError, match=r"1 event indicators.*CoSimulation"):
+    with pytest.raises(FmuImportError, match=r"2 event indicators.*CoSimulation"):
         component("power", path)
     with pytest.raises(FmuVariableError, match="not a Real parameter"):
         component("power", path, parameters={"unit.speed": 1.0}, ignore_events=True)
