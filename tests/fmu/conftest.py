@@ -31,6 +31,11 @@ def driven(fmus: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def span2(fmus: Path) -> Path:
+    return export(one_span(), fmus / "span2.fmu", "2.0")
+
+
+@pytest.fixture(scope="session")
 def span3(fmus: Path) -> Path:
     return export(one_span(), fmus / "span3.fmu", "3.0")
 
