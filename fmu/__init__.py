@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ropeway.fmu.imported import Fmu as Fmu
     from ropeway.fmu.imported import load as load
     from ropeway.fmu.slave import Slave as Slave
+    from ropeway.fmu.stepping import StepControl as StepControl
 
 _HOMES = {
     "cosimulation": "CoSimulation",
@@ -24,6 +25,7 @@ _HOMES = {
     "exporting": "export",
     "imported": "Fmu load",
     "slave": "Slave",
+    "stepping": "StepControl",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 

@@ -19,7 +19,8 @@ from ropeway.components.component import Component, Equations, Kind, Port, Site,
 from ropeway.fmu import units
 from ropeway.fmu.errors import FmuImportError
 from ropeway.fmu.imported import Fmu, load
-from ropeway.fmu.slave import require_causality, require_platform
+from ropeway.fmu.instance import require_kind
+from ropeway.fmu.slave import require_causality
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +84,7 @@ def component(
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
-    if "ModelExchange" not in file.kinds:
-        raise FmuImportError(f"{file.path.name} is not for ModelExchange", "Couple it by CoSimulation")
-    require_platform(file)
+    require_kind(file, "ModelExchange")
     count = int(file.description.numberOfEventIndicators or 0)
     if count and not ignore_events:
         raise FmuImportError(
