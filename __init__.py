@@ -28,6 +28,9 @@ if TYPE_CHECKING:
         ControlSheave as ControlSheave,
     )
     from ropeway.components import (
+        DieselHydraulicUnit as DieselHydraulicUnit,
+    )
+    from ropeway.components import (
         Drum as Drum,
     )
     from ropeway.components import (
@@ -193,7 +196,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave Drum Elastic GuyedSpar Guyline "
+        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic "
+        "GuyedSpar Guyline "
         "HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope "
         "Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),

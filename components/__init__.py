@@ -4,6 +4,7 @@ from ropeway.components.anchor import Anchor
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.diesel_unit import DieselHydraulicUnit
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
@@ -27,6 +28,7 @@ __all__ = [
     "CarriageOnShoe",
     "ConstructionStretch",
     "ControlSheave",
+    "DieselHydraulicUnit",
     "Drum",
     "Elastic",
     "GuyedSpar",

@@ -14,10 +14,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector
+from ropeway.components.errors import UnknownNameError
+from ropeway.components.schedule import Schedule
 
 
 class Kind(Enum):
@@ -87,6 +89,16 @@ class Supply(Port):
 
 
 @dataclass(frozen=True, slots=True)
+class SignalOutput(Port):
+    """An output or state that drives inputs of other components, any number of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignalInput(Port):
+    """An input that another component may drive."""
+
+
+@dataclass(frozen=True, slots=True)
 class Seat(Port):
     """Where a rope sits on a node. In equations: `force` of the rope on the node [N], rope `speed` [m/s], and
     `carried`, the energy that each metre of the rope's travel brings or takes, T + T^2/2EA [N].
@@ -126,8 +138,9 @@ class Limit:
 @dataclass(frozen=True)
 class Component(ABC):
     """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
-    `v.time` [s] and `v.gravity` [m/s2]."""
+    `v.time` [s] and `v.gravity` [m/s2]. `external`: it calls compiled code, which takes no scalar symbols."""
 
+    external: ClassVar[bool] = False
     name: str
 
     def __post_init__(self) -> None:
@@ -154,6 +167,31 @@ class Component(ABC):
     def limits(self) -> tuple[Limit, ...]:
         """What is reported when it happens."""
         return ()
+
+    def output(self, name: str) -> SignalOutput:
+        """An output or a state by its name, to be connected to inputs. Raises UnknownNameError."""
+        self._require(name, Kind.OUTPUT, Kind.STATE)
+        return SignalOutput(self, name)
+
+    def input(self, name: str) -> SignalInput:
+        """An input by its name, to be connected to an output. Raises UnknownNameError."""
+        self._require(name, Kind.INPUT)
+        return SignalInput(self, name)
+
+    def unit_of(self, name: str) -> str:
+        """The unit of a variable; "" where it is not known."""
+        return next(v.unit for v in self.variables(Site(1.0, 1.0)) if v.name == name)
+
+    def driver(self, name: str) -> float | Schedule | None:
+        """What drives an input that is not connected; None where it is left open."""
+        driver: float | Schedule | None = getattr(self, name, None)
+        return driver
+
+    def _require(self, name: str, *kinds: Kind) -> None:
+        known = [v.name for v in self.variables(Site(1.0, 1.0)) if v.kind in kinds]
+        if name not in known:
+            what = " or ".join(kind.value for kind in kinds)
+            raise UnknownNameError(f"{self.name!r} has no {what} {name!r}", f"It has {', '.join(known[:12]) or 'none'}")
 
     def structure(self, site: Site) -> Hashable:
         """Components of one class and structure share one CasADi function."""

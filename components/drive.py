@@ -6,6 +6,7 @@ headings survive: the equations here are ours, from the textbook relations of a 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -30,7 +31,8 @@ class HydraulicDrive:
     """A hydraulic motor on a sheave, in a closed circuit with its pump.
 
     displacement of the motor [m3/rad]; gear_ratio: turns of the motor per turn of the sheave; sheave_radius
-    [m]; mechanical_efficiency and volumetric_efficiency, 0 to 1; relief_pressure [Pa]; pump_flow [m3/s];
+    [m]; mechanical_efficiency and volumetric_efficiency, 0 to 1; relief_pressure [Pa] and pump_flow [m3/s],
+    None: left open as an input of the model, for a power unit to give;
     engine_power [W]; inertia: of all that rotates, referred to the rope [kg]; command_lag: time constant from
     command to pump [s], 0 for none; response_time: time constant of the speed control [s]; recovers: braking
     returns energy to the engine (and is limited by its power) instead of burning it; friction of the sheave's
@@ -44,8 +46,8 @@ class HydraulicDrive:
     displacement: float
     gear_ratio: float
     sheave_radius: float
-    relief_pressure: float
-    pump_flow: float
+    relief_pressure: float | None
+    pump_flow: float | None
     engine_power: float
     inertia: float
     mechanical_efficiency: float = 0.92
@@ -69,7 +71,8 @@ class HydraulicDrive:
             ("inertia", "kg"),
             ("response_time", "s"),
         ):
-            check.positive(getattr(self, name), owner, name, unit)
+            if getattr(self, name) is not None or name not in ("relief_pressure", "pump_flow"):
+                check.positive(getattr(self, name), owner, name, unit)
         for name in ("mechanical_efficiency", "volumetric_efficiency"):
             check.positive(getattr(self, name), owner, name)
             if getattr(self, name) > 1.0:
@@ -78,6 +81,8 @@ class HydraulicDrive:
             check.not_negative(getattr(self, name), owner, name, unit)
         if self.brake_force is not None:
             check.positive(self.brake_force, owner, "brake_force", "N")
+        elif self.relief_pressure is None:
+            raise InputError(f"{owner}: brake_force and relief_pressure are None", "Give brake_force [N]")
 
     @property
     def volume_per_metre(self) -> float:
@@ -86,18 +91,20 @@ class HydraulicDrive:
 
     @property
     def relief_force(self) -> float:
-        """Force at the rope at which the relief valve opens when driving [N]."""
-        return self.relief_pressure * self.volume_per_metre * self.mechanical_efficiency
+        """Force at the rope at which the relief valve opens when driving [N]; nan where the pressure is left open."""
+        pressure = math.nan if self.relief_pressure is None else self.relief_pressure
+        return pressure * self.volume_per_metre * self.mechanical_efficiency
 
     @property
     def top_speed(self) -> float:
-        """Rope speed at full pump flow [m/s]."""
-        return self.pump_flow * self.volumetric_efficiency / self.volume_per_metre
+        """Rope speed at full pump flow [m/s]; nan where that is left open."""
+        flow = math.nan if self.pump_flow is None else self.pump_flow
+        return flow * self.volumetric_efficiency / self.volume_per_metre
 
     @property
     def structure(self) -> Hashable:
         """What shapes the equations."""
-        return (self.command_lag > 0.0, self.recovers)
+        return (self.command_lag > 0.0, self.recovers, self.relief_pressure is None, self.pump_flow is None)
 
     def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
         """Variables that the drive adds to its sheave, which starts at a rope speed [m/s]."""
@@ -109,8 +116,8 @@ class HydraulicDrive:
             Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed),
             *(delayed if self.command_lag > 0.0 else ()),
             Variable("volume_per_metre", par, "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
-            Variable("relief_pressure", par, "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
-            Variable("pump_flow", par, "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
+            _given("relief_pressure", "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
+            _given("pump_flow", "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
             Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4),
             Variable("inertia", par, "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
             Variable("mechanical_efficiency", par, "1", "mechanical efficiency", self.mechanical_efficiency),
@@ -201,6 +208,13 @@ class HydraulicDrive:
                 "power_limited": xp.fabs(drive) >= 0.999 * limit,
             },
         )
+
+
+def _given(name: str, unit: str, description: str, value: float | None, nominal: float) -> Variable:
+    """A parameter, or an input where it has no value."""
+    if value is None:
+        return Variable(name, Kind.INPUT, unit, description, nominal, nominal)
+    return Variable(name, Kind.PARAMETER, unit, description, value, nominal)
 
 
 class Motion(NamedTuple):

@@ -1,48 +1,103 @@
-"""Two lines in co-simulation: a sheave with a hydraulic drive on the first gives the speed of the second."""
+"""A diesel-hydraulic power unit and the example line, each an FMU of its own, in co-simulation: the unit gives pressure
+and flow to the drive of control sheave c4, which loads the engine. Compared with both in one simulation."""
 
 import sys
 from pathlib import Path
 
 import matplotlib as mpl
-import pandas as pd
+import numpy as np
 
 import ropeway as rw
+
+UNTIL = 20.0
+CONNECTIONS = (
+    ("unit.flow", "c4.pump_flow"),
+    ("unit.pressure", "c4.relief_pressure"),
+    ("c4.hydraulic_power", "unit.load_power"),
+)
+
+
+def power_unit() -> rw.DieselHydraulicUnit:
+    """An engine that is just too weak: it is lugged down, the pressure sinks, and the sheave lets rope back."""
+    return rw.DieselHydraulicUnit(
+        "unit", rated_power=32e3, rated_speed=230.0, inertia=0.6, displacement=16e-6, relief_pressure=300e5
+    )
+
+
+def example_line() -> rw.System:
+    """The example line; pressure and flow of c4's drive are left open."""
+    drive = rw.HydraulicDrive(
+        displacement=60e-6,
+        gear_ratio=20.0,
+        sheave_radius=0.5,
+        relief_pressure=None,
+        pump_flow=None,
+        engine_power=60e3,
+        inertia=800.0,
+        brake_force=100e3,
+    )
+    return rw.monocable(
+        rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3),
+        supports=Path(__file__).with_name("line.csv"),
+        tension=45e3,
+        speed=rw.Schedule((0.0, 10.0, 13.0, UNTIL), (1.0, 1.0, 1.3, 1.3)),
+        load_mass=300.0,
+        load_spacing=50.0,
+        drive={"c4": drive},
+    )
 
 
 def main(folder: Path) -> None:
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
-    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
-    supports = pd.read_csv(Path(__file__).with_name("line.csv")).iloc[:8]
-    supports.loc[supports.index[-1], "kind"] = "drum"
-    drive = rw.HydraulicDrive(
-        displacement=1e-4,
-        gear_ratio=20.0,
-        sheave_radius=0.5,
-        relief_pressure=350e5,
-        pump_flow=0.02,
-        engine_power=60e3,
-        inertia=500.0,
-    )
-    lines = {
-        name: rw.monocable(
-            rope, supports=supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0, name=name, drive=own
-        )
-        for name, own in (("first", drive), ("second", None))
-    }
-    together = rw.fmu.CoSimulation(step=0.1, iterated=True)
-    together.add("first", lines["first"], start={"c1.speed": 1.05})
-    together.add("second", lines["second"])
-    together.connect("first.c1.rope_speed", "second.c1.speed")
-    frame = together.run(until=30.0)
-    print(frame[["first.c1.rope_speed", "first.c1.travel", "second.c1.travel"]].tail(3))
+    whole, unit = example_line(), power_unit()
+    whole.add(unit)
+    for source, target in CONNECTIONS:
+        (one, output), (other, entry) = source.split("."), target.split(".")
+        whole.connect(whole.components[one].output(output), whole.components[other].input(entry))
+    result = rw.simulate(whole, UNTIL, every=0.1)
+    reference = result.frame
+    print(result.events[~result.events["event"].str.contains("crossing|load")].to_string())
 
-    figure, axes = plt.subplots(layout="constrained")
-    for name in lines:
-        axes.plot(frame.index, frame[f"{name}.c1.tension_out"] / 1e3, label=name)
-    axes.set(xlabel="time [s]", ylabel="c1.tension_out [kN]")
-    axes.legend()
+    alone = rw.System("power unit")
+    alone.add(unit)
+    files = {
+        "power": rw.fmu.export(alone, folder / "power_unit.fmu"),
+        "line": rw.fmu.export(example_line(), folder / "line.fmu"),
+    }
+    owner = {"unit": "power", "c4": "line"}
+    ways = {"explicit, 0.02 s": (0.02, False), "iterated, 0.02 s": (0.02, True)}
+    frames = {}
+    for label, (step, iterated) in ways.items():
+        together = rw.fmu.CoSimulation(step, iterated=iterated)
+        for name, file in files.items():
+            together.add(name, file)
+        for source, target in CONNECTIONS:
+            ends = [f"{owner[end.split('.')[0]]}.{end}" for end in (source, target)]
+            together.connect(*ends)
+        frame = together.run(until=UNTIL)
+        frames[label] = frame.iloc[:: round(0.1 / step)]
+
+    shown = (
+        ("unit.speed", 1.0, "engine [rad/s]"),
+        ("unit.pressure", 1e-5, "pressure [bar]"),
+        ("c4.rope_speed", 1.0, "rope at c4 [m/s]"),
+        ("c4.tension_in", 1e-3, "c4.tension_in [kN]"),
+    )
+    figure, axes = plt.subplots(5, sharex=True, figsize=(7.0, 10.0), layout="constrained")
+    for axis, (name, factor, label) in zip(axes, shown, strict=False):
+        axis.plot(reference.index, factor * reference[name], color="0.75", linewidth=5, label="one simulation")
+        for way, style in zip(ways, ("k:", "C1-"), strict=True):
+            values = frames[way][f"{owner[name.split('.')[0]]}.{name}"]
+            axis.plot(values.index, factor * values, style, linewidth=1, label=f"FMUs, {way}")
+        axis.set_ylabel(label)
+    axes[0].legend(loc="upper right")
+    for way, style in zip(ways, ("k:", "C1-"), strict=True):
+        error = np.abs(frames[way]["line.c4.tension_in"].to_numpy() - reference["c4.tension_in"].to_numpy())
+        print(f"{way}: largest difference in c4.tension_in {error.max():.3g} N")
+        axes[4].semilogy(reference.index[1:], error[1:], style, label=way)
+    axes[4].set(xlabel="time [s]", ylabel="difference in\nc4.tension_in [N]")
     figure.savefig(folder / "fmu_cosimulation.png", dpi=110)
     plt.close(figure)
 

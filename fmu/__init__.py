@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ropeway.fmu.cosimulation import CoSimulation as CoSimulation
+    from ropeway.fmu.embedded import FmuComponent as FmuComponent
+    from ropeway.fmu.embedded import component as component
     from ropeway.fmu.errors import FmuError as FmuError
     from ropeway.fmu.errors import FmuExportError as FmuExportError
     from ropeway.fmu.errors import FmuImportError as FmuImportError
@@ -14,13 +16,16 @@ if TYPE_CHECKING:
     from ropeway.fmu.imported import Fmu as Fmu
     from ropeway.fmu.imported import load as load
     from ropeway.fmu.slave import Slave as Slave
+    from ropeway.fmu.stepping import StepControl as StepControl
 
 _HOMES = {
     "cosimulation": "CoSimulation",
+    "embedded": "FmuComponent component",
     "errors": "FmuError FmuExportError FmuImportError FmuRunError FmuVariableError",
     "exporting": "export",
     "imported": "Fmu load",
     "slave": "Slave",
+    "stepping": "StepControl",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 

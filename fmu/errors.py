@@ -29,8 +29,11 @@ class FmuVariableError(FmuError, KeyError):
 
 
 class FmuRunError(FmuError):
-    """An FMU refused a call while it ran; the cause ends with what it logged. `time` [s] is when."""
+    """An FMU refused a call while it ran; the cause ends with what it logged. `time` [s] is when; `fatal`: it can
+    never be used again."""
 
-    def __init__(self, cause: str, remedy: str = "", variable: str | None = None, time: float = 0.0) -> None:
-        self.time = time
+    def __init__(
+        self, cause: str, remedy: str = "", variable: str | None = None, *, time: float = 0.0, fatal: bool = False
+    ) -> None:
+        self.time, self.fatal = time, fatal
         super().__init__(cause, remedy, variable)

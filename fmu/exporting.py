@@ -19,6 +19,7 @@ from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu import compiler, description, documentation, tables
 from ropeway.fmu.equations import Equations
+from ropeway.fmu.errors import FmuExportError
 from ropeway.fmu.interface import Interface
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import Model
@@ -61,6 +62,8 @@ def export(
         raise InputError(f"{target.name!r} does not end in .fmu", f"Call it {target.with_suffix('.fmu').name}")
     names = compiler.resolved(platforms)
     rest = system if isinstance(system, Equilibrium) else equilibrium(system)
+    if rest.model.external:
+        raise FmuExportError(f"A part of {rest.model.name!r} is an FMU itself", "Export the rest, use CoSimulation")
     interface = Interface(Equations.at(rest), inputs, outputs, parameters)
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 _BASE = ("kg", "m", "s", "A", "K", "rad")
@@ -31,6 +32,11 @@ _SYMBOLS: dict[str, tuple[float, dict[str, int]]] = {
     "deg": (math.pi / 180.0, {"rad": 1}),
     "rev": (2.0 * math.pi, {"rad": 1}),
 }
+_SI = (
+    *("1", "m", "s", "kg", "rad", "K", "N", "Pa", "J", "W", "m/s", "m/s2", "m2", "m3", "m3/s", "rad/s", "kg/m"),
+    *("kg.m2", "N.m", "N/m", "N.s/m", "m3/rad", "Hz"),
+)
+"""Symbols that this library uses, one for each quantity."""
 _TERM = re.compile(r"(%|[A-Za-z]+|1)(-?\d+)?")
 
 
@@ -76,3 +82,17 @@ def parse(symbol: str) -> Unit | None:
             for name, n in base.items():
                 exponents[name] += n * power
     return Unit(factor, tuple(exponents.values()))
+
+
+def to_si(symbol: str, defined: Mapping[str, Unit]) -> tuple[str, float, float]:
+    """The SI unit of a symbol, of those `defined` or by its parts, and the factor and offset to it. A symbol that is
+    not known, or has none here, stays as it is."""
+    unit = defined.get(symbol) or parse(symbol)
+    if not symbol or unit is None:
+        return symbol, 1.0, 0.0
+    if unit == parse(symbol) and (unit.factor, unit.offset) == (1.0, 0.0) and symbol in _SI:
+        return symbol, 1.0, 0.0
+    for name in _SI:
+        if (known := parse(name)) is not None and known.exponents == unit.exponents:
+            return name, unit.factor, unit.offset
+    return symbol, 1.0, 0.0

@@ -3,7 +3,7 @@ once per component and joined at the ports; then the structure is checked before
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,6 +16,7 @@ from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, S
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, find_runs, slot_counts
 from ropeway.systems.sampling import clocks
@@ -35,8 +36,9 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     runs = find_runs(system)
     starts = [run_start(run, system.gravity) for run in runs]
     sites = _sites(system, runs, starts, slots)
-    variables = {c.name: c.variables(sites[c.name]) for c in system.components.values()}
-    tables = {kind: _table(kind, variables, system) for kind in Kind}
+    variables = with_links(system, {c.name: c.variables(sites[c.name]) for c in system.components.values()})
+    rows = with_residuals(system, variables)
+    tables = {kind: _table(kind, rows, system) for kind in Kind}
     dae, outputs = _join(system, runs, sites, variables, tables)
     model = Model(
         system=system.copy(),
@@ -44,7 +46,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         dae=dae,
         outputs=outputs,
         signals=tuple(
-            getattr(system.components[component_of(name)], name.split(".", 1)[1]) for name in tables[Kind.INPUT].names
+            system.components[component_of(name)].driver(name.split(".", 1)[1]) for name in tables[Kind.INPUT].names
         ),
         runs=runs,
         layouts=tuple(_layout(run, tables) for run in runs),
@@ -123,7 +125,7 @@ class _Kinds:
 
     def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """What a drive asks of its power unit, (2,): the same inputs as its equations."""
-        key = ("demand", component.structure(site))
+        key = ("demand", *_form(component, site, variables))
         if key not in self._functions:
             v, inputs = _symbols(component, variables)
             self._functions[key] = ca.Function(
@@ -132,7 +134,7 @@ class _Kinds:
         return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
-        key = component.structure(site)
+        key = _form(component, site, variables)
         if key not in self._functions:
             self._functions[key] = _component_function(
                 component, variables, f"{type(component).__name__}_{len(self._functions)}"
@@ -140,13 +142,18 @@ class _Kinds:
         return self._functions[key]
 
 
+def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
+    """Components of one form share their functions: a driven input is not where an open one is."""
+    return (component.structure(site), tuple(v.kind for v in variables))
+
+
 def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
     """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
     v, inputs = _symbols(component, variables)
     eq = component.equations(v)
 
-    def stacked(kind: Kind, by_name: Any) -> ca.SX:
-        return ca.vertcat(ca.SX(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
+    def stacked(kind: Kind, by_name: Any) -> Any:
+        return ca.vertcat(ca.DM(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
 
     # On the node at the other side of the port the force is the opposite.
     forces = [
@@ -163,26 +170,29 @@ def _component_function(component: Component, variables: tuple[Variable, ...], n
     return ca.Function(name, inputs, results)
 
 
-def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[ca.SX]]:
+def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
     """Symbols for all that a component's equations read, as attributes and as inputs of its function."""
-    time, gravity = ca.SX.sym("t"), ca.SX.sym("gravity")
+    sym = ca.MX.sym if component.external else ca.SX.sym
+    time, gravity = sym("t"), sym("gravity")
     v = SimpleNamespace(time=time, gravity=gravity)
     vectors = []
     for kind in _SYMBOLS:
-        symbols = [ca.SX.sym(var.name, var.size) for var in variables if var.kind is kind]
-        for var, symbol in zip((w for w in variables if w.kind is kind), symbols, strict=True):
-            setattr(v, var.name, symbol)
-        vectors.append(ca.vertcat(*symbols))
+        owned = [var for var in variables if var.kind is kind]
+        offsets = np.cumsum([0, *(var.size for var in owned)])
+        vector = sym(kind.value, int(offsets[-1]))
+        for var, start in zip(owned, offsets[:-1].tolist(), strict=True):
+            setattr(v, var.name, vector[start : start + var.size])
+        vectors.append(vector)
     ports = []
     for port in component.ports:
-        symbol = ca.SX.sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
+        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
         three = (symbol[0], symbol[1], symbol[2])
         if isinstance(port, RopeEnd):
             setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
         else:
             setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
         ports.append(symbol)
-    signals = ca.SX.sym("signals", len(component.signals))
+    signals = sym("signals", len(component.signals))
     for i, name in enumerate(component.signals):
         setattr(v, name, signals[i])
     return v, [time, gravity, *vectors, signals, *ports]
@@ -260,7 +270,16 @@ def _join(
         if c.name not in results:
             signals = shares.get(c.name, ca.MX(ca.DM.ones(len(c.signals), 1)))
             results[c.name] = call(c, signals, forces(c))
-    ode, alg, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in range(3))
+    ode, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in (0, 2))
+
+    def quantity(component: str, name: str) -> ca.MX:
+        place = tables[Kind.OUTPUT].index.get(f"{component}.{name}")
+        return variable(component, name) if place is None else y[place]
+
+    alg = ca.vertcat(
+        ca.MX(0, 1),
+        *(part for c in variables for part in (results[c][1], *differences(system, c, variables[c], quantity))),
+    )
     arguments = [t, *(whole[kind] for kind in _SYMBOLS)]
     names = ["t", "x", "z", "u", "p", "d"]
     return (

@@ -38,15 +38,16 @@ class Blocks:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self._sx = {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        self._time = ca.SX.sym("t")
-        self._rate, self._slope = ca.SX.sym("rate", len(model.x)), ca.SX.sym("slope", len(model.u))
-        alg = expanded(model)(self._time, *(self._sx[kind] for kind in VECTORS))[1]
+        self._symbols = {kind: model.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        self._time = model.sym("t")
+        self._rate, self._slope = model.sym("rate", len(model.x)), model.sym("slope", len(model.u))
+        alg = expanded(model)(self._time, *(self._symbols[kind] for kind in VECTORS))[1]
         self._alg = alg / model.r.nominals
-        pattern = ca.jacobian_sparsity(self._alg, self._sx[Kind.ALGEBRAIC])
+        pattern = ca.jacobian_sparsity(self._alg, self._symbols[Kind.ALGEBRAIC])
         rows, columns, n = np.array(pattern.row()), np.array(pattern.get_col()), len(model.z)
         graph = csr_matrix((np.ones(len(rows)), (rows, n + columns)), shape=(2 * n, 2 * n))
-        _, label = connected_components(graph, directed=False)
+        # Without a scalar graph there is nothing to gain from parts.
+        label = np.zeros(2 * n, dtype=int) if model.external else connected_components(graph, directed=False)[1]
         self.of = label[n:]
         self._row_of = label[:n]
         self._parts: dict[int, _Part] = {}
@@ -56,15 +57,12 @@ class Blocks:
         if block not in self._parts:
             rows = np.flatnonzero(self._row_of == block)
             residual = self._alg[rows.tolist()]
-            used = tuple(
-                np.unique(np.array(ca.jacobian_sparsity(residual, self._sx[kind]).get_col(), dtype=int))
-                for kind in VECTORS
-            )
-            x, z, u, p, d = (_entries(self._sx[kind], places) for kind, places in zip(VECTORS, used, strict=True))
+            used = tuple(self._used(residual, kind) for kind in VECTORS)
+            x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
             rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
             columns = used[1]
             drift = ca.jtimes(residual, x, rate) + ca.jtimes(residual, u, slope) + ca.jtimes(residual, self._time, 1)
-            jacobian = ca.mtimes(ca.jacobian(residual, z), ca.diag(ca.SX(self.model.z.nominals[columns])))
+            jacobian = ca.mtimes(ca.jacobian(residual, z), ca.diag(ca.DM(self.model.z.nominals[columns])))
             inputs = [self._time, x, z, u, p, d, rate, slope]
             parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
             symbols = parts.mx_in()
@@ -77,6 +75,12 @@ class Blocks:
                 Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
             )
         return self._parts[block]
+
+    def _used(self, residual: Any, kind: Kind) -> np.ndarray:
+        """Entries of a vector that a residual reads; without a scalar graph all of them."""
+        if self.model.external:
+            return np.arange(len(self.model.tables[kind]))
+        return np.unique(np.array(ca.jacobian_sparsity(residual, self._symbols[kind]).get_col(), dtype=int))
 
     def solve(
         self, point: Point, blocks: Iterable[int], x_rate: np.ndarray, slope: np.ndarray, rates: np.ndarray
@@ -99,7 +103,9 @@ class Blocks:
             rates[part.columns] = -sides[n : 2 * n] * nominal
 
 
-def _entries(vector: ca.SX, places: np.ndarray) -> ca.SX:
+def _entries(vector: Any, places: np.ndarray) -> Any:
+    if len(places) == vector.numel():
+        return vector
     return ca.vertcat(ca.SX(0, 1), *(vector[int(i)] for i in places))
 
 

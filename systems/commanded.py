@@ -11,23 +11,23 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.systems.model import Model
-from ropeway.systems.newton import VECTORS, Buffered, Point, expanded
+from ropeway.systems.newton import Buffered, Point, expanded
 
 
 class Commanded:
     """The commanded states of a model: `rows` are their places."""
 
     def __init__(self, model: Model) -> None:
-        sx = {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        t, h, slope = ca.SX.sym("t"), ca.SX.sym("h"), ca.SX.sym("slope", len(model.u))
-        ode, _ = expanded(model)(t, *(sx[kind] for kind in VECTORS))
-        solved = set(ca.jacobian_sparsity(ode, ca.vertcat(sx[Kind.STATE], sx[Kind.ALGEBRAIC])).row())
+        t, h = model.sym("t"), model.sym("h")
+        slope, u = (model.sym(name, len(model.u)) for name in ("slope", "u"))
+        p, d = model.sym("p", len(model.p)), model.sym("d", len(model.d))
+        dae = expanded(model)
+        solved = {*dae.jac_sparsity(0, 1).row(), *dae.jac_sparsity(0, 2).row()}
         self.rows = [i for i in range(len(model.x)) if i not in solved]
-        known, u = ca.densify(ode[self.rows]), sx[Kind.INPUT]
-        rate = ca.Function("rate", [t, u, sx[Kind.PARAMETER], sx[Kind.DISCRETE]], [known])
-        p, d = sx[Kind.PARAMETER], sx[Kind.DISCRETE]
+        # These rates do not depend on the states and algebraic variables: any values will do.
+        ode, _ = dae(t, model.x.values, model.z.values, u, p, d)
+        rate = ca.Function("rate", [t, u, p, d], [ca.densify(ode[self.rows])])
         ends = [rate(t + share * h, u + share * h * slope, p, d) for share in (0.0, 0.5, 1.0)]
         gain = h / 6.0 * (ends[0] + 4.0 * ends[1] + ends[2])
         self._gain = Buffered(ca.Function("gain", [h, t, u, slope, p, d], [gain]))

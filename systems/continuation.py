@@ -18,7 +18,7 @@ def solve_algebraic(state: LineState) -> None:
         return
     except EquilibriumError as error:
         first = error
-    for way in (_release_idlers, _stiffen):
+    for way in (_release_idlers, _stiffen) if state.model.layouts else ():
         for scale in (1.0, 0.3, 3.0):
             state.point.z[:] = start.z
             for layout in state.model.layouts:

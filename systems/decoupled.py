@@ -66,8 +66,8 @@ class Drives:
     def __init__(self, model: Model, tolerance: float) -> None:
         self.model = model
         nx, nu = len(model.x), len(model.u)
-        sx = {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        time, start, h, tau = (ca.SX.sym(name) for name in ("t", "t0", "h", "tau"))
+        sx = {kind: model.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        time, start, h, tau = (model.sym(name) for name in ("t", "t0", "h", "tau"))
         ode, _ = expanded(model)(time, *(sx[kind] for kind in VECTORS))
         by_z = ca.jacobian(ode, sx[Kind.ALGEBRAIC])
         self._ties = by_z.nnz() > 0
@@ -75,8 +75,8 @@ class Drives:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
             self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.densify(ca.vec(scaled)))]))
-        w, slope = ca.SX.sym("w", nx), ca.SX.sym("slope", nu)
-        x0, rate = ca.SX.sym("x0", nx), ca.SX.sym("rate", nx)
+        w, slope = model.sym("w", nx), model.sym("slope", nu)
+        x0, rate = model.sym("x0", nx), model.sym("rate", nx)
         passed = tau * h
         rest = [sx[kind] for kind in (Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)]
         z, u, p, d = rest

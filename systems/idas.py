@@ -26,18 +26,21 @@ class Idas:
     def __init__(self, model: Model, tolerance: float) -> None:
         self.model = model
         nx, nz, nu = len(model.x), len(model.z), len(model.u)
-        w, zeta, tau = ca.SX.sym("w", nx), ca.SX.sym("zeta", nz), ca.SX.sym("tau")
-        start, h = ca.SX.sym("t0"), ca.SX.sym("h")
-        x0, x_rate, z0, z_rate = (ca.SX.sym(n, k) for n, k in (("x0", nx), ("dx", nx), ("z0", nz), ("dz", nz)))
-        u, slope = ca.SX.sym("u", nu), ca.SX.sym("slope", nu)
-        p, d = ca.SX.sym("p", len(model.p)), ca.SX.sym("d", len(model.d))
+        sym = model.sym
+        w, unknowns, tau = sym("w", nx), sym("zeta", nz), sym("tau")
+        start, h = sym("t0"), sym("h")
+        x0, x_rate, z0, z_rate = (sym(n, k) for n, k in (("x0", nx), ("dx", nx), ("z0", nz), ("dz", nz)))
+        u, slope = sym("u", nu), sym("slope", nu)
+        p, d = sym("p", len(model.p)), sym("d", len(model.d))
+        # IDAS's linear solver takes rows and columns as they come: see `banded_order`.
+        dae = expanded(model)
+        rows, columns = banded_order(dae.jac_sparsity(1, 2))
+        self._places = np.argsort(columns)
+        zeta = unknowns[self._places.tolist()]
         passed = tau * h
         x = x0 + passed * x_rate + w * model.x.nominals
         z = z0 + passed * z_rate + zeta * model.z.nominals
-        ode, alg = expanded(model)(start + passed, x, z, u + slope * passed, p, d)
-        # IDAS's linear solver takes rows and columns as they come: see `banded_order`.
-        rows, columns = banded_order(ca.jacobian_sparsity(alg, zeta)) if nz else (np.arange(0), np.arange(0))
-        self._places = np.argsort(columns)
+        ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
         tight = tolerance * float(np.sqrt(max(nx, 1) / (nx + nz)))
@@ -47,7 +50,7 @@ class Idas:
             {
                 "t": tau,
                 "x": w,
-                "z": zeta[columns.tolist()],
+                "z": unknowns,
                 "p": knowns,
                 "ode": h * (ode - x_rate) / model.x.nominals,
                 "alg": (alg / model.r.nominals)[rows.tolist()],

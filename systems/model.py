@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -177,6 +178,17 @@ class Model:
     def name(self) -> str:
         """The system's name."""
         return self.system.name
+
+    @cached_property
+    def external(self) -> bool:
+        """Whether compiled code is a part of it: then there is no scalar graph of the whole."""
+        return any(c.external for c in self.system.components.values())
+
+    @property
+    def sym(self) -> Callable[..., Any]:
+        """Makes symbols that its functions take in numerical work: scalar graphs where there are."""
+        make: Callable[..., Any] = ca.MX.sym if self.external else ca.SX.sym
+        return make
 
     @property
     def x(self) -> Table:

@@ -12,7 +12,6 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 
 from ropeway.components.errors import SimulationError
@@ -22,7 +21,7 @@ from ropeway.systems.blocks import blocks_of
 from ropeway.systems.decoupled import Window, drives_of
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, expanded, newton_of
+from ropeway.systems.newton import Buffered, dense, newton_of
 from ropeway.systems.state import LineState
 
 Signal = float | Schedule
@@ -297,5 +296,4 @@ def idas_of(model: Model, tolerance: float) -> Idas:
 @lru_cache(maxsize=16)
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
-    arguments = model.dae.sx_in()
-    return Buffered(ca.Function("rates", arguments, [ca.densify(expanded(model)(*arguments)[0])]))
+    return dense(model, model.dae)

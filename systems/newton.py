@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -73,8 +74,9 @@ class Newton:
         self.model = model
         self.freed = tuple(freed)
         self.scale = np.concatenate([model.z.nominals, [_nominal(model, slot) for slot in freed]])
-        v = ca.SX.sym("v", len(self.scale))
-        time, point = ca.SX.sym("t"), {kind: ca.SX.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        sym = model.sym
+        v = sym("v", len(self.scale))
+        time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
         for i, (kind, k) in enumerate(freed, len(model.z)):
             entries = ca.vertsplit(full[kind])
@@ -82,11 +84,11 @@ class Newton:
             full[kind] = ca.vertcat(*entries)
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
-        target, damping = ca.SX.sym("target", len(given)), ca.SX.sym("damping")
-        anchor, slope = ca.SX.sym("anchor", len(model.z)), ca.SX.sym("slope", len(model.u))
+        target, damping = sym("target", len(given)), sym("damping")
+        anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
         residual = alg / model.r.nominals - damping * _drag(model, v, anchor)
         if given:
-            y = model.outputs.expand()(*arguments)
+            y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
             residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
         drift = (
@@ -183,6 +185,8 @@ def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
 
     A structurally singular one stays as it is.
     """
+    if pattern.nnz() == 0:
+        return np.arange(pattern.size1()), np.arange(pattern.size2())
     graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
     rows = maximum_bipartite_matching(graph, perm_type="row")
     if np.any(rows < 0):
@@ -191,7 +195,7 @@ def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
     return rows[order], order
 
 
-def _linear_solves(name: str, inputs: list[ca.SX], residual: ca.SX, matrix: ca.SX, sides: ca.SX) -> ca.Function:
+def _linear_solves(name: str, inputs: list[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
     """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
     parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
     symbols = parts.mx_in()
@@ -271,15 +275,26 @@ def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> 
 
 @lru_cache(maxsize=16)
 def expanded(model: Model) -> ca.Function:
-    """The model's equations as one scalar graph, for numerical work."""
-    return model.dae.expand()
+    """The model's equations for numerical work."""
+    return scalar(model, model.dae)
+
+
+def scalar(model: Model, function: ca.Function) -> ca.Function:
+    """A function of a model as one scalar graph; as it is where that cannot be."""
+    return function if model.external else function.expand()
+
+
+def dense(model: Model, function: ca.Function) -> Buffered:
+    """The first result of a function of a model, on arrays, with all its entries."""
+    arguments: list[Any] = function.mx_in() if model.external else function.sx_in()
+    result = scalar(model, function).call(arguments)[0]
+    return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
 
 
 @lru_cache(maxsize=16)
 def outputs_of(model: Model) -> Buffered:
     """The model's outputs as a function of a point's arguments, as arrays."""
-    arguments = model.outputs.sx_in()
-    return Buffered(ca.Function("outputs", arguments, [ca.densify(model.outputs.expand()(*arguments))]))
+    return dense(model, model.outputs)
 
 
 def _nominal(model: Model, slot: Slot) -> float:
@@ -287,9 +302,9 @@ def _nominal(model: Model, slot: Slot) -> float:
     return float(model.tables[kind].nominals[k])
 
 
-def _drag(model: Model, v: ca.SX, anchor: ca.SX) -> ca.SX:
+def _drag(model: Model, v: Any, anchor: Any) -> Any:
     """Move of each travel that a residual balances, at that residual's place."""
-    drag = ca.SX(len(model.r), 1)
+    drag = type(v)(len(model.r), 1)
     for balance in model.balances:
         drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
     return ca.densify(drag)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
-import casadi as ca
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
@@ -17,7 +17,7 @@ from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.intervention import Intervention
 from ropeway.systems.model import Model, component_of, nearest
 from ropeway.systems.moving import Moving, Signal, breaks_of
-from ropeway.systems.newton import Buffered
+from ropeway.systems.newton import Buffered, dense
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result
 from ropeway.systems.sampling import Clock
@@ -91,8 +91,19 @@ def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[
     return tuple(signals)
 
 
+def _is_speed(system: System, component: str, quantity: str) -> bool:
+    """Whether an input is the commanded speed of a drive."""
+    return quantity == "speed" and isinstance(system.components[component], Node)
+
+
 def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
+    driven = [target for target in model.system.links if _is_speed(model.system, *target)]
     for intervention in interventions:
+        if intervention.action == "emergency stop" and driven:
+            raise InputError(
+                f"An emergency stop cannot take down {'.'.join(driven[0])!r}, which another component drives",
+                "Brake that sheave",
+            )
         if intervention.component is not None and intervention.entry[0] not in model.d.index:
             known = [component_of(n) for n in model.d.names if n.endswith(intervention.entry[0].split(".")[1])]
             raise UnknownNameError(
@@ -190,7 +201,7 @@ class _Simulation:
                 continue
             self.ticks[j] += 1
             point = self.state.point
-            new = update_of(clock)(*point.arguments)[0]
+            new = update_of(self.state.model, clock)(*point.arguments)[0]
             for entry, name in clock.corrections.items():
                 value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
                 if value != point.d[entry]:
@@ -219,13 +230,15 @@ class _Simulation:
     def emergency_stop(self, deceleration: float) -> dict[int, float]:
         """Takes all drives down to rest; returns the corrections that this makes an end of."""
         model, t = self.state.model, self.state.point.t
-        signals, ended = [], {}
-        for name, speed in zip(model.u.names, self.state.point.u, strict=True):
+        signals, ended = list(self.line.signals), {}
+        for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
+            if not _is_speed(model.system, *name.split(".", 1)):
+                continue
             entry = model.d.index.get(f"{component_of(name)}.correction")
             if entry is not None:
                 speed, ended[entry] = speed + self.state.point.d[entry], 0.0
             down = t + max(abs(speed) / deceleration, 1e-6)
-            signals.append(Schedule((t, down), (speed, 0.0)))
+            signals[i] = Schedule((t, down), (speed, 0.0))
         self.line.signals, self.responding = tuple(signals), False
         self.line.breaks = breaks_of(signals)
         return ended
@@ -266,7 +279,6 @@ class _Simulation:
 
 
 @lru_cache(maxsize=64)
-def update_of(clock: Clock) -> Buffered:
+def update_of(model: Model, clock: Clock) -> Buffered:
     """The update of a clock, on arrays."""
-    arguments = clock.update.sx_in()
-    return Buffered(ca.Function("update", arguments, [ca.densify(clock.update.expand()(*arguments))]))
+    return dense(model, clock.update)

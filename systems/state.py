@@ -46,7 +46,12 @@ class LineState:
     @classmethod
     def cold(cls, model: Model) -> LineState:
         """From geometry."""
-        u = np.array([s.at(0.0) if isinstance(s, Schedule) else (s or 0.0) for s in model.signals])
+        u = np.array(
+            [
+                s.at(0.0) if isinstance(s, Schedule) else open_start if s is None else s
+                for s, open_start in zip(model.signals, model.u.values, strict=True)
+            ]
+        )
         tables = (model.x, model.z, model.p, model.d)
         x, z, p, d = (table.values.copy() for table in tables)
         state = cls(model, Point(0.0, x, z, u, p, d), model.runs, [np.zeros(0, int) for _ in model.runs])

@@ -11,7 +11,17 @@ from pathlib import Path
 from typing import TypeVar
 
 from ropeway.components import check
-from ropeway.components.component import Component, Node, Outlet, Port, RopeEnd, Seat, Supply
+from ropeway.components.component import (
+    Component,
+    Node,
+    Outlet,
+    Port,
+    RopeEnd,
+    Seat,
+    SignalInput,
+    SignalOutput,
+    Supply,
+)
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.load import Load
 from ropeway.components.response import check_precedence
@@ -61,6 +71,7 @@ class System:
         self.components: dict[str, Component] = {}
         self.connections: dict[tuple[str, str], tuple[str, str]] = {}
         self.supplies: dict[str, str] = {}
+        self.links: dict[tuple[str, str], tuple[str, str]] = {}
         self.hung: list[Hung] = []
         self.feeds: list[Feed] = []
         self._origins: dict[str, str] = {}
@@ -81,10 +92,14 @@ class System:
 
     def connect(self, one: Port, other: Port) -> None:
         """Join a rope end to a seat: one position, one rope travel, forces that sum to zero. Or the supply of a
-        control sheave's hydraulic drive to the outlet of a power unit, which takes any number of them.
+        control sheave's hydraulic drive to the outlet of a power unit, which takes any number of them. Or an
+        `output` of a component to the `input` of another, in place of what that has of its own.
 
         Raises InputError when a port is joined already, or the ports do not fit.
         """
+        if isinstance(one, (SignalInput, SignalOutput)) or isinstance(other, (SignalInput, SignalOutput)):
+            self._connect_signal(one, other)
+            return
         if isinstance(one, (Supply, Outlet)) or isinstance(other, (Supply, Outlet)):
             self._connect_supply(one, other)
             return
@@ -98,6 +113,19 @@ class System:
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
+
+    def _connect_signal(self, one: Port, other: Port) -> None:
+        source, target = (one, other) if isinstance(one, SignalOutput) else (other, one)
+        if not isinstance(source, SignalOutput) or not isinstance(target, SignalInput):
+            raise InputError(f"{one} and {other} cannot be joined", "Join an output to an input")
+        for port in (source, target):
+            self._require_part(port.owner)
+        units = [port.owner.unit_of(port.name) for port in (source, target)]
+        if units[0] != units[1] and all(units):
+            raise InputError(f"{source} is in {units[0]}, {target} in {units[1]}", "Connect variables of one unit")
+        if (target.owner.name, target.name) in self.links:
+            raise InputError(f"Port {target} is joined twice", "One output drives an input")
+        self.links[target.owner.name, target.name] = (source.owner.name, source.name)
 
     def _connect_supply(self, one: Port, other: Port) -> None:
         supply, outlet = (one, other) if isinstance(one, Supply) else (other, one)
@@ -217,7 +245,7 @@ class System:
         """The same declarations, so that later ones do not change a model made before."""
         other = System(self.name, gravity=self.gravity, precedence=self.precedence)
         other.components, other.connections = dict(self.components), dict(self.connections)
-        other.supplies = dict(self.supplies)
+        other.supplies, other.links = dict(self.supplies), dict(self.links)
         other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
         return other
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 import ropeway as rw
+from ropeway.components.component import Component
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 SUPPORTS = Path(__file__).resolve().parents[1] / "examples" / "line.csv"
@@ -81,6 +83,19 @@ HYDRAULIC = rw.HydraulicDrive(
     engine_power=60e3,
     inertia=500.0,
 )
+
+
+def fed_line(unit: Component, prefix: str = "") -> rw.System:
+    """The short line with a drive that a power unit feeds; `prefix` of the unit's variables."""
+    drive = replace(HYDRAULIC, relief_pressure=None, pump_flow=None, brake_force=1e5)
+    s = short_line(drive=drive)
+    unit, c1 = s.add(unit), s.components["c1"]
+    s.connect(unit.output(f"{prefix}flow"), c1.input("pump_flow"))
+    s.connect(unit.output(f"{prefix}pressure"), c1.input("relief_pressure"))
+    s.connect(c1.output("hydraulic_power"), unit.input(f"{prefix}load_power"))
+    return s
+
+
 RESPONSE = rw.ThresholdResponse(low=44e3, high=46e3, increment=0.02, period=1.0, delay=1.4)
 
 

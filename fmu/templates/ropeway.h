@@ -83,6 +83,7 @@ rw_status rw_rates(rw_instance *m);
 rw_status rw_tangent_of(rw_instance *m);
 int rw_sample(rw_instance *m, int clock);
 void rw_inputs_at(rw_instance *m, double t, double *u);
+void rw_input_rates(double t, double factor, double *du);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);

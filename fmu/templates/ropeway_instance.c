@@ -208,14 +208,17 @@ void rw_clear_seeds(rw_instance *m)
     memset(m->dm, 0, sizeof m->dm);
 }
 
-/* Seed of a known variable: an input, a state or a parameter. */
+/* Seed of a known variable: an input, a state, a parameter, or time. */
 rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
 {
     int access = vr < LIMIT ? rw_access[vr] : HIDDEN;
     if (access == STATE) m->dx[vr - X] = seed;
     else if (access == INPUT) m->du[vr - U] = seed;
     else if (access == PARAMETER) *(vr < MASS ? &m->dp[vr - P] : &m->dm[vr - MASS]) = seed;
-    else {
+    else if (vr == 0) {
+        m->dt = seed;
+        rw_input_rates(m->s.now.t, seed, m->du);
+    } else {
         rw_message(m, RW_ERROR, "logStatusError", "Value reference %u is not an input, a state or a parameter", vr);
         return RW_ERROR;
     }

@@ -56,6 +56,18 @@ void rw_inputs_at(rw_instance *m, double t, double *u)
     }
 }
 
+/* Rates of the inputs that schedules drive, times a factor. */
+void rw_input_rates(double t, double factor, double *du)
+{
+    for (int i = 0; i < RW_NS; i++) {
+        const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
+        int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
+        while (k < n && times[k] <= t) k++;
+        if (k > 0 && k < n)
+            du[rw_schedule_input[i]] = factor * (values[k] - values[k - 1]) / (times[k] - times[k - 1]);
+    }
+}
+
 static int functions(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
     point_arguments(m, &t, x, z, u);

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from fmus import HYDRAULIC, RESPONSE, Opener, example_line, one_span, opening, short_line
+from masses import mass_fmu
 
 from ropeway.fmu import export
 
@@ -30,6 +31,11 @@ def driven(fmus: Path) -> Path:
 
 
 @pytest.fixture(scope="session")
+def span2(fmus: Path) -> Path:
+    return export(one_span(), fmus / "span2.fmu", "2.0")
+
+
+@pytest.fixture(scope="session")
 def span3(fmus: Path) -> Path:
     return export(one_span(), fmus / "span3.fmu", "3.0")
 
@@ -38,3 +44,8 @@ def span3(fmus: Path) -> Path:
 def open_fmu(tmp_path: Path) -> Iterator[Opener]:
     with opening(tmp_path) as opener:
         yield opener
+
+
+@pytest.fixture(scope="session")
+def mass(fmus: Path) -> Path:
+    return mass_fmu(fmus / "mass.fmu")

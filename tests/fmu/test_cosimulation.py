@@ -1,8 +1,5 @@
 """Coupled slaves."""
 
-import subprocess
-import sys
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -83,29 +80,3 @@ def test_bad_masters() -> None:
         CoSimulation(1.0, master="Newton")  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="no slave"):
         CoSimulation(1.0).run(1.0)
-
-
-@pytest.mark.importers
-def test_a_foreign_pair_matches_its_monolith(tmp_path: Path) -> None:
-    """OpenModelica's two masses on springs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
-    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(tmp_path)]
-    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
-    (wheel,) = tmp_path.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(tmp_path, [n for n in archive.namelist() if "/linux/MassSpring" in n])
-    folder = next(tmp_path.rglob("linux"))
-
-    def pair(step: float, *, iterated: bool) -> np.ndarray:
-        whole, parts = CoSimulation(step), CoSimulation(step, iterated=iterated)
-        whole.add("both", folder / "MassSpringSystem.fmu", kind="ModelExchange")
-        for i, name in ((1, "one"), (2, "two")):
-            parts.add(name, folder / f"MassSpringSubSystem{i}.fmu", kind="ModelExchange")
-        parts.connect("one.x1", "two.x1")
-        parts.connect("two.x2", "one.x2")
-        one, both = parts.run(2.0), whole.run(2.0)
-        return np.abs(one["one.x1"] - both["both.x1"]).max()
-
-    explicit = [pair(h, iterated=False) for h in (0.02, 0.01, 0.005)]
-    assert explicit[0] / explicit[1] == pytest.approx(2.0, abs=0.1)
-    assert explicit[1] / explicit[2] == pytest.approx(2.0, abs=0.1)
-    assert pair(0.004, iterated=True) < 1e-6

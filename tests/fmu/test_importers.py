@@ -1,23 +1,43 @@
-"""Importers that others wrote run the example line (packages of the extra `fmu-test`)."""
+"""Importers that others wrote run the example line (packages of the extra `fmu-test`): ten minutes with hundreds of
+crossings, all tensions at control sheaves compared after each step."""
 
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fmus import example_line
 
 import ropeway as rw
 
 pytestmark = pytest.mark.importers
-EVERY, UNTIL = 0.73, 73.0
-NAMES = ("c1.tension_in", "c1.tension_out", "c3.tension_in")
+EVERY, STEPS = 0.73, 822  # no load crosses at one of its multiples
+Compare = Callable[[list[list[float]]], float]
 
 
-def wanted() -> list[float]:
-    result = rw.simulate(example_line(), UNTIL, every=EVERY)
-    return [float(v) for v in result.frame.iloc[-1][list(NAMES)]]
+@pytest.fixture(scope="module")
+def result() -> rw.Result:
+    found = rw.simulate(example_line(), EVERY * STEPS, every=EVERY)
+    assert len(found.events) > 200
+    return found
 
 
-def test_libcosim(line2: Path) -> None:
+@pytest.fixture(scope="module")
+def names(result: rw.Result) -> list[str]:
+    return [c for c in result.frame if c.endswith((".tension_in", ".tension_out"))]
+
+
+@pytest.fixture(scope="module")
+def deviation(result: rw.Result, names: list[str]) -> Compare:
+    wanted = result.frame[names].to_numpy()[1 : STEPS + 1]
+
+    def of(rows: list[list[float]]) -> float:
+        return float((np.abs(np.array(rows) - wanted) / np.abs(wanted)).max())
+
+    return of
+
+
+def test_libcosim(line2: Path, names: list[str], deviation: Compare) -> None:
     from libcosimpy.CosimEnums import CosimVariableType
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
@@ -27,23 +47,44 @@ def test_libcosim(line2: Path) -> None:
     slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(line2), instance_name="line"))
     observer = CosimObserver.create_last_value()
     execution.add_observer(observer)
-    execution.step(100)
-    assert execution.status().current_time == round(UNTIL * 1e9)
     table = execution.slave_variables(slave)
     references = {v.name.decode(): v.reference for v in table if v.type == CosimVariableType.REAL.value}
-    values = observer.last_real_values(slave, [references[n] for n in NAMES])
-    assert list(values) == pytest.approx(wanted(), rel=1e-4)
+    rows = []
+    for _ in range(STEPS):
+        execution.step(1)
+        rows.append(list(observer.last_real_values(slave, [references[n] for n in names])))
+    assert execution.status().current_time == round(EVERY * STEPS * 1e9)
+    assert deviation(rows) < 1e-4
 
 
 @pytest.mark.parametrize("name", ["line2", "line3"])
-def test_ecos(name: str, request: pytest.FixtureRequest) -> None:
+def test_ecos(name: str, request: pytest.FixtureRequest, names: list[str], deviation: Compare) -> None:
     from ecospy import EcosSimulation, EcosSimulationStructure
 
+    rows = []
     with EcosSimulationStructure() as structure:
         structure.add_model("line", str(request.getfixturevalue(name)))
         with EcosSimulation(structure=structure, step_size=EVERY) as simulation:
             simulation.init()
-            simulation.step(100)
-            assert simulation.get_time() == pytest.approx(UNTIL)
-            values = [simulation.get_real(f"line::{n}") for n in NAMES]
-    assert values == pytest.approx(wanted(), rel=1e-4)
+            for _ in range(STEPS):
+                simulation.step()
+                rows.append([simulation.get_real(f"line::{n}") for n in names])
+            assert simulation.get_time() == pytest.approx(EVERY * STEPS)
+    assert deviation(rows) < 1e-4
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.parametrize("name", ["one_span", "example_line", "skyline"])
+def test_the_checker_of_fmu_manipulation_toolbox(
+    name: str, fmi: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    import fmus
+    from fmu_manipulation_toolbox.checker import get_checkers
+    from fmu_manipulation_toolbox.operations import FMU
+
+    path = rw.fmu.export(getattr(fmus, name)(), tmp_path / "checked.fmu", fmi, platforms=())
+    with caplog.at_level("INFO"), FMU(str(path)) as archive:
+        for checker in get_checkers():
+            archive.apply_operation(checker())
+    assert [r.message for r in caplog.records if r.levelname in ("WARNING", "ERROR")] == []
+    assert any("compliant" in r.message for r in caplog.records)

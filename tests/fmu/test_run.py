@@ -125,6 +125,57 @@ def test_limits_are_outputs(span3: Path, open_fmu: Opener) -> None:
     assert any("above_MBL" in text for text in one.log)
 
 
+def breaking(line: Path, open_fmu: Opener, until: float) -> tuple[float, np.ndarray]:
+    """A breaking load of the span s4_c1 that its tension exceeds at some time before `until` [s], and its tension
+    by then every 0.5 s."""
+    one = open_fmu(line)
+    one.initialize()
+    share = one.run(0.0, until, 0.5, ["s4_c1.utilisation"])[:, 0]
+    load = float(start_of(one.description, "s4_c1.breaking_load"))
+    return load * (0.3 * share.min() + 0.7 * share.max()), load * share
+
+
+def start_of(description: Any, name: str) -> str:
+    return next(str(v.start) for v in description.modelVariables if v.name == name)
+
+
+@pytest.mark.parametrize("name", ["line2", "line3"])
+def test_a_rope_breaks_in_mid_run(name: str, open_fmu: Opener, request: pytest.FixtureRequest) -> None:
+    line = request.getfixturevalue(name)
+    limit, tension = breaking(line, open_fmu, 30.0)
+    above = tension > limit
+    assert above.any()
+    assert not above[0]
+    one = open_fmu(line)
+    one.set(s4_c1__breaking_load=limit)
+    one.initialize()
+    flag, found = [one.references["s4_c1.tension_above_MBL"]], []
+    for i in range(len(tension)):
+        one.step(0.5 * i, 0.5)
+        found.append(bool(one.fmu.getBoolean(flag)[0]))
+    assert found == above.tolist()
+    told = next(text for text in one.log if "s4_c1.tension_above_MBL" in text)
+    first = 0.5 * int(np.argmax(above))
+    assert first <= float(told.split("t = ")[1].split(" s")[0]) <= first + 0.5
+
+
+def test_a_breaking_rope_is_an_event(line2: Path, open_fmu: Opener) -> None:
+    limit, _ = breaking(line2, open_fmu, 30.0)
+    name = "s4_c1.utilisation"
+    run = fmpy.simulate_fmu(
+        str(line2),
+        fmi_type="ModelExchange",
+        stop_time=30.0,
+        relative_tolerance=1e-8,
+        start_values={"s4_c1.breaking_load": limit},
+        output=[name],
+    )
+    rises = np.flatnonzero((run[name][:-1] < 1.0) & (run[name][1:] >= 1.0))
+    assert len(rises)
+    assert run[name][rises[0] + 1] == pytest.approx(1.0, abs=1e-7)
+    assert run["time"][rises[0] + 1] in run["time"][np.flatnonzero(np.diff(run["time"]) == 0.0)]
+
+
 def test_counts_of_loads(line2: Path, open_fmu: Opener) -> None:
     one = open_fmu(line2)
     one.initialize()

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmus import Opened, Opener
+from fmus import Opened, Opener, one_span
+
+import ropeway as rw
 
 NAMES = ["c1.tension_in", "c1.tension_out", "c1.travel", "s1.travel"]
 
@@ -131,6 +133,23 @@ def test_parameters_without_an_equilibrium(open_fmu: Opener, line: Path) -> None
     with pytest.raises(FMICallException):
         one.initialize()
     assert "No equilibrium is found" in one.log[-1]
+
+
+@pytest.mark.parametrize("name", ["span2", "span3"])
+def test_singular_equations(open_fmu: Opener, name: str, request: pytest.FixtureRequest) -> None:
+    """A rope without weight and almost without elasticity, longer than its chord: any tension would do."""
+    one = open_fmu(request.getfixturevalue(name))
+    one.set(a_b__compliance=1e-30, a_b__mass_per_length=1e-200, turn__mass=0.0)
+    with pytest.raises(FMICallException) as caught:
+        one.initialize()
+    assert caught.value.status == 3
+    assert any("The equations are singular" in text for text in one.log)
+    with pytest.raises(FMICallException):
+        one.get("a_b.tension_a")
+    one.fmu.reset()
+    one.setup()
+    one.initialize()
+    assert one.get("a_b.tension_a") == pytest.approx([rw.equilibrium(one_span())["a_b.tension_a"]], rel=1e-9)
 
 
 def test_a_step_that_fails_leaves_the_state(open_fmu: Opener, line: Path) -> None:

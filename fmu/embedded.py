@@ -1,0 +1,137 @@
+"""A Model Exchange FMU as a component of a system: its equations are solved in one run with all others."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import weakref
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import casadi as ca
+import fmpy
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
+from ropeway.fmu import units
+from ropeway.fmu.errors import FmuImportError
+from ropeway.fmu.imported import Fmu, load
+from ropeway.fmu.instance import require_kind
+from ropeway.fmu.slave import require_causality
+
+
+@dataclass(frozen=True, eq=False)
+class FmuComponent(Component):
+    """What `component` returns. `function(t, x, u, p) -> (ode, y)` calls the FMU, in its own units; `scales`: the
+    factor and offset of each variable to SI units."""
+
+    external: ClassVar[bool] = True
+    fmu: Fmu
+    function: ca.Function
+    owned: tuple[Variable, ...]
+    scales: Mapping[str, tuple[float, float]]
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return ()
+
+    def structure(self, site: Site) -> Hashable:
+        return self
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return self.owned
+
+    def driver(self, name: str) -> float:
+        """An input that nothing drives keeps its start value."""
+        return next(float(v.value) for v in self.owned if v.name == name and isinstance(v.value, float))
+
+    def equations(self, v: Any) -> Equations:
+        raw = {kind: [w.name for w in self.owned if w.kind is kind] for kind in Kind}
+        vectors = [
+            ca.vertcat(ca.MX(0, 1), *((getattr(v, n) - self.scales[n][1]) / self.scales[n][0] for n in raw[kind]))
+            for kind in (Kind.STATE, Kind.INPUT, Kind.PARAMETER)
+        ]
+        ode, y = self.function(v.time, *vectors)
+        return Equations(
+            rates={n: self.scales[n][0] * ode[i] for i, n in enumerate(raw[Kind.STATE])},
+            outputs={n: self.scales[n][0] * y[i] + self.scales[n][1] for i, n in enumerate(raw[Kind.OUTPUT])},
+        )
+
+
+def component(
+    name: str,
+    fmu: Fmu | str | Path,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    ignore_events: bool = False,
+) -> FmuComponent:
+    """A Model Exchange FMU of version 2.0 or 3.0 as a component. Connect its `input`s and `output`s (its real inputs,
+    outputs and states); an input that nothing drives keeps its start value. All are in SI units.
+
+    parameters: values of its parameters; those that it lets be tuned are parameters of the model besides. The states
+    start where the FMU's own initialisation puts them. Its Jacobians are exact where it has directional derivatives,
+    else differences that CasADi takes of it; its explicit dependence on time enters no Jacobian.
+
+    CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
+    ignore_events says that its equations are the same on both sides of them (those that this library exports for a
+    system without loads that cross supports, say); and time events are not seen. Such FMUs are for `CoSimulation`.
+    A system with an FMU cannot be exported, and runs slower than one without.
+
+    Raises InputError, FmuImportError, FmuVariableError.
+    """
+    check.name(name, "FMU component")
+    file = fmu if isinstance(fmu, Fmu) else load(fmu)
+    require_kind(file, "ModelExchange")
+    count = int(file.description.numberOfEventIndicators or 0)
+    if count and not ignore_events:
+        raise FmuImportError(
+            f"{file.path.name} has {count} event indicators: a run with it as a component does not follow its events",
+            "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
+        )
+    values = {key: float(value) for key, value in (parameters or {}).items()}
+    for key, value in values.items():
+        require_causality(file, key, "parameter")
+        check.number(value, f"FMU component {name!r}", key)
+    folder = tempfile.mkdtemp(prefix="ropeway-")
+    try:
+        fmpy.extract(str(file.path), unzipdir=folder)
+        dae = ca.DaeBuilder(name, folder)
+        states = list(dae.x())
+        for key, value in values.items():
+            dae.set(key, value)
+        starts = dict(zip(states, dae.get(states), strict=True)) if states else {}
+        # CasADi reads all outputs as real numbers, and knows no dependencies of others.
+        dae.set_y([n for n in file.names("output") if n not in states])
+        # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
+        options = {"enable_forward": False, "enable_reverse": False}
+        function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
+        inputs = [dae.get(list(names)) if names else [] for names in (dae.u(), dae.p())]
+        function.jacobian()(0.0, [starts[n] for n in states], *inputs, 0, 0)  # whether it can
+    except RuntimeError as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        reason = str(error).strip().splitlines()[-1]
+        raise FmuImportError(f"CasADi cannot use {file.path.name}: {reason}", "Couple it by CoSimulation") from error
+    groups = ((Kind.STATE, states), (Kind.INPUT, dae.u()), (Kind.PARAMETER, dae.p()), (Kind.OUTPUT, dae.y()))
+    owned, scales = _variables(file, groups, {**starts, **values})
+    made = FmuComponent(name, file, function, owned, scales)
+    weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
+    return made
+
+
+def _variables(
+    fmu: Fmu, groups: Sequence[tuple[Kind, Sequence[str]]], values: Mapping[str, float]
+) -> tuple[tuple[Variable, ...], dict[str, tuple[float, float]]]:
+    """The variables in SI units, and the factor and offset to them."""
+    owned, scales = [], {}
+    for kind, names in groups:
+        for name in names:
+            row = fmu.variable(name)
+            unit, factor, offset = units.to_si(str(row["unit"]), fmu.units)
+            start = values.get(name, 0.0 if pd.isna(row["start"]) else float(row["start"]))
+            nominal = abs(factor) * (1.0 if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0)
+            scales[name] = factor, offset
+            owned.append(Variable(name, kind, unit, str(row["description"]), factor * start + offset, nominal))
+    return tuple(owned), scales

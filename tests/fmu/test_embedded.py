@@ -1,0 +1,151 @@
+"""Model Exchange FMUs as components: exported here and back, and FMUs of others."""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from fmus import fed_line
+
+import ropeway as rw
+from ropeway.fmu import FmuComponent, FmuExportError, FmuImportError, FmuVariableError, component, export
+
+UNIT = rw.DieselHydraulicUnit(
+    "unit", rated_power=20e3, rated_speed=200.0, inertia=1.0, displacement=25e-6, relief_pressure=350e5
+)
+INPUTS = {"c1.speed": rw.Schedule((0.0, 1.0, 2.0, 20.0), (1.0, 1.0, 1.5, 1.5))}
+
+
+@pytest.fixture(scope="module", params=["2.0", "3.0"])
+def unit(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> FmuComponent:
+    s = rw.System("unit")
+    s.add(UNIT)
+    path = export(s, tmp_path_factory.mktemp("unit") / "unit.fmu", request.param)
+    return component("power", path, ignore_events=True)
+
+
+def test_a_line_with_an_fmu_runs_as_the_native_one(unit: FmuComponent) -> None:
+    native = rw.simulate(fed_line(UNIT), 20.0, every=0.5, inputs=INPUTS)
+    coupled = rw.simulate(fed_line(unit, "unit."), 20.0, every=0.5, inputs=INPUTS)
+    frame = coupled.frame.rename(columns=lambda n: n.removeprefix("power."))
+    assert set(frame.columns) == set(native.frame.columns)
+    assert np.ptp(frame["unit.speed"]) > 3.0
+    scale = native.frame.abs().max().clip(lower=1.0)
+    assert ((frame - native.frame).abs().max() / scale).max() < 1e-6
+    assert coupled.events["event"].tolist() == native.events["event"].tolist()
+    assert coupled.events["time"].to_numpy() == pytest.approx(native.events["time"].to_numpy(), abs=1e-6)
+
+
+def test_jacobians_are_exact(unit: FmuComponent) -> None:
+    """Also where a direction leaves the FMU alone: CasADi's own directional derivatives are wrong there."""
+    found = []
+    for one, prefix in ((UNIT, ""), (unit, "unit.")):
+        rest = rw.equilibrium(fed_line(one, prefix))
+        symbols = rest.model.dae.mx_in()
+        whole = ca.vertcat(*rest.model.dae(*symbols))
+        matrix = ca.horzcat(*(ca.jacobian(whole, symbols[i]) for i in (1, 2, 3)))
+        found.append(np.array(ca.Function("jacobian", symbols, [ca.densify(matrix)])(*rest.point.arguments)))
+    assert found[0].shape == found[1].shape
+    assert found[1] == pytest.approx(found[0], rel=1e-9, abs=1e-9)
+
+
+def test_variables_are_in_the_model(unit: FmuComponent) -> None:
+    model = rw.assemble(fed_line(unit, "unit."))
+    assert "power.unit.speed" in model.x.index
+    assert "power.unit.flow" in model.y.index
+    assert "power.unit.load_power" in model.z.index
+    assert model.z.units[model.z.index["power.unit.load_power"]] == "W"
+    rest = rw.equilibrium(model)
+    assert rest["c1.pump_flow"] == pytest.approx(rest["power.unit.flow"], rel=1e-12)
+
+
+def test_an_open_input_keeps_its_start(unit: FmuComponent) -> None:
+    s = rw.System("alone")
+    s.add(unit)
+    still, loaded = rw.simulate(s, 5.0), rw.simulate(s, 5.0, inputs={"power.unit.load_power": 5e3})
+    assert loaded.frame["power.unit.speed"].iloc[-1] < still.frame["power.unit.speed"].iloc[-1] - 1.0
+
+
+def test_values_of_parameters(unit: FmuComponent) -> None:
+    path = unit.fmu.path
+    heavy = component("power", path, parameters={"unit.inertia": 10.0}, ignore_events=True)
+
+    def drop(one: FmuComponent) -> float:
+        s = rw.System("alone")
+        s.add(one)
+        frame = rw.simulate(s, 0.1, every=0.1, inputs={"power.unit.load_power": 5e3}).frame
+        return float(-np.diff(frame["power.unit.speed"])[0])
+
+    assert drop(unit) > 5.0 * drop(heavy)
+
+
+def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
+    path = unit.fmu.path
+    with pytest.raises(FmuImportError, match=r"2 event indicators.*CoSimulation"):
+        component("power", path)
+    with pytest.raises(FmuVariableError, match="not a Real parameter"):
+        component("power", path, parameters={"unit.speed": 1.0}, ignore_events=True)
+    with pytest.raises(FmuVariableError, match="no variable 'inertia'"):
+        component("power", path, parameters={"inertia": 1.0}, ignore_events=True)
+    with pytest.raises(rw.InputError, match="not an identifier"):
+        component("a power unit", path, ignore_events=True)
+    with pytest.raises(FmuExportError, match="is an FMU itself"):
+        export(fed_line(unit, "unit."), tmp_path / "line.fmu")
+    with pytest.raises(rw.UnknownNameError, match="has no input 'load_power'"):
+        unit.input("load_power")
+
+
+@pytest.fixture(scope="module")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """OpenModelica's FMUs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
+    folder = tmp_path_factory.mktemp("foreign")
+    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(folder)]
+    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder, [n for n in archive.namelist() if "/linux/" in n])
+    return next(folder.rglob("linux"))
+
+
+@pytest.mark.importers
+def test_a_foreign_pair_in_one_run_is_its_monolith(foreign: Path) -> None:
+    s = rw.System("pair")
+    one, two = (s.add(component(n, foreign / f"MassSpringSubSystem{i}.fmu")) for i, n in ((1, "one"), (2, "two")))
+    s.add(component("both", foreign / "MassSpringSystem.fmu"))
+    s.connect(one.output("x1"), two.input("x1"))
+    s.connect(two.output("x2"), one.input("x2"))
+    frame = rw.simulate(s, 10.0, every=0.1, tolerance=1e-9).frame
+    assert frame["one.x1"].to_numpy() == pytest.approx(frame["both.x1"].to_numpy(), abs=1e-9)
+    # Unit masses and springs: the modes have the circular frequencies 1 and sqrt(3).
+    t, w = frame.index.to_numpy(), np.sqrt(3.0)
+    exact = (np.cos(t) + np.sin(t)) / 2.0 - (np.cos(w * t) - np.sin(w * t) / w) / 2.0
+    assert frame["one.x1"].to_numpy() == pytest.approx(exact, abs=1e-6)
+
+
+@pytest.mark.importers
+def test_a_loop_of_foreign_outputs_and_inputs(foreign: Path) -> None:
+    """a = 3 u + b, b = a / 2 + v."""
+    s = rw.System("loop")
+    a = s.add(component("a", foreign / "add.fmu", parameters={"add.k1": 3.0}))
+    b = s.add(component("b", foreign / "add.fmu", parameters={"add.k1": 0.5}))
+    s.connect(a.output("y"), b.input("u1"))
+    s.connect(b.output("y"), a.input("u2"))
+    rest = rw.equilibrium(s, parameters={"a.u1": 2.0, "b.u2": 1.0})
+    assert (rest["a.y"], rest["b.y"]) == pytest.approx((14.0, 8.0), rel=1e-9)
+
+
+@pytest.mark.importers
+def test_foreign_events_and_kinds(foreign: Path) -> None:
+    with pytest.raises(FmuImportError, match="2 event indicators"):
+        component("ramp", foreign / "ramp.fmu")
+    with pytest.raises(FmuImportError, match="not for ModelExchange"):
+        component("other", foreign / "FMU3Model.fmu")
+    damper = component("damper", foreign / "Mass_Damper.fmu")
+    s = rw.System("damper")
+    s.add(damper)
+    # The spring of 10 kN/m gives way by 0.1 m for each 1 kN.
+    rest = [rw.simulate(s, 30.0, inputs={"damper.f": f}).frame["damper.y"].iloc[-1] for f in (0.0, 1e3)]
+    assert abs(rest[1] - rest[0]) == pytest.approx(0.1, rel=1e-3)
