@@ -144,6 +144,7 @@ if TYPE_CHECKING:
         unstretched_length as unstretched_length,
     )
     from ropeway.systems.studies.cable_stretch_cases import twelve_cases as twelve_cases
+    from ropeway.systems.studies.cases import latin_hypercube as latin_hypercube
     from ropeway.systems.studies.catenary_fundamentals import (
         CatenaryCurve as CatenaryCurve,
     )
@@ -188,6 +189,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
+    from ropeway.systems.studies.sweep import sweep as sweep
     from ropeway.systems.studies.terrain import Profile as Profile
     from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.turk_solvers import solve_span as solve_span
@@ -224,6 +226,8 @@ _HOMES = {
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
+    "ropeway.systems.studies.cases": "latin_hypercube",
+    "ropeway.systems.studies.sweep": "sweep",
     "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.studies.cable_stretch": (
         "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"
