@@ -97,10 +97,16 @@ if TYPE_CHECKING:
         EquilibriumError as EquilibriumError,
     )
     from ropeway.components.errors import (
+        InfeasibleScheduleError as InfeasibleScheduleError,
+    )
+    from ropeway.components.errors import (
         InputError as InputError,
     )
     from ropeway.components.errors import (
         RopewayError as RopewayError,
+    )
+    from ropeway.components.errors import (
+        ScheduleError as ScheduleError,
     )
     from ropeway.components.errors import (
         SimulationError as SimulationError,
@@ -186,6 +192,9 @@ if TYPE_CHECKING:
         tension_for_payload as tension_for_payload,
     )
     from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
+    from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
+    from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
+    from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
@@ -205,7 +214,8 @@ _HOMES = {
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
+        "EquilibriumError InfeasibleScheduleError InputError RopewayError ScheduleError SimulationError SlackRopeError "
+        "UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
@@ -223,6 +233,9 @@ _HOMES = {
     "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
+    "ropeway.systems.studies.schedule": "optimise_schedule",
+    "ropeway.systems.studies.schedule_limits": "ScheduleLimits",
+    "ropeway.systems.studies.schedule_plan": "SchedulePlan",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
