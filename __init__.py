@@ -191,10 +191,10 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
-    from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
     from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
     from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
+    from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
