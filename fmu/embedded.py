@@ -102,36 +102,35 @@ def component(
         states = list(dae.x())
         for key, value in values.items():
             dae.set(key, value)
-        starts = dict(zip(states, dae.get(states), strict=True)) if states else {}
         # CasADi reads all outputs as real numbers, and knows no dependencies of others.
         dae.set_y([n for n in file.names("output") if n not in states])
         # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
         options = {"enable_forward": False, "enable_reverse": False}
         function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
-        inputs = [dae.get(list(names)) if names else [] for names in (dae.u(), dae.p())]
-        function.jacobian()(0.0, [starts[n] for n in states], *inputs, 0, 0)  # whether it can
+        groups = {Kind.STATE: states, Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
+        starts = {kind: dae.get(list(names)) if names else [] for kind, names in groups.items()}
+        function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # whether it can
     except RuntimeError as error:
         shutil.rmtree(folder, ignore_errors=True)
         reason = str(error).strip().splitlines()[-1]
         raise FmuImportError(f"CasADi cannot use {file.path.name}: {reason}", "Couple it by CoSimulation") from error
-    groups = ((Kind.STATE, states), (Kind.INPUT, dae.u()), (Kind.PARAMETER, dae.p()), (Kind.OUTPUT, dae.y()))
-    owned, scales = _variables(file, groups, {**starts, **values})
+    owned, scales = _variables(file, groups, starts)
     made = FmuComponent(name, file, function, owned, scales)
     weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
     return made
 
 
 def _variables(
-    fmu: Fmu, groups: Sequence[tuple[Kind, Sequence[str]]], values: Mapping[str, float]
+    fmu: Fmu, groups: Mapping[Kind, Sequence[str]], starts: Mapping[Kind, Sequence[float]]
 ) -> tuple[tuple[Variable, ...], dict[str, tuple[float, float]]]:
-    """The variables in SI units, and the factor and offset to them."""
+    """The variables in SI units, and the factor and offset to them. Where no nominal is given, the start is one."""
     owned, scales = [], {}
-    for kind, names in groups:
-        for name in names:
+    for kind, names in groups.items():
+        for name, start in zip(names, starts[kind], strict=True):
             row = fmu.variable(name)
             unit, factor, offset = units.to_si(str(row["unit"]), fmu.units)
-            start = values.get(name, 0.0 if pd.isna(row["start"]) else float(row["start"]))
-            nominal = abs(factor) * (1.0 if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0)
+            nominal = max(1.0, abs(start)) if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0
             scales[name] = factor, offset
-            owned.append(Variable(name, kind, unit, str(row["description"]), factor * start + offset, nominal))
+            value = factor * start + offset
+            owned.append(Variable(name, kind, unit, str(row["description"]), value, abs(factor) * nominal))
     return tuple(owned), scales
