@@ -19,6 +19,9 @@ if TYPE_CHECKING:
         Carriage as Carriage,
     )
     from ropeway.components import (
+        CarriageOnShoe as CarriageOnShoe,
+    )
+    from ropeway.components import (
         ConstructionStretch as ConstructionStretch,
     )
     from ropeway.components import (
@@ -141,6 +144,7 @@ if TYPE_CHECKING:
         unstretched_length as unstretched_length,
     )
     from ropeway.systems.studies.cable_stretch_cases import twelve_cases as twelve_cases
+    from ropeway.systems.studies.cases import latin_hypercube as latin_hypercube
     from ropeway.systems.studies.catenary_fundamentals import (
         CatenaryCurve as CatenaryCurve,
     )
@@ -181,9 +185,11 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
+    from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
+    from ropeway.systems.studies.sweep import sweep as sweep
     from ropeway.systems.studies.terrain import Profile as Profile
     from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.turk_solvers import solve_span as solve_span
@@ -192,7 +198,8 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic GuyedSpar Guyline "
+        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic "
+        "GuyedSpar Guyline "
         "HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope "
         "Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
     ),
@@ -217,7 +224,10 @@ _HOMES = {
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
+    "ropeway.systems.studies.cases": "latin_hypercube",
+    "ropeway.systems.studies.sweep": "sweep",
     "ropeway.systems.studies.terrain": "Profile",
     "ropeway.systems.studies.cable_stretch": (
         "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"

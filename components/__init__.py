@@ -2,6 +2,7 @@
 
 from ropeway.components.anchor import Anchor
 from ropeway.components.carriage import Carriage
+from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.diesel_unit import DieselHydraulicUnit
 from ropeway.components.drive import HydraulicDrive, IdealDrive
@@ -24,6 +25,7 @@ __all__ = [
     "Anchor",
     "Block",
     "Carriage",
+    "CarriageOnShoe",
     "ConstructionStretch",
     "ControlSheave",
     "DieselHydraulicUnit",

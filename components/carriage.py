@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ropeway.components import check
-from ropeway.components.catenary import namespace, norm
+from ropeway.components.catenary import Vector, namespace, norm
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
@@ -109,33 +109,37 @@ class Carriage(Node):
             Variable("dropline_pull", out, "N", "tension of the dropline at the carriage", nominal=force),
         )
 
-    def equations(self, v: Any) -> Equations:
-        a, b = v.a.force, v.b.force
-        tension_a, tension_b = norm(a), norm(b)
-        pulls = (v.mainline.force, v.haulback.force, v.dropline.force)
+    def total(self, v: Any, a: Vector, b: Vector, lines: tuple[Vector, ...]) -> list[Any]:
+        """Sum of the forces on the carriage: of the skyline on its two sides, its lines, an ideal holding force
+        and its weight."""
         held = (0.0, 0.0, 0.0)
         if self.holding is not None:
+            tension_a, tension_b = norm(a), norm(b)
             way = [a[i] / tension_a - b[i] / tension_b for i in range(3)]
             if self.holding == "horizontal":
                 way[2] = 0.0 * way[2]
             length = norm((way[0], way[1], way[2]))
             held = (v.holding * way[0] / length, v.holding * way[1] / length, v.holding * way[2] / length)
-        total = [a[i] + b[i] + sum(pull[i] for pull in pulls) + held[i] for i in range(3)]
+        total = [a[i] + b[i] + sum(pull[i] for pull in lines) + held[i] for i in range(3)]
         total[2] = total[2] - (v.mass + v.payload) * v.gravity
+        return total
+
+    def line_outputs(self, v: Any) -> dict[str, Any]:
+        """Tensions of the ropes at the carriage."""
+        lines = {"mainline": v.mainline.force, "haulback": v.haulback.force, "dropline": v.dropline.force}
+        return {
+            "tension_a": norm(v.a.force),
+            "tension_b": norm(v.b.force),
+            **{f"{line}_pull": _length(pull) for line, pull in lines.items()},
+        }
+
+    def equations(self, v: Any) -> Equations:
+        total = self.total(v, v.a.force, v.b.force, (v.mainline.force, v.haulback.force, v.dropline.force))
+        outputs = self.line_outputs(v)
         residuals = {f"balance_{axis}": total[i] for i, axis in enumerate("xyz")}
         if not self.clamped:
-            residuals["tension_law"] = tension_b - tension_a
-        return Equations(
-            residuals=residuals,
-            outputs={
-                "tension_a": tension_a,
-                "tension_b": tension_b,
-                **{
-                    f"{line}_pull": _length(pull)
-                    for line, pull in zip(("mainline", "haulback", "dropline"), pulls, strict=True)
-                },
-            },
-        )
+            residuals["tension_law"] = outputs["tension_b"] - outputs["tension_a"]
+        return Equations(residuals=residuals, outputs=outputs)
 
 
 def _length(pull: Any) -> Any:

@@ -104,11 +104,13 @@ class Seat(Port):
     `carried`, the energy that each metre of the rope's travel brings or takes, T + T^2/2EA [N].
 
     `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node. An
-    `optional` seat may stay empty: no force acts there.
+    `optional` seat may stay empty: no force acts there. `offset`: where the rope leaves the node beside its place,
+    the variables `OFFSET_x` and `OFFSET_z` say how far [m], and `OFFSET_rope` adds to the travel there [m].
     """
 
     travel: str | None = None
     optional: bool = False
+    offset: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ropeway.components import check
-from ropeway.components.component import Equations, Kind, Limit, Site, Variable
+from ropeway.components import check, shoe
+from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign
 from ropeway.components.spar import Standing
@@ -19,18 +19,42 @@ class IntermediateSupport(Standing, Wheel):
 
     friction: coefficient of the rope in the saddle. The tension ratio is then exp(friction * wrap) against the
     way in which the rope has slid (capstan), reached smoothly within `slip` metres of travel from where the
-    rope lay at rest, which was at a travel of `rest` metres. Raises InputError.
+    rope lay at rest, which was at a travel of `rest` metres.
+
+    radius: of the saddle's shoe [m], an arc in the vertical plane of the line with its middle at the support's
+    place, where it has a `slope` (rise over run; in a rig by default along the bisector of the chords, alone
+    level). The rope wraps it and a carriage rolls over it, so that its pull does not jump. 0: a point.
+    Raises InputError.
     """
 
     friction: float = 0.0
     slip: float = 0.005
     rest: float = 0.0
+    radius: float = 0.0
+    slope: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check.not_negative(self.friction, self.label, "friction")
         check.positive(self.slip, self.label, "slip", "m")
         check.number(self.rest, self.label, "rest", "m")
+        check.not_negative(self.radius, self.label, "radius", "m")
+        if self.slope is not None:
+            check.number(self.slope, self.label, "slope")
+
+    @property
+    def a(self) -> Seat:
+        return replace(super().a, offset="a" if self.radius > 0.0 else None)
+
+    @property
+    def b(self) -> Seat:
+        return replace(super().b, offset="b" if self.radius > 0.0 else None)
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Centre of the shoe (x, z) [m]."""
+        normal = shoe.normal_at(self.slope or 0.0)
+        return (self.at[0] - self.radius * normal[0], self.at[2] - self.radius * normal[1])
 
     @property
     def balance(self) -> str:
@@ -41,7 +65,7 @@ class IntermediateSupport(Standing, Wheel):
         return (*super().limits(), *carried)
 
     def structure(self, site: Site) -> Hashable:
-        return (IntermediateSupport, self.friction > 0.0)
+        return (IntermediateSupport, self.friction > 0.0, self.radius > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         rough = (
@@ -49,8 +73,15 @@ class IntermediateSupport(Standing, Wheel):
             Variable("slip", Kind.PARAMETER, "m", "travel in which friction builds up", self.slip),
             Variable("grip", Kind.PARAMETER, "m", "travel at which the rope lay at rest", self.rest, site.length),
         )
+        arc = (
+            Variable("radius", Kind.PARAMETER, "m", "radius of the shoe", self.radius),
+            Variable("slope", Kind.PARAMETER, "1", "slope of the shoe at its middle", self.slope or 0.0),
+            *shoe.side_variables("a"),
+            *shoe.side_variables("b"),
+        )
         return (
             *self.place(),
+            *(arc if self.radius > 0.0 else ()),
             *(rough if self.friction > 0.0 else ()),
             Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
             Variable("tension_law", Kind.RESIDUAL, "N", "tensions on both sides", 0.0, site.force),
@@ -62,4 +93,12 @@ class IntermediateSupport(Standing, Wheel):
         t_in, t_out = outputs["tension_in"], outputs["tension_out"]
         if self.friction > 0.0:
             t_in = t_in * (v.friction * outputs["wrap"] * sign(v.travel - v.grip, v.slip)).exp()
-        return Equations(residuals={"tension_law": t_out - t_in}, outputs=outputs)
+        residuals = {"tension_law": t_out - t_in}
+        if self.radius > 0.0:
+            normal = shoe.normal_at(v.slope)
+            ways = (("a", v.a, shoe.towards_a(normal), 1), ("b", v.b, shoe.towards_b(normal), -1))
+            for name, seat, along, way in ways:
+                turn = shoe.turn(seat.force, normal, along)
+                found = shoe.side(turn, normal, along, v.radius, seat.force, seat.carried)
+                residuals.update(shoe.side_residuals(v, name, found, way))
+        return Equations(residuals=residuals, outputs=outputs)

@@ -36,7 +36,7 @@ _FATAL = 4
 
 
 def require_kind(fmu: Fmu, kind: str) -> None:
-    """Raises FmuImportError unless an FMU is for "ModelExchange" or "CoSimulation", with a binary for this machine."""
+    """Raises FmuImportError unless an FMU is of a kind ("ModelExchange", "CoSimulation") and runs on this platform."""
     if kind not in fmu.kinds:
         raise FmuImportError(f"{fmu.path.name} is not for {kind}", f"It is for {', '.join(fmu.kinds)}")
     if fmpy.platform not in fmu.platforms:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Site, Variable
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
@@ -227,6 +227,16 @@ def _join(
     def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
         return [t, gravity, *(parts[kind][component.name] for kind in _SYMBOLS), signals, *ports]
 
+    def sat(seat: Seat) -> ca.MX:
+        """Position and travel of the rope at a seat."""
+        node = seat.owner.name
+        q = ca.MX(0.0) if seat.travel is None else variable(node, seat.travel)
+        there = ca.vertcat(*(variable(node, axis) for axis in "xyz"), q)
+        if seat.offset is None:
+            return there
+        aside = [variable(node, f"{seat.offset}_{name}") for name in ("x", "z", "rope")]
+        return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
+
     def call(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
         f = kinds.get(component, sites[component.name], variables[component.name])
         # A function of one output, as that of a part without ports, returns it bare.
@@ -244,12 +254,7 @@ def _join(
 
     for c in system.components.values():
         if any(isinstance(port, RopeEnd) for port in c.ports):
-            ports = []
-            for port in c.ports:
-                node, seat_name = system.connections[c.name, port.name]
-                travel = seats[node, seat_name].travel
-                q = ca.MX(0.0) if travel is None else variable(node, travel)
-                ports.append(ca.vertcat(*(variable(node, axis) for axis in "xyz"), q))
+            ports = [sat(seats[system.connections[c.name, port.name]]) for port in c.ports]
             out = call(c, ca.MX(0, 1), ports)
             results[c.name] = out
             for port, force in zip(c.ports, out[3:], strict=True):

@@ -53,23 +53,58 @@ def lengths_for_total(
         )
     if len(names) == 1:
         return np.array([total])
-    none = np.zeros((len(names), 1))
+    reference, guess = _parabolic(at, weight, strain, total)
+    try:
+        lengths = _taut_for_total(at, weight, strain, total, names, reference)[1].length
+    except SlackRopeError:
+        lengths = guess
+    return lengths * (total / lengths.sum())
+
+
+class Pretension(NamedTuple):
+    """What a newton more of the empty rope's tension at its first support does: to the lengths of the spans
+    (n,) [m/N], and to the tensions at all supports (n + 1,)."""
+
+    length: np.ndarray
+    support: np.ndarray
+
+
+def pretension(
+    points: Sequence[Sequence[float]], weight: float, strain: Strain, total: float, names: Sequence[str]
+) -> Pretension:
+    """The rates of an empty rope of unstretched length `total` [m] with the tension at its first support.
+
+    Raises SlackRopeError where the rope has no taut branch.
+    """
+    at = np.array(points, dtype=float)
+    tension, taut = _taut_for_total(at, weight, strain, total, names, _parabolic(at, weight, strain, total)[0])
+    support = support_tensions(at, weight, strain, tension)
+    return Pretension(taut.slope, (1.0 + strain.at(tension)) / (1.0 + strain.at(support)))
+
+
+def _parabolic(at: np.ndarray, weight: float, strain: Strain, total: float) -> tuple[float, np.ndarray]:
+    """Tension at the first support [N] and span lengths of an empty rope of length `total`, as parabolas."""
+    chords = parabola.Chords.between(at)
+    none = np.zeros((len(at) - 1, 1))
     share = chords.length * (total / chords.length.sum())
     beam = parabola.beam(chords, weight, share, none, none)
-    group = np.zeros(len(names), dtype=int)
+    group = np.zeros(len(at) - 1, dtype=int)
     reference = float(parabola.common_tension(chords, weight, beam, strain, np.array([total]), group)[0])
-    tension = parabola.tensions(chords, weight, beam, reference)
-    guess = parabola.rope_lengths(chords, beam, strain, tension)
-    try:
-        for _ in range(20):
-            taut = _solve(at, weight, strain, reference, names)
-            miss = taut.length.sum() - total
-            if abs(miss) <= 1e-13 * total:
-                return taut.length * (total / taut.length.sum())
-            reference -= miss / taut.slope.sum()
-    except SlackRopeError:
-        pass
-    return guess * (total / guess.sum())
+    return reference, parabola.rope_lengths(chords, beam, strain, parabola.tensions(chords, weight, beam, reference))
+
+
+def _taut_for_total(
+    at: np.ndarray, weight: float, strain: Strain, total: float, names: Sequence[str], reference: float
+) -> tuple[float, _Taut]:
+    """Tension at the first support [N] and span lengths of a taut empty rope of length `total`, from a tension
+    near it. Raises SlackRopeError."""
+    for _ in range(20):
+        taut = _solve(at, weight, strain, reference, names)
+        miss = taut.length.sum() - total
+        if abs(miss) <= 1e-13 * total:
+            return reference, taut
+        reference -= miss / taut.slope.sum()
+    raise SlackRopeError(f"The empty rope {names[0]} ... has no taut branch", "Shorten it or raise the tension")
 
 
 def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:

@@ -209,17 +209,22 @@ SLACK = 1.02
 """Rope over chord (a sag of 9 %) beyond which loads on idlers can have several stable places."""
 
 
+def slack(state: LineState) -> bool:
+    """Whether a rope with loads on idlers is so slack that they could stand elsewhere too."""
+    for r, run in enumerate(state.runs):
+        if len(run.loads.place) > 0 and any(node.balance is not None for node in run.nodes):
+            chord = np.linalg.norm(np.diff(state.points(r), axis=0), axis=1)
+            if np.any(np.diff(state.rope(r)) > SLACK * chord):
+                return True
+    return False
+
+
 def _let_out(state: LineState) -> None:
     """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
 
     Where that cannot be followed, the equilibrium found stays.
     """
-    slack = False
-    for r, run in enumerate(state.runs):
-        chord = np.linalg.norm(np.diff(run.points, axis=0), axis=1)
-        loaded = len(run.loads.place) > 0 and any(node.balance is not None for node in run.nodes)
-        slack = slack or (loaded and bool(np.any(np.diff(state.rope(r)) > SLACK * chord)))
-    if not slack or state.standing():
+    if not slack(state) or state.standing():
         return
     trial = LineState.cold(state.model)
     trial.point.p[:] = state.point.p
@@ -228,7 +233,7 @@ def _let_out(state: LineState) -> None:
     try:
         for share in np.linspace(0.0, 1.0, 41):
             for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
-                chord = np.linalg.norm(np.diff(run.points, axis=0), axis=1)
+                chord = np.linalg.norm(np.diff(state.points(r), axis=0), axis=1)
                 taut = np.minimum(chord.sum() * (1.0 + 1e-4) / lengths[r].sum(), 1.0)
                 part = taut + share * (1.0 - taut)
                 trial.point.p[layout.length_start] = part * lengths[r]

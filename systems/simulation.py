@@ -172,9 +172,11 @@ class _Simulation:
         count, grid = 1, min(every, until)
         while True:
             t = self.line.time
-            after = self.line.breaks > t + 1e-12 * max(1.0, t)
-            stop = min([grid, self.next_act(), *self.line.breaks[after][:1]])
+            bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
+            stop = min(grid, self.next_act(), bend)
             self.line.run_to(stop)
+            if stop == bend:  # inputs are linear between records
+                self.record()
             self.act()
             if stop >= grid:
                 self.record(on_grid=True)

@@ -78,6 +78,11 @@ class LineState:
         layout = self.model.layouts[r]
         return np.asarray(layout.start(self.point.p) - layout.travel.read(self.point.x, self.point.z))
 
+    def points(self, r: int) -> np.ndarray:
+        """Places of the supports of a run as they are now, shape (supports, 3) [m]."""
+        slots = [[self.find(f"{node.name}.{axis}") for axis in "xyz"] for node in self.runs[r].nodes]
+        return np.array([[self.point.vector(kind)[k] for kind, k in row] for row in slots])
+
     def write_slots(self) -> None:
         """Puts the loads into the slots of their spans; assembles anew where a span has too few."""
         counts = [p[:-1] - p[1:] for p in self.passed]

@@ -7,7 +7,8 @@ from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
-from ropeway.systems.rigs.skyline import Kind, SkylineRig, joined
+from ropeway.systems.rigs.joining import joined
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.system import GRAVITY
 
 
@@ -34,16 +35,11 @@ def running_skyline(
         Kind.RUNNING,
         terrain,
         headspar=headspar,
-        supports=(),
         tailspar=tailspar,
         skyline=haulback,
         tension=tension,
-        length=None,
         mainline=mainline,
-        haulback=None,
-        haulback_tension=None,
         carriage=carriage,
-        holding="bisector",
         name=name,
         gravity=gravity,
     )

@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import Enum
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ropeway.components import check
-from ropeway.components.carriage import Carriage, Holding
+from ropeway.components.carriage import Carriage
+from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.component import Node
 from ropeway.components.drum import Drum
-from ropeway.components.errors import InputError
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.log import Log
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
-from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
+from ropeway.systems.empty_rope import lengths_for_total
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.guylines import string_guylines
 from ropeway.systems.system import System
@@ -55,6 +55,10 @@ class Turn:
         for _ in range(3):
             log = on_ground(log, ground, log.rear_start()[0])
         return log
+
+
+STEEPEST = 0.98
+"""Sine of the steepest slope of a shoe that a carriage can stand on."""
 
 
 LEAST = 1.0
@@ -142,47 +146,97 @@ class SkylineRig:
             return carriage_start.at_height(ends, station, weight, load, height)
         return carriage_start.ellipse(self.points, span, station, weight, strain, self.length or 0.0, load)
 
-    def system(self, span: int = 0, station: float | None = None, payload: float | None = None) -> System:
-        """The system with the carriage in a span, about at a station [m] (by default mid-span).
+    def shoe_near(self, station: float) -> int | None:
+        """The support, counted from 0, with a shoe near a station; None where there is none."""
+        for k, support in enumerate(self.supports):
+            if abs(station - support.at[0]) < 2.0 * support.radius:
+                return k
+        return None
+
+    def system(
+        self,
+        span: int = 0,
+        station: float | None = None,
+        payload: float | None = None,
+        *,
+        on: int | None = None,
+        rollers: int | None = None,
+    ) -> System:
+        """The system with the carriage in a span, about at a station [m] (by default mid-span); or, `on` a
+        support (counted from 0) that has a radius, on its shoe. rollers: how many supports the mainline runs
+        over, by default all that it has passed.
 
         It is solved like any other: `equilibrium(rig.system(0, 120.0))`. With an ideal holding force the
         station is exact (`carriage.x` is a parameter); otherwise give `carriage.x` and solve for the travel
         of the mainline's drum (of the clamp, where there is one). Raises InputError, SlackRopeError.
         """
-        if not 0 <= span < self.spans:
-            raise InputError(f"Span {span} of {self.spans}", f"Choose from 0 to {self.spans - 1}")
-        here, there = self.stands[span].at, self.stands[span + 1].at
-        x = (here[0] + there[0]) / 2.0 if station is None else station
-        if not here[0] < x < there[0]:
-            raise InputError(f"Station {x:g} m is outside span {span}", f"Between {here[0]:g} m and {there[0]:g} m")
         mass = self.carriage.payload if payload is None else payload
-        start = self.start(span, x, mass)
-        share = (x - here[0]) / (there[0] - here[0])
-        place = (x, here[1] + share * (there[1] - here[1]), start.z)
-        carriage = replace(self.carriage, at=place, payload=mass if self.turn is None else 0.0)
+        carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
+        span = span if on is None else on
         system = System(self.name, gravity=self.gravity)
         if isinstance(self.headspar, GuyedSpar):
             string_guylines(system, self.headspar)
         if self.kind is Kind.RUNNING:
             self._running(system, carriage)
         else:
-            self._skyline(system, carriage, span)
-        if self.mainline is not None and not carriage.clamped:
-            self._mainline(system, carriage, span, start.pull)
+            self._skyline(system, carriage, span, on)
+        if self.pulled:
+            self._mainline(system, carriage, span if rollers is None else rollers, start.pull)
         if self.haulback is not None and not carriage.clamped and self.kind is not Kind.RUNNING:
             drum = Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)
             _string(system, self.haulback, [drum, carriage.haulback], self.haulback_tension or 0.0)
         if self.turn is not None:
-            log = self.turn.under(*place, mass, self.terrain)
+            x, y, z = carriage.at
+            log = self.turn.under(x, y, z, mass, self.terrain)
             system.string(self.turn.dropline, carriage.dropline, log, length=self.turn.length)
         return system
 
-    def _skyline(self, system: System, carriage: Carriage, span: int) -> None:
+    def _carriage(self, span: int, station: float | None, mass: float) -> tuple[Carriage, carriage_start.Start]:
+        """The carriage about at a station of a span."""
+        if not 0 <= span < self.spans:
+            raise InputError(f"Span {span} of {self.spans}", f"Choose from 0 to {self.spans - 1}")
+        here, there = self.stands[span].at, self.stands[span + 1].at
+        x = (here[0] + there[0]) / 2.0 if station is None else station
+        if not here[0] < x < there[0]:
+            raise InputError(f"Station {x:g} m is outside span {span}", f"Between {here[0]:g} m and {there[0]:g} m")
+        start = self.start(span, x, mass)
+        share = (x - here[0]) / (there[0] - here[0])
+        place = (x, here[1] + share * (there[1] - here[1]), start.z)
+        return replace(self.carriage, at=place, payload=mass if self.turn is None else 0.0), start
+
+    def _on_shoe(self, on: int, station: float | None, mass: float) -> tuple[Carriage, carriage_start.Start]:
+        """The carriage on a support's shoe."""
+        if not 0 <= on < len(self.supports) or self.supports[on].radius <= 0.0:
+            raise InputError(f"{self.name} has no shoe {on}", "Give the support a radius")
+        support = self.supports[on]
+        start = self.on_shoe_start(on, support.at[0] if station is None else station, mass)
+        place = (support.at[0] if station is None else station, support.at[1], start.z)
+        mine = {f.name: getattr(self.carriage, f.name) for f in fields(self.carriage)}
+        mine.update(at=place, payload=mass if self.turn is None else 0.0)
+        return CarriageOnShoe(**mine, support=support, mainline_on_roller=self.pulled), start
+
+    def on_shoe_start(self, on: int, station: float, payload: float) -> carriage_start.Start:
+        """Where the carriage is on a support's shoe, the skyline's tension about, and the pull along the shoe."""
+        support = self.supports[on]
+        x = station - support.centre[0]
+        if abs(x) > STEEPEST * support.radius:
+            raise EquilibriumError(f"Station {station:g} m is off the shoe of {support.name!r}", "Take one on it")
+        rise = (support.radius**2 - x * x) ** 0.5
+        tension = self.start(on, support.at[0] - support.radius, payload).tension
+        pull = (self.carriage.mass + payload) * self.gravity * x / support.radius
+        return carriage_start.Start(support.centre[1] + rise, tension, pull)
+
+    @property
+    def pulled(self) -> bool:
+        """Whether a real mainline pulls the carriage."""
+        return self.mainline is not None and not self.carriage.clamped
+
+    def _skyline(self, system: System, carriage: Carriage, span: int, on: int | None) -> None:
         head: Node = self.headspar
         if self.kind is not Kind.STANDING:
             head = Drum(self.headspar.name, at=self.headspar.at)
         over: list[Node] = [head, *self.supports, *self.tail]
-        over.insert(span + 1, carriage)
+        over[span + 1 : span + 1 + (on is not None)] = [carriage]
         length = self.length or 0.0
         if any(s.friction > 0.0 for s in self.supports):
             # Friction in the saddles counts from where the bare rope lay on them.
@@ -204,11 +258,11 @@ class SkylineRig:
         block = Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity)
         _string(system, self.skyline, [drum, carriage, block, carriage.haulback], self.tension or 0.0)
 
-    def _mainline(self, system: System, carriage: Carriage, span: int, pull: float) -> None:
+    def _mainline(self, system: System, carriage: Carriage, count: int, pull: float) -> None:
         rope = self.mainline
         if rope is None:
             return
-        rollers = [Sheave(f"{s.name}_mainline", at=s.at) for s in self.supports[:span]]
+        rollers = [_roller(support) for support in self.supports[:count]]
         if isinstance(self.headspar, GuyedSpar):
             over: list[Any] = [Drum("mainline", at=self.headspar.foot), self.headspar.block_in, *rollers]
             _string(system, rope, [*over, carriage.mainline], pull, "line")
@@ -225,103 +279,9 @@ def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, nam
     system.string(rope, *over, length=float(lengths.sum()), name=name)
 
 
-def joined(
-    kind: Kind,
-    terrain: Ground | None,
-    *,
-    headspar: HeadSpar,
-    supports: Sequence[IntermediateSupport],
-    tailspar: TailSpar,
-    skyline: Rope,
-    tension: float | None,
-    length: float | None,
-    mainline: Rope | None,
-    haulback: Rope | None,
-    haulback_tension: float | None,
-    carriage: Carriage,
-    holding: Holding,
-    name: str,
-    gravity: float,
-    turn: Turn | None = None,
-) -> SkylineRig:
-    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError."""
-    check.positive(gravity, name, "gravity", "m/s2")
-    head = headspar.placed(terrain)
-    tail = tailspar.placed(terrain)
-    if tail.tailhold is not None:
-        tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
-    if isinstance(head, GuyedSpar):
-        if kind is not Kind.STANDING:
-            raise InputError(f"{head.label} holds a standing skyline only", "Take a HeadSpar")
-        head = replace(head, mainline_block=mainline is not None and not carriage.clamped)
-    between = tuple(support.placed(terrain) for support in supports)
-    stands = (head, *between, tail)
-    for before, after in pairwise(stands):
-        if not before.at[0] < after.at[0]:
-            raise InputError(
-                f"{after.label} stands at station {after.at[0]:g} m, {before.label} before it at {before.at[0]:g} m",
-                "Name headspar, supports and tailspar in the order of their stations",
-            )
-    if (haulback is None) != (haulback_tension is None):
-        raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
-    if haulback_tension is not None:
-        check.positive(haulback_tension, name, "haulback_tension", "N")
-    if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
-        raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
-    if turn is not None and (terrain is None or kind is Kind.RUNNING):
-        raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
-    ideal = mainline is None and not carriage.clamped
-    rig = SkylineRig(
-        kind=kind,
-        terrain=terrain,
-        headspar=head,
-        supports=between,
-        tailspar=tail,
-        skyline=skyline,
-        length=length,
-        tension=tension,
-        mainline=mainline,
-        haulback=haulback,
-        haulback_tension=haulback_tension,
-        carriage=replace(carriage, holding=holding if ideal else None),
-        turn=turn,
-        name=name,
-        gravity=gravity,
-    )
-    return rig if kind is Kind.RUNNING else _with_length(rig)
-
-
-def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
-    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError."""
-    placed = tuple(support.placed(rig.terrain) for support in supports)
-    return _with_length(replace(rig, supports=placed, length=None))
-
-
-def _with_length(rig: SkylineRig) -> SkylineRig:
-    """With the skyline's length for its tension, checked against its strength."""
-    rope, points = rig.skyline, rig.points
-    weight = rope.mass_per_length * rig.gravity
-    if (rig.length is None) == (rig.tension is None):
-        raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
-    length = rig.length
-    if rig.tension is not None:
-        check.positive(rig.tension, rig.name, "tension", "N")
-        if rig.tension >= rope.breaking_load:
-            raise InputError(
-                f"{rig.name}: tension {rig.tension:g} N is above the rope's minimum breaking load "
-                f"{rope.breaking_load:g} N",
-                "Ask for less tension or take a stronger rope",
-            )
-        names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
-        names += [f"{rig.tailspar.name}_{rig.tail[-1].name}"] * (len(rig.tail) - 1)
-        length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
-    check.positive(length or 0.0, rig.name, "length", "m")
-    chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    shortest = chords / (1.0 + rope.strain.at(rope.breaking_load))
-    if (length or 0.0) <= shortest:
-        raise InputError(
-            f"{rig.name}: the skyline is {length:.6g} m long; at its minimum breaking load it needs at least "
-            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.tail[-1].name!r}",
-            "Give a longer skyline or a lower tension",
-        )
-    return replace(rig, length=length)
+def _roller(support: IntermediateSupport) -> Node:
+    """What the mainline runs over at a support: a sheave, or an arc like that of its shoe."""
+    name = f"{support.name}_mainline"
+    if support.radius == 0.0:
+        return Sheave(name, at=support.at)
+    return IntermediateSupport(name, at=support.at, radius=support.radius, slope=support.slope)

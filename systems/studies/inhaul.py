@@ -3,25 +3,32 @@ hoisted on or lost on the way."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import brentq
 
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.newton import Point, newton_of, outputs_of
-from ropeway.systems.rigs.skyline import SkylineRig
+from ropeway.systems.rigs.skyline import STEEPEST, SkylineRig
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
 from ropeway.systems.studies.load_path import row, units_of
-from ropeway.systems.studies.stations import SIDE, Solved, SpanModel, span_model
+from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
+from ropeway.systems.studies.stations import SIDE, Stations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+EDGE = 1e-3
+"""A carriage leaves a shoe, or comes on to it, where this much rope [m] would come off it."""
 
 
 class Happening(NamedTuple):
@@ -66,7 +73,8 @@ def inhaul(
     payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
     rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the carriage
     has to be braked by a haulback. At a point saddle the carriage changes spans as soon as the mainline's length
-    allows. Raises InputError; SimulationError that holds what has run so far.
+    allows; on a support with a radius it rolls over the shoe, unless a long mainline stretches by more than the shoe
+    is wide and lets it run over at once. Raises InputError; SimulationError that holds what has run so far.
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
@@ -81,10 +89,11 @@ def inhaul(
         if not when > last:
             raise InputError(f"{rig.name}: changes of the payload at {when:g} s after {last:g} s", "Sort them by time")
         last = when
-    spans = (rig.span_of(start), rig.span_of(end))
+    for station in (start, end):
+        rig.span_of(station)
     run = _Run(rig, float(payload), every, list(changes), tolerance)
     try:
-        run.go(float(start), float(end), spans, speed if end < start else -speed)
+        run.go(float(start), float(end), speed if end < start else -speed)
     except EquilibriumError as error:
         cause = f"At t = {run.time:.3f} s: {error.cause}"
         raise SimulationError(cause, error.remedy, run.time, run.result()) from error
@@ -117,22 +126,112 @@ class _Run:
         }
         return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(Happening._fields)))
 
-    def go(self, start: float, end: float, spans: tuple[int, int], speed: float) -> None:
+    def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
         way = -1 if speed > 0.0 else 1
-        span = spans[0]
-        at = span_model(self.rig, span, False)
-        eq = self.rest(at, at.solve(start, self.payload))
+        places, last = self.places(), self.placed(end).place
+        at = self.placed(start)
+        eq = self.rest(at, self.solve(at, start))
         self.record(at, eq, speed)
-        while True:
-            boundary = self.rig.points[span + (way > 0), 0] - way * SIDE
-            target = end if span == spans[1] else float(boundary)
-            eq = self.through(at, eq, target, speed)
-            if span == spans[1]:
-                break
-            eq, at = self.over(at, eq, span, way, speed)
-            span += way
+        while at.place != last:
+            beyond = self.next(at, places, last, way)
+            eq = self.through(at, eq, partial(self.border, at, beyond, way), speed)
+            eq = self.over(at, beyond, eq, way, speed)
+            at = beyond
+        eq = self.through(at, eq, lambda: end, speed)
         self.record(at, eq, speed)
+
+    def next(self, at: SpanModel, places: list[Place], last: Place, way: int) -> SpanModel:
+        """The next place that the carriage comes through."""
+        beyond = span_model(self.rig, places[places.index(at.place) + way])
+        while beyond.place != last and (not self.laid(beyond) or (beyond.on is not None and not self.rolls(beyond.on))):
+            beyond = span_model(self.rig, places[places.index(beyond.place) + way])
+        return beyond
+
+    def rolls(self, k: int) -> bool:
+        """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. A long mainline, which
+        stretches more than the shoe is wide, lets it run over at once."""
+        at = span_model(self.rig, Place(k, k))
+        steps = np.linspace(self.edge(k, -1), self.edge(k, 1), 13)
+        return bool(np.all(np.diff([self.paid_out(at, at.solve(float(x), self.payload)) for x in steps]) > 0.0))
+
+    def places(self) -> list[Place]:
+        """All places of the carriage, in the order of their stations."""
+        found = []
+        for k in range(self.rig.spans):
+            found.append(Place(k))
+            if k < len(self.rig.supports) and self.rig.supports[k].radius > 0.0:
+                found += [Place(k, rollers=k + 1), Place(k, k)]
+        return found
+
+    def placed(self, x: float) -> SpanModel:
+        """The model for a station. Raises EquilibriumError where the mainline would have to push."""
+        found = Stations(self.rig).solve(x, self.payload)
+        if found.held_by != "mainline":
+            raise EquilibriumError(
+                f"At station {x:g} m the mainline of {self.rig.name!r} would have to push", "Give it a haulback"
+            )
+        return found.at
+
+    def on_shoe(self, k: int, x: float) -> Solved:
+        """The carriage held on the shoe of support k."""
+        at = span_model(self.rig, Place(k, k))
+        point = at.solve(x, self.payload)
+        return Solved(at, point, at.outputs(point), "mainline")
+
+    def solve(self, at: SpanModel, x: float, near: Point | None = None) -> Point:
+        """The equilibrium at a station; near a shoe it starts from the carriage held there."""
+        k = self.rig.shoe_near(x) if at.on is None else None
+        if k is not None and abs(x - self.rig.supports[k].centre[0]) < STEEPEST * self.rig.supports[k].radius:
+            near = at.off_shoe(self.on_shoe(k, x))
+        return at.solve(x, self.payload, near=near)
+
+    def edge(self, k: int, side: int) -> float:
+        """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
+        support = self.rig.supports[k]
+        middle, *_ = support.at
+        # The shoe is as wide as its circle; where it would end, the carriage has long left it.
+        far = 0.99 * STEEPEST * support.radius + side * (support.centre[0] - middle)
+
+        def off(x: float) -> float:
+            return self.on_shoe(k, x).off_shoe - EDGE
+
+        if off(middle) > 0.0:
+            raise EquilibriumError(f"The skyline lifts off the shoe of {support.name!r}", "Raise it, or slacken it")
+        reach = 0.05 * support.radius
+        while off(middle + side * reach) < 0.0 and reach < far:
+            reach = min(1.5 * reach, far)
+        return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
+
+    def laid(self, at: SpanModel) -> bool:
+        """Whether a place is one that the carriage comes through: the mainline lies on a roller before the carriage
+        only where it sags enough."""
+        k = at.span
+        if at.place.rollers is None:
+            return True
+        return self.on_shoe(k, self.edge(k, -1))[f"{self.rig.carriage.name}.mainline_rope"] > 0.0
+
+    def border(self, at: SpanModel, beyond: SpanModel, way: int) -> float:
+        """The station at which the carriage goes over from one place to the next [m]."""
+        k = min(at.span, beyond.span)
+        if self.rig.supports[k].radius <= 0.0:
+            return float(self.rig.points[k + 1, 0] - way * SIDE)
+        if at.on is not None:
+            return self.edge(k, way)
+        if beyond.on is not None or at.span != beyond.span:
+            return self.edge(k, -1 if at.span == k else 1)
+        rolled = at if at.place.rollers is not None else beyond
+        roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
+
+        def lies(x: float) -> float:
+            point = self.solve(rolled, x)
+            found = Solved(rolled, point, rolled.outputs(point), "mainline")
+            return found[f"{roller}.a_rope"] - found[f"{roller}.b_rope"]
+
+        reach = 0.02 * self.rig.supports[k].radius
+        while lies(low - reach) > 0.0:
+            reach *= 1.5
+        return float(brentq(lies, low - reach, low, xtol=1e-8))
 
     def rest(self, at: SpanModel, point: Point) -> Equilibrium:
         """An equilibrium from a solved point, its travels the new zero."""
@@ -141,16 +240,16 @@ class _Run:
         whole.rezero()
         return Equilibrium(at.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
 
-    def paid_out(self, at: SpanModel, eq: Equilibrium) -> float:
-        """Length of the mainline [m, unstretched]."""
-        run = at.model.runs[at.roles.index("mainline")]
-        return sum(eq[f"{s.name}.length"] for s in run.spans)
+    def paid_out(self, at: SpanModel, point: Point) -> float:
+        """Length of the mainline [m, unstretched], what lies on rollers too."""
+        layout = at.model.layouts[at.roles.index("mainline")]
+        return float(point.p[layout.length_start].sum() + layout.travel.read(point.x, point.z)[0])
 
-    def through(self, at: SpanModel, eq: Equilibrium, target: float, speed: float) -> Equilibrium:
-        """On to a station in the same span, stopping where the payload changes."""
+    def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
+        """On to a station of the same place, stopping where the payload changes."""
         while True:
-            reached = at.solve(target, self.payload, near=eq.point)
-            needed = self.paid_out(at, eq) - self.paid_out(at, self.as_equilibrium(at, reached))
+            reached = self.solve(at, target(), eq.point)
+            needed = self.paid_out(at, eq.point) - self.paid_out(at, reached)
             duration = needed / speed
             change = self.changes[0][0] - self.time if self.changes else np.inf
             if duration > 0.0:
@@ -166,10 +265,6 @@ class _Run:
             eq = self.rest(at, point)
             self.record(at, eq, speed)
 
-    def as_equilibrium(self, at: SpanModel, point: Point) -> Equilibrium:
-        cold = LineState.cold(at.model)
-        return Equilibrium(at.model, point, at.model.runs, tuple(cold.passed), ())
-
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
         """IDAS for some seconds; rows on the grid of the whole run."""
         if duration < 1e-9:
@@ -178,7 +273,7 @@ class _Run:
         result = simulate(
             at.model,
             until=duration,
-            every=min(self.every, duration),
+            every=min(self.every, duration if at.on is None else duration / 40.0),  # the balance turns fast on a shoe
             inputs={"mainline.speed": -speed},
             start=eq,
             tolerance=self.tolerance,
@@ -189,26 +284,32 @@ class _Run:
         self.time += duration
         return self.rest(at, result.at(duration).point)
 
-    def over(self, at: SpanModel, eq: Equilibrium, span: int, way: int, speed: float) -> tuple[Equilibrium, SpanModel]:
-        """Over a support into the next span: at once where the mainline is long or short enough for it, else
-        after the drum has run on while the carriage rests on the saddle."""
-        support = self.rig.stands[span + (way > 0)]
-        beyond = span_model(self.rig, span + way, False)
-        x, *_ = support.at
-        point = beyond.solve(x + way * SIDE, self.payload)
-        have, need = self.paid_out(at, eq), self.paid_out(beyond, self.as_equilibrium(beyond, point))
+    def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, way: int, speed: float) -> Equilibrium:
+        """Over to the next place: at once where the mainline is long or short enough for it, else after the drum has
+        run on while the carriage rests on a point saddle."""
+        name = self.rig.carriage.name
+        support = self.rig.supports[min(at.span, beyond.span)]
+        x = eq[f"{name}.x"]
+        if support.radius == 0.0:
+            x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + way * SIDE
+        elif at.on is None and beyond.on is None and at.span != beyond.span:
+            x = self.edge(min(at.span, beyond.span), way)
+        point = self.solve(beyond, x)
+        have, need = self.paid_out(at, eq.point), self.paid_out(beyond, point)
         wait = (have - need) / speed
-        self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{self.rig.carriage.name}.x"]))
+        if at.on is None and (beyond.on is not None or at.span != beyond.span):
+            self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
         if wait >= 0.0:
             self.time += wait
-        else:  # the mainline is longer or shorter than the next span asks for: the carriage runs ahead
+        else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
             index = beyond.model.p.index
             run = beyond.model.runs[beyond.roles.index("mainline")]
             point.p[index[f"{run.spans[0].name}.length_start"]] += have - need
             newton_of(beyond.model).solve(point)
             beyond.check(point)
-        self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.place[0][1]])))
-        return self.rest(beyond, point), beyond
+        if beyond.on is None and (at.on is not None or at.span != beyond.span):
+            self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
+        return self.rest(beyond, point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs

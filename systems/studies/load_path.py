@@ -11,7 +11,8 @@ from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.span_model import Solved
+from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Piece, Profile, deflection
 
 UNITS = {
@@ -58,7 +59,8 @@ def load_path(
     lower end, of its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
-    over the ground [m]. At a support's own station the carriage hangs 2 cm before it. Raises InputError,
+    over the ground [m]. At the own station of a support that is a point the carriage hangs 2 cm before
+    it; on one with a radius it rolls over the shoe. Raises InputError,
     EquilibriumError.
     """
     check.not_negative(payload, rig.name, "payload", "kg")
@@ -98,9 +100,10 @@ def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
 
 def row(solved: Solved, station: float) -> dict[str, float | str | int]:
     """The row of a load path at a solved station."""
-    rig, model, k = solved.at.rig, solved.at.model, solved.at.span
+    rig, model = solved.at.rig, solved.at.model
     name, head, tail = rig.carriage.name, rig.headspar, rig.tailspar
     x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
+    k = solved.at.span if solved.at.on is None else rig.span_of(x)
     a, b = rig.stands[k].at, rig.stands[k + 1].at
     sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
     sky = model.runs[solved.at.skyline]
@@ -161,10 +164,10 @@ def rope_clearance(solved: Solved, ground: Profile) -> float:
     strain = run.rope.strain
     for k, span in enumerate(run.spans):
         force = at.curve(solved.point, k, r)
-        start = (solved[f"{run.nodes[k].name}.x"], solved[f"{run.nodes[k].name}.z"])
+        x, _, z = solved.start(r, k)
         if force[0] > 0.0:
             weight = run.rope.mass_per_length * rig.gravity
-            piece = Piece(start, force, weight, solved[f"{span.name}.length"], strain)
+            piece = Piece((x, z), force, weight, solved[f"{span.name}.length"], strain)
             least = min(least, ground.clearance(piece).height)
         if run.nodes[k + 1].name == rig.tailspar.name:
             break

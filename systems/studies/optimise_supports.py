@@ -11,7 +11,8 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.intermediate_support import IntermediateSupport
-from ropeway.systems.rigs.skyline import Kind, SkylineRig, with_supports
+from ropeway.systems.rigs.joining import with_supports
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import default_stations, row
 from ropeway.systems.studies.payload import Margin, margins_of
 from ropeway.systems.studies.stations import Stations

@@ -16,7 +16,8 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
-from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.span_model import Solved
+from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import load_path
-from ropeway.systems.studies.stations import Solved, Stations
+from ropeway.systems.studies.span_model import Solved
+from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def _ropes(axis: Axes, shown: Solved) -> None:
         colour, width = ("black", 1.5) if sky else ("tab:red", 1.0)
         first = True
         for k, span in enumerate(run.spans):
-            start = np.array([shown[f"{run.nodes[k].name}.{axis_}"] for axis_ in "xyz"])
+            start = shown.start(r, k)
             length = shown[f"{span.name}.length"]
             weight = run.rope.mass_per_length * rig.gravity
             stations = np.linspace(0.0, length, 60)

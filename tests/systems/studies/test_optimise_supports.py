@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.rigs.skyline import with_supports
+from ropeway.systems.rigs.joining import with_supports
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 STATIONS = np.arange(20.0, 480.0, 20.0)

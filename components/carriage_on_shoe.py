@@ -1,0 +1,112 @@
+"""A carriage that stands on the shoe of an intermediate support."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ropeway.components import shoe
+from ropeway.components.carriage import Carriage
+from ropeway.components.catenary import norm
+from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
+from ropeway.components.errors import InputError
+from ropeway.components.intermediate_support import IntermediateSupport
+
+
+@dataclass(frozen=True, kw_only=True)
+class CarriageOnShoe(Carriage):
+    """A carriage in contact with the shoe of a smooth `support`: both are one node of the skyline. The rope on
+    either side leaves at the carriage, or lies on the shoe beyond it, and leaves along it there.
+
+    mainline_on_roller: the mainline, from the side of smaller x, lies on a roller of the shoe's arc in the same
+    way. The contact holds in both directions: where `shoe_force`, of the shoe on the carriage, is negative, the
+    carriage has left the shoe. It carries the outputs of its support as well. Raises InputError.
+    """
+
+    support: IntermediateSupport
+    mainline_on_roller: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.support.radius <= 0.0 or self.support.friction > 0.0:
+            raise InputError(f"{self.support.label} has no smooth shoe", "Give it a radius and no friction")
+
+    @property
+    def a(self) -> Seat:
+        return replace(super().a, offset="a")
+
+    @property
+    def b(self) -> Seat:
+        return replace(super().b, offset="b")
+
+    @property
+    def mainline(self) -> Seat:
+        return replace(super().mainline, offset="mainline" if self.mainline_on_roller else None)
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return ()  # what holds it across its way is the shoe
+
+    def limits(self) -> tuple[Limit, ...]:
+        return (Limit("shoe_force", "carriage off its shoe", low=0.0), *self.support.limits())
+
+    def structure(self, site: Site) -> Hashable:
+        return (CarriageOnShoe, self.clamped, self.holding, self.mainline_on_roller)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par, res, out, force = Kind.PARAMETER, Kind.RESIDUAL, Kind.OUTPUT, site.force
+        centre_x, centre_z = self.support.centre
+        own = [
+            replace(v, kind=par) if v.name == "y" else v
+            for v in super().variables(site)
+            if not v.name.startswith("balance_")
+        ]
+        return (
+            *own,
+            Variable("radius", par, "m", "radius of the shoe", self.support.radius),
+            Variable("centre_x", par, "m", "x of the shoe's centre", centre_x, 100.0),
+            Variable("centre_z", par, "m", "z of the shoe's centre", centre_z, 100.0),
+            Variable("contact", res, "m", "the carriage is on the shoe"),
+            Variable("balance", res, "N", "forces on the carriage along the shoe", 0.0, 0.01 * force),
+            *(v for side in self._sides for v in shoe.side_variables(side)),
+            Variable("shoe_force", out, "N", "force of the shoe on the carriage", nominal=force),
+            *self.support.wheel_outputs(site),
+        )
+
+    @property
+    def _sides(self) -> tuple[str, ...]:
+        return ("a", "b", "mainline") if self.mainline_on_roller else ("a", "b")
+
+    def equations(self, v: Any) -> Equations:
+        x, z = v.x - v.centre_x, v.z - v.centre_z
+        normal = (x / v.radius, z / v.radius)
+        acting = {"a": v.a.force, "b": v.b.force, "mainline": v.mainline.force}
+        residuals = {"contact": (x * x + z * z - v.radius**2) / (2.0 * v.radius)}
+        for name in self._sides:
+            seat = getattr(v, name)
+            along = shoe.towards_b(normal) if name == "b" else shoe.towards_a(normal)
+            below = shoe.turn(seat.force, normal, along)
+            laid = shoe.side(shoe.not_below(below), normal, along, v.radius, seat.force, seat.carried)
+            residuals.update(shoe.side_residuals(v, name, laid, -1 if name == "b" else 1))
+            acting[name] = shoe.pull(norm(seat.force), laid.turn - below, normal, along)
+        total = self.total(v, acting["a"], acting["b"], (acting["mainline"], v.haulback.force, v.dropline.force))
+        along = shoe.towards_a(normal)
+        residuals["balance"] = total[0] * along[0] + total[2] * along[1]
+        pressed = -(total[0] * normal[0] + total[2] * normal[1])
+        if not self.clamped:
+            residuals["tension_law"] = norm(v.b.force) - norm(v.a.force)
+        # On the shoe: the carriage, and the rope where it lies on it.
+        on = [v.a.force[i] - acting["a"][i] + v.b.force[i] - acting["b"][i] for i in range(3)]
+        load = (on[0] - pressed * normal[0], on[1], on[2] - pressed * normal[1])
+        wheel = IntermediateSupport.wheel_equations(v)
+        return Equations(
+            residuals=residuals,
+            outputs={
+                **self.line_outputs(v),
+                **wheel,
+                "shoe_force": pressed,
+                "bearing_load": norm(load),
+                "support_force": -load[2],
+            },
+        )

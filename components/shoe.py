@@ -1,0 +1,96 @@
+"""A circular shoe that a rope wraps: where the rope leaves it, and how much rope lies on it.
+
+In the vertical plane of the line. The rope on the shoe stretches with its tension; its weight is left out, so
+that tension is the same all along a smooth shoe.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ropeway.components.catenary import Vector, namespace, norm
+from ropeway.components.component import Kind, Variable
+
+Plane = tuple[Any, Any]
+"""A vector (x, z)."""
+
+
+class Side(NamedTuple):
+    """A rope's way off a shoe on one side: `turn`, the angle from the place on the shoe where it is counted from to
+    where it leaves [rad]; that place is `aside` (x, z) [m]; `rope` lies between them [m, unstretched]."""
+
+    turn: Any
+    aside: Plane
+    rope: Any
+
+
+def normal_at(slope: Any) -> Plane:
+    """Outward normal of a shoe where it has a slope (rise over run)."""
+    length = (1.0 + slope**2) ** 0.5
+    return (-slope / length, 1.0 / length)
+
+
+def normal_after(normal: Plane, angle: Any) -> Plane:
+    """Outward normal an angle [rad] further on along a shoe, towards greater x."""
+    xp = namespace(angle)
+    sine, cosine = xp.sin(angle), xp.cos(angle)
+    return (normal[0] * cosine + normal[1] * sine, normal[1] * cosine - normal[0] * sine)
+
+
+def towards_b(normal: Plane) -> Plane:
+    """Tangent of a shoe towards greater x, for its outward normal."""
+    return (normal[1], -normal[0])
+
+
+def towards_a(normal: Plane) -> Plane:
+    """Tangent of a shoe towards smaller x, for its outward normal."""
+    return (-normal[1], normal[0])
+
+
+def turn(force: Vector, normal: Plane, along: Plane) -> Any:
+    """Angle [rad] by which a rope with a `force` on the shoe goes below the tangent `along` the shoe."""
+    down = -(force[0] * normal[0] + force[2] * normal[1])
+    return namespace(down).atan2(down, force[0] * along[0] + force[2] * along[1])
+
+
+def not_below(angle: Any) -> Any:
+    """How far a rope lies on the shoe: the angle below its tangent, or none where it goes above it."""
+    return namespace(angle).fmax(angle, 0.0)
+
+
+def pull(tension: Any, above: Any, normal: Plane, along: Plane) -> Vector:
+    """Force of a rope at an angle `above` the tangent `along` a shoe."""
+    xp = namespace(tension, above)
+    forth, out = tension * xp.cos(above), tension * xp.sin(above)
+    return (forth * along[0] + out * normal[0], 0.0 * forth, forth * along[1] + out * normal[1])
+
+
+def side(angle: Any, normal: Plane, along: Plane, radius: Any, force: Vector, carried: Any) -> Side:
+    """The way off a shoe after an angle [rad] along it. The strain of the rope there is 2 (carried - T) / T, exact
+    for an elastic rope."""
+    xp = namespace(angle)
+    forth, out = radius * xp.sin(angle), radius * (xp.cos(angle) - 1)
+    tension = norm(force)
+    aside = (forth * along[0] + out * normal[0], forth * along[1] + out * normal[1])
+    return Side(angle, aside, radius * angle / (2 * carried / tension - 1))
+
+
+def side_variables(seat: str) -> tuple[Variable, ...]:
+    """Unknowns and residuals of one seat of a shoe: its `offset`."""
+    alg, res = Kind.ALGEBRAIC, Kind.RESIDUAL
+    return (
+        *(Variable(f"{seat}_{a}", alg, "m", f"{a} from the node to where the rope leaves it") for a in "xz"),
+        Variable(f"{seat}_rope", alg, "m", "unstretched rope between the node and there"),
+        *(Variable(f"{seat}_leaves_{a}", res, "m", f"the rope leaves the shoe along it, {a}") for a in "xz"),
+        Variable(f"{seat}_laid", res, "m", "rope on the shoe"),
+    )
+
+
+def side_residuals(v: Any, seat: str, found: Side, way: int) -> dict[str, Any]:
+    """Residuals of `side_variables`; way: 1 where the rope arrives at the seat, -1 where it leaves."""
+    x, z, rope = (getattr(v, f"{seat}_{name}") for name in ("x", "z", "rope"))
+    return {
+        f"{seat}_leaves_x": x - found.aside[0],
+        f"{seat}_leaves_z": z - found.aside[1],
+        f"{seat}_laid": rope - way * found.rope,
+    }

@@ -1,0 +1,150 @@
+"""Any study over many cases, on as many workers as there are."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from inspect import signature
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.errors import InputError
+from ropeway.systems.assembly import assemble
+from ropeway.systems.model import Model
+from ropeway.systems.progress import bar
+from ropeway.systems.studies.cases import table_of
+from ropeway.systems.studies.journal import Journal, Row
+from ropeway.systems.studies.line_study import line_mark, line_study, line_units
+from ropeway.systems.studies.workers import Workers, crew
+from ropeway.systems.system import System
+
+Study = Callable[..., Mapping[str, Any] | float]
+"""A function of the parameters of a case, by name."""
+
+_FAILURE = ("error", "message")
+
+
+def sweep(
+    study: Study | System | Model,
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
+    *,
+    outputs: Sequence[str] | None = None,
+    workers: Workers = None,
+    path: str | Path | None = None,
+    progress: bool | None = None,
+) -> pd.DataFrame:
+    """A study of many cases: a row each, in the order of the cases, the same whatever the workers.
+
+    study: a function called as `study(**case)`, which returns a number (column `value`) or numbers and text by
+    name; or a line, whose equilibrium is found with the parameters of the case (named as for `equilibrium`:
+    `"l7.mass"`, `"s3.z"`, `"a_b.length"`), and `outputs` of it by name, by default all of the model. The line
+    keeps its unstretched lengths but for those that are parameters.
+
+    parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
+    as `latin_hypercube` makes. workers: number of local processes, by default one for each core, 1 for none
+    beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep that was
+    stopped goes on from the rows there are.
+
+    Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
+    where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
+    before the first case, RopewayError when a worker process dies.
+    """
+    cases = table_of(parameters)
+    names, units = list(cases.columns), dict[str, str]()
+    if isinstance(study, (System, Model)):
+        model = study if isinstance(study, Model) else assemble(study)
+        _require_numbers(cases)
+        task: Study = line_study(model, names, outputs)
+        units, mark = line_units(model, [*names, *task.outputs]), line_mark(model) + repr(task.outputs).encode()
+    elif outputs is not None:
+        raise InputError("outputs are read from a line, not from a function", "Let the function return them")
+    else:
+        _require_fitting(study, cases)
+        task, mark = study, _mark(study)
+    journal = None if path is None else Journal(path, mark, cases)
+    finished = None if journal is None else journal.finished()
+    if finished is not None:
+        return finished
+    rows = _run(task, cases, workers, journal, progress)
+    table = pd.concat([cases, pd.DataFrame([rows[i] for i in cases.index], index=cases.index)], axis=1)
+    table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
+    table.attrs["units"] = units
+    return table if journal is None else journal.finish(table)
+
+
+def _run(
+    study: Study, cases: pd.DataFrame, workers: Workers, journal: Journal | None, progress: bool | None
+) -> dict[int, Row]:
+    """The rows of all cases, by number."""
+    rows = {} if journal is None else journal.rows()
+    every = cases.to_dict("records")
+    left = [i for i in range(len(every)) if i not in rows]
+    size = max(1, min(50, len(every) // 200))
+    chunks = [left[k : k + size] for k in range(0, len(left), size)]
+    with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
+        advance(len(rows))
+        for k, found in share_out(partial(_chunk, study), ([every[i] for i in chunk] for chunk in chunks)):
+            new = dict(zip(chunks[k], found, strict=True))
+            rows.update(new)
+            if journal is not None:
+                journal.add(new)
+            advance(len(rows))
+    return rows
+
+
+_ALONE = RLock()
+"""Solvers keep their buffers: of the threads that a Dask worker may have, one works at a time."""
+
+
+def _chunk(study: Study, cases: Sequence[dict[str, Any]]) -> list[Row]:
+    with _ALONE:
+        return [_row(study, case) for case in cases]
+
+
+def _row(study: Study, case: dict[str, Any]) -> Row:
+    """What a case came to, or how it failed: whatever a user's function raises is an answer here."""
+    try:
+        return {**_plain(study(**case), case), **dict.fromkeys(_FAILURE, "")}
+    except Exception as error:  # noqa: BLE001
+        return dict(zip(_FAILURE, (type(error).__name__, str(error)), strict=True))
+
+
+def _plain(found: object, case: Mapping[str, Any]) -> Row:
+    """Numbers and text by name. Raises InputError for anything else."""
+    pairs = found.items() if isinstance(found, (Mapping, pd.Series)) else [("value", found)]
+    row = {str(name): value.item() if isinstance(value, np.generic) else value for name, value in pairs}
+    for name, value in row.items():
+        if not isinstance(value, (bool, int, float, str, type(None))):
+            raise InputError(f"{name} of the study is a {type(value).__name__}", "Return numbers and text by name")
+        if name in case or name in _FAILURE:
+            raise InputError(f"{name} of the study is the name of another column", "Give it another name")
+    return row
+
+
+def _mark(study: Study) -> bytes:
+    """What tells a study from others: its name, and the values bound to it."""
+    try:
+        return pickle.dumps(study)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return f"{getattr(study, '__module__', '')}.{getattr(study, '__qualname__', repr(study))}".encode()
+
+
+def _require_numbers(cases: pd.DataFrame) -> None:
+    for name, kind in cases.dtypes.items():
+        if not pd.api.types.is_numeric_dtype(kind):
+            raise InputError(f"Parameter {name!r} of the line is not a number in every case", "Give numbers")
+
+
+def _require_fitting(study: Study, cases: pd.DataFrame) -> None:
+    """Raises InputError for a function that does not take the parameters."""
+    if not callable(study):
+        raise InputError(f"The study is a {type(study).__name__}", "Give a function, a System or a Model")
+    try:
+        signature(study).bind(**cases.iloc[0].to_dict())
+    except TypeError as error:
+        raise InputError(f"The study does not take these parameters: {error}", "Name them as it does") from error
