@@ -37,8 +37,12 @@ def test_a_line_with_an_fmu_runs_as_the_native_one(unit: FmuComponent) -> None:
     assert coupled.events["time"].to_numpy() == pytest.approx(native.events["time"].to_numpy(), abs=1e-6)
 
 
-def test_co_simulation_converges_to_the_same(unit: FmuComponent, tmp_path: Path) -> None:
-    line = export(open_line(), tmp_path / "line.fmu", tolerance=1e-8)
+@pytest.fixture(scope="module")
+def line(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return export(open_line(), tmp_path_factory.mktemp("line") / "line.fmu", tolerance=1e-8)
+
+
+def test_co_simulation_converges_to_the_same(unit: FmuComponent, line: Path) -> None:
     exact = rw.simulate(fed_line(UNIT), 3.0, every=0.1, inputs=COMMAND, tolerance=1e-8).frame
 
     def error(step: float) -> float:
