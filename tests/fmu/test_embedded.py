@@ -103,6 +103,24 @@ def test_values_of_parameters(unit: FmuComponent) -> None:
     assert drop(unit) > 5.0 * drop(heavy)
 
 
+def test_time_reaches_the_fmu(tmp_path: Path) -> None:
+    """A winch whose speed rises by 0.1 m/s each second."""
+    s = rw.System("winch")
+    s.string(
+        rw.Rope(mass_per_length=1.0, axial_stiffness=20e6, breaking_load=500e3),
+        rw.Drum("d", at=(0.0, 0.0), speed=rw.Schedule((0.0, 10.0), (0.0, 1.0))),
+        rw.Drum("e", at=(100.0, 5.0), tension=30e3),
+        tension=30e3,
+    )
+    path = export(s, tmp_path / "winch.fmu")
+    with pytest.raises(FmuImportError, match=r"winch\.fmu has .* event"):
+        component("winch", path)
+    whole = rw.System("whole")
+    whole.add(component("winch", path, ignore_events=True))
+    travel = rw.simulate(whole, 8.0, tolerance=1e-9).frame["winch.d.travel"]
+    assert travel.to_numpy() == pytest.approx(0.05 * travel.index.to_numpy() ** 2, abs=1e-6)
+
+
 def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
     path = unit.fmu.path
     with pytest.raises(FmuImportError, match=r"2 event indicators.*CoSimulation"):
