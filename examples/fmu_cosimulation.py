@@ -92,7 +92,7 @@ def main(folder: Path) -> None:
             values = frames[way][f"{owner[name.split('.')[0]]}.{name}"]
             axis.plot(values.index, factor * values, style, linewidth=1, label=f"FMUs, {way}")
         axis.set_ylabel(label)
-    axes[0].legend(loc="upper right")
+    axes[0].legend(loc="center right")
     for way, style in zip(ways, ("k:", "C1-"), strict=True):
         error = np.abs(frames[way]["line.c4.tension_in"].to_numpy() - reference["c4.tension_in"].to_numpy())
         print(f"{way}: largest difference in c4.tension_in {error.max():.3g} N")

@@ -12,15 +12,16 @@ from typing import Any, ClassVar
 
 import casadi as ca
 import fmpy
+import numpy as np
 import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
 from ropeway.fmu import units
-from ropeway.fmu.errors import FmuImportError
+from ropeway.fmu.errors import FmuError, FmuImportError
 from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind
-from ropeway.fmu.slave import require_causality
+from ropeway.fmu.slave import Slave, require_causality
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,61 +78,80 @@ def component(
 
     CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
     ignore_events says that its equations are the same on both sides of them (those that this library exports for a
-    system without loads that cross supports, say); and time events are not seen. Such FMUs are for `CoSimulation`.
-    A system with an FMU cannot be exported, and runs slower than one without.
+    system without loads that cross supports, say), and one that announces a time event too. Such FMUs are for
+    `CoSimulation`. A system with an FMU cannot be exported, and runs slower than one without.
 
-    Raises InputError, FmuImportError, FmuVariableError.
+    Raises InputError, FmuImportError, FmuVariableError, FmuRunError.
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
     require_kind(file, "ModelExchange")
-    count = int(file.description.numberOfEventIndicators or 0)
-    if count and not ignore_events:
-        raise FmuImportError(
-            f"{file.path.name} has {count} event indicators: a run with it as a component does not follow its events",
-            "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
-        )
     values = {key: float(value) for key, value in (parameters or {}).items()}
     for key, value in values.items():
         require_causality(file, key, "parameter")
         check.number(value, f"FMU component {name!r}", key)
+    count = int(file.description.numberOfEventIndicators or 0)
+    if count and not ignore_events:
+        raise _has_events(file, f"{count} event indicators")
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
         fmpy.extract(str(file.path), unzipdir=folder)
         dae = ca.DaeBuilder(name, folder)
-        states = list(dae.x())
         for key, value in values.items():
             dae.set(key, value)
-        starts = dict(zip(states, dae.get(states), strict=True)) if states else {}
         # CasADi reads all outputs as real numbers, and knows no dependencies of others.
-        dae.set_y([n for n in file.names("output") if n not in states])
+        dae.set_y([n for n in file.names("output") if n not in dae.x()])
         # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
         options = {"enable_forward": False, "enable_reverse": False}
         function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
-        inputs = [dae.get(list(names)) if names else [] for names in (dae.u(), dae.p())]
-        function.jacobian()(0.0, [starts[n] for n in states], *inputs, 0, 0)  # whether it can
+        groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
+        starts = _starts(file, name, values, groups, ignore_events)
+        function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # whether it can
+    except FmuError:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
     except RuntimeError as error:
         shutil.rmtree(folder, ignore_errors=True)
         reason = str(error).strip().splitlines()[-1]
         raise FmuImportError(f"CasADi cannot use {file.path.name}: {reason}", "Couple it by CoSimulation") from error
-    groups = ((Kind.STATE, states), (Kind.INPUT, dae.u()), (Kind.PARAMETER, dae.p()), (Kind.OUTPUT, dae.y()))
-    owned, scales = _variables(file, groups, {**starts, **values})
+    owned, scales = _variables(file, groups, starts)
     made = FmuComponent(name, file, function, owned, scales)
     weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
     return made
 
 
+def _has_events(fmu: Fmu, what: str) -> FmuImportError:
+    return FmuImportError(
+        f"{fmu.path.name} has {what}: a run with it as a component does not follow its events",
+        "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
+    )
+
+
+def _starts(
+    fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
+) -> dict[Kind, np.ndarray]:
+    """Values after the FMU's own initialisation. Raises FmuImportError where it announces an event."""
+    with Slave(fmu, name, "ModelExchange") as slave:
+        slave.enter(0.0, values)
+        slave.leave()
+        moment = slave.save()
+        slave.forget(moment)
+        if np.isfinite(moment.next_event) and not ignore_events:
+            raise _has_events(fmu, f"an event at t = {moment.next_event:g} s")
+        return {kind: slave.get(list(names)) for kind, names in groups.items()}
+
+
 def _variables(
-    fmu: Fmu, groups: Sequence[tuple[Kind, Sequence[str]]], values: Mapping[str, float]
+    fmu: Fmu, groups: Mapping[Kind, Sequence[str]], starts: Mapping[Kind, np.ndarray]
 ) -> tuple[tuple[Variable, ...], dict[str, tuple[float, float]]]:
-    """The variables in SI units, and the factor and offset to them."""
+    """The variables in SI units, and the factor and offset to them. Where no nominal is given, the start is one."""
     owned, scales = [], {}
-    for kind, names in groups:
-        for name in names:
+    for kind, names in groups.items():
+        for name, start in zip(names, starts[kind], strict=True):
             row = fmu.variable(name)
             unit, factor, offset = units.to_si(str(row["unit"]), fmu.units)
-            start = values.get(name, 0.0 if pd.isna(row["start"]) else float(row["start"]))
-            nominal = abs(factor) * (1.0 if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0)
+            nominal = max(1.0, abs(float(start))) if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0
             scales[name] = factor, offset
-            owned.append(Variable(name, kind, unit, str(row["description"]), factor * start + offset, nominal))
+            value = float(factor * start + offset)
+            owned.append(Variable(name, kind, unit, str(row["description"]), value, abs(factor) * nominal))
     return tuple(owned), scales

@@ -3,9 +3,7 @@ once per component and joined at the ports; then the structure is checked before
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from types import SimpleNamespace
-from typing import Any
+from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
@@ -16,14 +14,13 @@ from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, S
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
 from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, find_runs, slot_counts
 from ropeway.systems.sampling import clocks
 from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
-
-_SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
 
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
@@ -117,87 +114,6 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     )
 
 
-class _Kinds:
-    """Component functions of one assembly, one for each kind of component."""
-
-    def __init__(self) -> None:
-        self._functions: dict[Any, ca.Function] = {}
-
-    def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
-        """What a drive asks of its power unit, (2,): the same inputs as its equations."""
-        key = ("demand", *_form(component, site, variables))
-        if key not in self._functions:
-            v, inputs = _symbols(component, variables)
-            self._functions[key] = ca.Function(
-                f"demand_{len(self._functions)}", inputs, [ca.vertcat(*component.demand(v))]
-            )
-        return self._functions[key]
-
-    def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
-        key = _form(component, site, variables)
-        if key not in self._functions:
-            self._functions[key] = _component_function(
-                component, variables, f"{type(component).__name__}_{len(self._functions)}"
-            )
-        return self._functions[key]
-
-
-def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
-    """Components of one form share their functions: a driven input is not where an open one is."""
-    return (component.structure(site), tuple(v.kind for v in variables))
-
-
-def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
-    """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
-    v, inputs = _symbols(component, variables)
-    eq = component.equations(v)
-
-    def stacked(kind: Kind, by_name: Any) -> Any:
-        return ca.vertcat(ca.DM(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
-
-    # On the node at the other side of the port the force is the opposite.
-    forces = [
-        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
-        for port in component.ports
-        if isinstance(port, RopeEnd)
-    ]
-    results = [
-        stacked(Kind.STATE, eq.rates),
-        stacked(Kind.RESIDUAL, eq.residuals),
-        stacked(Kind.OUTPUT, eq.outputs),
-        *forces,
-    ]
-    return ca.Function(name, inputs, results)
-
-
-def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
-    """Symbols for all that a component's equations read, as attributes and as inputs of its function."""
-    sym = ca.MX.sym if component.external else ca.SX.sym
-    time, gravity = sym("t"), sym("gravity")
-    v = SimpleNamespace(time=time, gravity=gravity)
-    vectors = []
-    for kind in _SYMBOLS:
-        owned = [var for var in variables if var.kind is kind]
-        offsets = np.cumsum([0, *(var.size for var in owned)])
-        vector = sym(kind.value, int(offsets[-1]))
-        for var, start in zip(owned, offsets[:-1].tolist(), strict=True):
-            setattr(v, var.name, vector[start : start + var.size])
-        vectors.append(vector)
-    ports = []
-    for port in component.ports:
-        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
-        three = (symbol[0], symbol[1], symbol[2])
-        if isinstance(port, RopeEnd):
-            setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
-        else:
-            setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
-        ports.append(symbol)
-    signals = sym("signals", len(component.signals))
-    for i, name in enumerate(component.signals):
-        setattr(v, name, signals[i])
-    return v, [time, gravity, *vectors, signals, *ports]
-
-
 def _join(
     system: System,
     runs: Sequence[Run],
@@ -207,9 +123,9 @@ def _join(
 ) -> tuple[ca.Function, ca.Function]:
     """All components called in one graph: rope pieces first, then the nodes with the forces on them."""
     t = ca.MX.sym("t")
-    whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in _SYMBOLS}
+    whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
     gravity = whole[Kind.PARAMETER][0]
-    parts = {kind: _split(kind, whole[kind], variables) for kind in _SYMBOLS}
+    parts = {kind: _split(kind, whole[kind], variables) for kind in SYMBOLS}
     speed_of = _drive_speeds(runs)
 
     def variable(component: str, name: str) -> ca.MX:
@@ -220,12 +136,12 @@ def _join(
         raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
 
     seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
-    kinds = _Kinds()
+    kinds = ComponentFunctions()
     results: dict[str, Sequence[ca.MX]] = {}
     force_on: dict[tuple[str, str], ca.MX] = {}
 
     def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
-        return [t, gravity, *(parts[kind][component.name] for kind in _SYMBOLS), signals, *ports]
+        return [t, gravity, *(parts[kind][component.name] for kind in SYMBOLS), signals, *ports]
 
     def sat(seat: Seat) -> ca.MX:
         """Position and travel of the rope at a seat."""
@@ -280,7 +196,7 @@ def _join(
         ca.MX(0, 1),
         *(part for c in variables for part in (results[c][1], *differences(system, c, variables[c], quantity))),
     )
-    arguments = [t, *(whole[kind] for kind in _SYMBOLS)]
+    arguments = [t, *(whole[kind] for kind in SYMBOLS)]
     names = ["t", "x", "z", "u", "p", "d"]
     return (
         ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"]),

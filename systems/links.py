@@ -19,11 +19,17 @@ Owned = Mapping[str, tuple[Variable, ...]]
 
 
 def with_links(system: System, variables: Owned) -> dict[str, tuple[Variable, ...]]:
-    """The variables with each driven input as an algebraic variable, behind all others of its component."""
+    """The variables with each driven input as an algebraic variable, behind all others of its component; it is as
+    large as its source."""
+    nominals = {(name, v.name): v.nominal for name, owned in variables.items() for v in owned}
+
+    def driven(name: str, v: Variable) -> Variable:
+        return replace(v, kind=Kind.ALGEBRAIC, nominal=max(v.nominal, nominals[system.links[name, v.name]]))
+
     return {
         name: (
             *(v for v in owned if (name, v.name) not in system.links),
-            *(replace(v, kind=Kind.ALGEBRAIC) for v in owned if (name, v.name) in system.links),
+            *(driven(name, v) for v in owned if (name, v.name) in system.links),
         )
         for name, owned in variables.items()
     }

@@ -85,10 +85,14 @@ HYDRAULIC = rw.HydraulicDrive(
 )
 
 
+def open_line() -> rw.System:
+    """The short line with a drive whose pressure and flow are left open."""
+    return short_line(drive=replace(HYDRAULIC, relief_pressure=None, pump_flow=None, brake_force=1e5))
+
+
 def fed_line(unit: Component, prefix: str = "") -> rw.System:
     """The short line with a drive that a power unit feeds; `prefix` of the unit's variables."""
-    drive = replace(HYDRAULIC, relief_pressure=None, pump_flow=None, brake_force=1e5)
-    s = short_line(drive=drive)
+    s = open_line()
     unit, c1 = s.add(unit), s.components["c1"]
     s.connect(unit.output(f"{prefix}flow"), c1.input("pump_flow"))
     s.connect(unit.output(f"{prefix}pressure"), c1.input("relief_pressure"))

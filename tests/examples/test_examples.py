@@ -9,7 +9,17 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 
-@pytest.mark.parametrize("script", sorted(p.name for p in EXAMPLES.glob("[!_]*.py")))
+NETWORK = {"fmu_foreign.py"}
+"""Examples that download something."""
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(p.name, marks=[pytest.mark.importers] if p.name in NETWORK else [])
+        for p in sorted(EXAMPLES.glob("[!_]*.py"))
+    ],
+)
 def test_example(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", [script, str(tmp_path)])
     runpy.run_path(str(EXAMPLES / script), run_name="__main__")

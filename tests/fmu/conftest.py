@@ -1,5 +1,8 @@
 """FMUs made once for all tests of this folder."""
 
+import subprocess
+import sys
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -49,3 +52,15 @@ def open_fmu(tmp_path: Path) -> Iterator[Opener]:
 @pytest.fixture(scope="session")
 def mass(fmus: Path) -> Path:
     return mass_fmu(fmus / "mass.fmu")
+
+
+@pytest.fixture(scope="session")
+def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of OpenModelica's FMUs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
+    folder = tmp_path_factory.mktemp("foreign")
+    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(folder)]
+    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder, [n for n in archive.namelist() if "/linux/" in n])
+    return next(folder.rglob("linux"))

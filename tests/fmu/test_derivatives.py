@@ -123,3 +123,19 @@ def test_casadi_integrates_until_the_first_crossing(tmp_path: Path) -> None:
     outputs = builder.create("outputs", ["t", "x", "u"], ["y"])(until, end, given).full().ravel()
     wanted = rw.simulate(line, until, every=until).frame.iloc[-1][list(builder.y())]
     assert list(outputs) == pytest.approx(wanted.to_list(), rel=1e-7)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_derivatives_by_time(fmi: str, tmp_path: Path, open_fmu: Opener) -> None:
+    """The speed of a schedule rises by 0.1 m/s each second."""
+    s = rw.System("winch")
+    s.string(
+        rw.Rope(mass_per_length=1.0, axial_stiffness=20e6, breaking_load=500e3),
+        rw.Drum("d", at=(0.0, 0.0), speed=rw.Schedule((0.0, 10.0), (0.0, 1.0))),
+        rw.Drum("e", at=(100.0, 5.0), tension=30e3),
+        tension=30e3,
+    )
+    one = open_fmu(export(s, tmp_path / "winch.fmu", fmi), kind="ModelExchange")
+    one.initialize()
+    found = one.fmu.getDirectionalDerivative([one.references["der(d.travel)"]], [one.references["time"]], [2.0])
+    assert list(found) == pytest.approx([0.2], rel=1e-12)

@@ -1,21 +1,19 @@
 """Model Exchange FMUs as components: exported here and back, and FMUs of others."""
 
-import subprocess
-import sys
-import zipfile
 from pathlib import Path
 
 import casadi as ca
 import numpy as np
 import pytest
-from fmus import fed_line
+from fmus import fed_line, open_line
 
 import ropeway as rw
-from ropeway.fmu import FmuComponent, FmuExportError, FmuImportError, FmuVariableError, component, export
+from ropeway.fmu import CoSimulation, FmuComponent, FmuExportError, FmuImportError, FmuVariableError, component, export
 
 UNIT = rw.DieselHydraulicUnit(
     "unit", rated_power=20e3, rated_speed=200.0, inertia=1.0, displacement=25e-6, relief_pressure=350e5
 )
+COMMAND = {"c1.speed": 1.5}
 INPUTS = {"c1.speed": rw.Schedule((0.0, 1.0, 2.0, 20.0), (1.0, 1.0, 1.5, 1.5))}
 
 
@@ -37,6 +35,29 @@ def test_a_line_with_an_fmu_runs_as_the_native_one(unit: FmuComponent) -> None:
     assert ((frame - native.frame).abs().max() / scale).max() < 1e-6
     assert coupled.events["event"].tolist() == native.events["event"].tolist()
     assert coupled.events["time"].to_numpy() == pytest.approx(native.events["time"].to_numpy(), abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def line(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return export(open_line(), tmp_path_factory.mktemp("line") / "line.fmu", tolerance=1e-8)
+
+
+def test_co_simulation_converges_to_the_same(unit: FmuComponent, line: Path) -> None:
+    exact = rw.simulate(fed_line(UNIT), 3.0, every=0.1, inputs=COMMAND, tolerance=1e-8).frame
+
+    def error(step: float) -> float:
+        together = CoSimulation(step, iterated=True)
+        together.add("power", unit.fmu)
+        together.add("line", line, start={"c1.speed": 1.5})
+        together.connect("power.unit.flow", "line.c1.pump_flow")
+        together.connect("power.unit.pressure", "line.c1.relief_pressure")
+        together.connect("line.c1.hydraulic_power", "power.unit.load_power")
+        frame = together.run(3.0).iloc[:: round(0.1 / step)]
+        return float(np.abs(frame["power.unit.speed"].to_numpy() - exact["unit.speed"].to_numpy()).max())
+
+    coarse, fine = error(0.05), error(0.025)
+    assert coarse / fine > 3.0  # at least of second order
+    assert fine < 0.01
 
 
 def test_jacobians_are_exact(unit: FmuComponent) -> None:
@@ -82,6 +103,24 @@ def test_values_of_parameters(unit: FmuComponent) -> None:
     assert drop(unit) > 5.0 * drop(heavy)
 
 
+def test_time_reaches_the_fmu(tmp_path: Path) -> None:
+    """A winch whose speed rises by 0.1 m/s each second."""
+    s = rw.System("winch")
+    s.string(
+        rw.Rope(mass_per_length=1.0, axial_stiffness=20e6, breaking_load=500e3),
+        rw.Drum("d", at=(0.0, 0.0), speed=rw.Schedule((0.0, 10.0), (0.0, 1.0))),
+        rw.Drum("e", at=(100.0, 5.0), tension=30e3),
+        tension=30e3,
+    )
+    path = export(s, tmp_path / "winch.fmu")
+    with pytest.raises(FmuImportError, match=r"winch\.fmu has .* event"):
+        component("winch", path)
+    whole = rw.System("whole")
+    whole.add(component("winch", path, ignore_events=True))
+    travel = rw.simulate(whole, 8.0, tolerance=1e-9).frame["winch.d.travel"]
+    assert travel.to_numpy() == pytest.approx(0.05 * travel.index.to_numpy() ** 2, abs=1e-6)
+
+
 def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
     path = unit.fmu.path
     with pytest.raises(FmuImportError, match=r"2 event indicators.*CoSimulation"):
@@ -96,18 +135,6 @@ def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
         export(fed_line(unit, "unit."), tmp_path / "line.fmu")
     with pytest.raises(rw.UnknownNameError, match="has no input 'load_power'"):
         unit.input("load_power")
-
-
-@pytest.fixture(scope="module")
-def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """OpenModelica's FMUs from the gemseo-fmu wheel (LGPL; test data, not part of this project)."""
-    folder = tmp_path_factory.mktemp("foreign")
-    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(folder)]
-    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
-    (wheel,) = folder.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(folder, [n for n in archive.namelist() if "/linux/" in n])
-    return next(folder.rglob("linux"))
 
 
 @pytest.mark.importers

@@ -1,8 +1,5 @@
 """FMUs of OpenModelica from the gemseo-fmu wheel (LGPL; downloaded as test data, not part of this project)."""
 
-import subprocess
-import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,27 +14,16 @@ Deviation = Callable[..., tuple[int, float]]
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("foreign")
-    download = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--dest", str(place)]
-    subprocess.run([*download, "gemseo-fmu==3.1.1"], check=True)
-    (wheel,) = place.glob("*.whl")
-    with zipfile.ZipFile(wheel) as archive:
-        archive.extractall(place, [n for n in archive.namelist() if "/linux/" in n])
-    return next(place.rglob("linux"))
-
-
-@pytest.fixture(scope="module")
-def deviation(folder: Path) -> Deviation:
+def deviation(foreign: Path) -> Deviation:
     """Steps that two masses on springs take in co-simulation, and how far they are from their monolith."""
     whole = CoSimulation(0.001)
-    whole.add("both", folder / "MassSpringSystem.fmu", kind="ModelExchange")
+    whole.add("both", foreign / "MassSpringSystem.fmu", kind="ModelExchange")
     both = whole.run(2.0)["both.x1"]
 
     def of(step: float, **more: object) -> tuple[int, float]:
         parts = CoSimulation(step, **more)  # type: ignore[arg-type]
         for i, name in ((1, "one"), (2, "two")):
-            parts.add(name, folder / f"MassSpringSubSystem{i}.fmu", kind="ModelExchange")
+            parts.add(name, foreign / f"MassSpringSubSystem{i}.fmu", kind="ModelExchange")
         parts.connect("one.x1", "two.x1")
         parts.connect("two.x2", "one.x2")
         found: pd.Series = parts.run(2.0)["one.x1"]
@@ -73,9 +59,9 @@ def test_controlled_steps_reach_their_tolerance(deviation: Deviation, method: st
 
 
 @pytest.mark.parametrize("kind", ["ModelExchange", "CoSimulation"])
-def test_a_ramp_ends_at_an_event(folder: Path, kind: str) -> None:
+def test_a_ramp_ends_at_an_event(foreign: Path, kind: str) -> None:
     """No state at all, two event indicators."""
     together = CoSimulation(0.3)
-    together.add("ramp", folder / "ramp.fmu", kind=kind)  # type: ignore[arg-type]
+    together.add("ramp", foreign / "ramp.fmu", kind=kind)  # type: ignore[arg-type]
     found = together.run(3.0)["ramp.out"]
     assert found.to_numpy() == pytest.approx(np.minimum(found.index, 1.0), abs=1e-9)
