@@ -26,7 +26,7 @@ class SkylineParts(TypedDict, total=False):
     """The keywords of `standing_skyline` and `live_skyline`: four are required."""
 
     headspar: Required[HeadSpar]
-    tailspar: Required[TailSpar]
+    tailspar: Required[TailSpar | GuyedSpar]
     skyline: Required[Rope]
     carriage: Required[Carriage]
     supports: Sequence[IntermediateSupport]
@@ -46,7 +46,7 @@ def joined(
     terrain: Ground | None,
     *,
     headspar: HeadSpar,
-    tailspar: TailSpar,
+    tailspar: TailSpar | GuyedSpar,
     skyline: Rope,
     carriage: Carriage,
     supports: Sequence[IntermediateSupport] = (),
@@ -68,9 +68,12 @@ def joined(
     if tail.tailhold is not None:
         tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
     if isinstance(head, GuyedSpar):
-        if kind is not Kind.STANDING:
-            raise InputError(f"{head.label} holds a standing skyline only", "Take a HeadSpar")
-        head = replace(head, mainline_block=mainline is not None and not carriage.clamped)
+        lead = {Kind.STANDING: (), Kind.LIVE: ("skyline",), Kind.GRAVITY: ("skyline",), Kind.RUNNING: ("haulback",)}
+        pulled = mainline is not None and not carriage.clamped
+        head = replace(head, blocks=(*lead[kind], *(("mainline",) if pulled else ())))
+    if isinstance(tail, GuyedSpar):
+        through = "haulback" if kind is Kind.RUNNING else "skyline"
+        tail = replace(tail, blocks=(through,) if kind is Kind.RUNNING or tail.tailhold is not None else ())
     between = tuple(support.placed(terrain) for support in supports)
     stands = (head, *between, tail)
     for before, after in pairwise(stands):
@@ -130,7 +133,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
                 "Ask for less tension or take a stronger rope",
             )
         names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
-        names += [f"{rig.tailspar.name}_{rig.tail[-1].name}"] * (len(rig.tail) - 1)
+        names += [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends[len(rig.stands) - 1 :])]
         length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
     check.positive(length or 0.0, rig.name, "length", "m")
     chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
@@ -138,7 +141,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     if (length or 0.0) <= shortest:
         raise InputError(
             f"{rig.name}: the skyline is {length:.6g} m long; at its minimum breaking load it needs at least "
-            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.tail[-1].name!r}",
+            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.ends[-1].name!r}",
             "Give a longer skyline or a lower tension",
         )
     return replace(rig, length=length)
