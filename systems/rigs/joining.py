@@ -16,7 +16,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
-from ropeway.components.spar import Ground, HeadSpar, TailSpar
+from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
 from ropeway.systems.empty_rope import lengths_for_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig, Turn
 from ropeway.systems.system import GRAVITY
@@ -35,6 +35,7 @@ class SkylineParts(TypedDict, total=False):
     mainline: Rope | None
     haulback: Rope | None
     haulback_tension: float | None
+    haulback_block: Block | None
     holding: Holding
     turn: Turn | None
     name: str
@@ -55,6 +56,7 @@ def joined(
     mainline: Rope | None = None,
     haulback: Rope | None = None,
     haulback_tension: float | None = None,
+    haulback_block: Block | None = None,
     holding: Holding = "bisector",
     turn: Turn | None = None,
     name: str | None = None,
@@ -70,7 +72,9 @@ def joined(
     if isinstance(head, GuyedSpar):
         lead = {Kind.STANDING: (), Kind.LIVE: ("skyline",), Kind.GRAVITY: ("skyline",), Kind.RUNNING: ("haulback",)}
         pulled = mainline is not None and not carriage.clamped
-        head = replace(head, blocks=(*lead[kind], *(("mainline",) if pulled else ())))
+        back = haulback_block is not None and not carriage.clamped
+        more = [rope for rope, on in (("mainline", pulled), ("haulback", back)) if on]
+        head = replace(head, blocks=(*lead[kind], *more))
     if isinstance(tail, GuyedSpar):
         through = "haulback" if kind is Kind.RUNNING else "skyline"
         tail = replace(tail, blocks=(through,) if kind is Kind.RUNNING or tail.tailhold is not None else ())
@@ -86,6 +90,8 @@ def joined(
         raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
     if haulback_tension is not None:
         check.positive(haulback_tension, name, "haulback_tension", "N")
+    if haulback is None and haulback_block is not None:
+        raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
     if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
         raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
     if turn is not None and (terrain is None or kind is Kind.RUNNING):
@@ -103,6 +109,7 @@ def joined(
         mainline=mainline,
         haulback=haulback,
         haulback_tension=haulback_tension,
+        haulback_block=None if haulback_block is None else haulback_block.placed(terrain),
         carriage=replace(carriage, holding=holding if ideal else None),
         turn=turn,
         name=name,

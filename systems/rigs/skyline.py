@@ -92,6 +92,7 @@ class SkylineRig:
     mainline: Rope | None
     haulback: Rope | None
     haulback_tension: float | None
+    haulback_block: Block | None
     carriage: Carriage
     turn: Turn | None
     name: str
@@ -207,8 +208,11 @@ class SkylineRig:
         if self.pulled:
             self._mainline(system, carriage, span if rollers is None else rollers, start.pull)
         if self.haulback is not None and not carriage.clamped and self.kind is not Kind.RUNNING:
-            drum = Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)
-            _string(system, self.haulback, [drum, carriage.haulback], self.haulback_tension or 0.0)
+            if self.haulback_block is None:
+                way: list[Any] = [Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)]
+            else:
+                way = [*self._from_yarder("haulback", "haulback", self.haulback_tension), self.haulback_block]
+            _string(system, self.haulback, [*way, carriage.haulback], self.haulback_tension or 0.0)
         if self.turn is not None:
             x, y, z = carriage.at
             log = self.turn.under(x, y, z, mass, self.terrain)

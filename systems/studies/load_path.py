@@ -27,6 +27,7 @@ UNITS = {
     "anchor_tension": "N",
     "mainline_pull": "N",
     "mainline_tension": "N",
+    "haulback_pull": "N",
     "haulback_tension": "N",
     "sag": "m",
     "deflection": "%",
@@ -52,8 +53,8 @@ def load_path(
     One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
     the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
     (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
-    the headspar) and mainline_tension at its drum; haulback_tension at its drum; sag below its span's chord
-    and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
+    the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its drum;
+    sag below its span's chord and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
     one of all ropes; for each support `NAME_force`, upward on the rope, negative where it lifts off; span
     (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
     holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar tailspar_compression,
@@ -132,6 +133,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         "anchor_tension": ends[-1],
         "mainline_pull": pull,
         "mainline_tension": main,
+        "haulback_pull": solved[f"{name}.haulback_pull"],
         "haulback_tension": haul,
         "sag": sag,
         "deflection": deflection(sag, float(np.hypot(b[0] - a[0], b[1] - a[1]))),

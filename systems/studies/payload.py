@@ -123,6 +123,9 @@ def margins_of(
         found["mainline tension"] = tension("mainline_tension", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
         found["haulback tension"] = tension("haulback_tension", rig.haulback.breaking_load / others)
+    block = rig.haulback_block
+    if block is not None and block.capacity is not None:
+        found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
     of_load, of_rope = clearances
     if of_load is not None and rig.kind is Kind.STANDING:
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
