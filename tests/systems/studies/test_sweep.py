@@ -259,7 +259,7 @@ def test_wrong_input_comes_before_the_first_case() -> None:
     with pytest.raises(rw.InputError, match="The study is a float"):
         rw.sweep(1.0, {"length": [1.0]})  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="list of its values"):
-        rw.sweep(area, {"width": 1.0})  # type: ignore[dict-item]
+        rw.sweep(area, {"width": 1.0})
     with pytest.raises(rw.InputError, match="no cases"):
         rw.sweep(area, {"width": []})
     with pytest.raises(rw.InputError, match="workers is 0"):
