@@ -200,6 +200,8 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.set_up import tension_history as tension_history
     from ropeway.systems.studies.sweep import sweep as sweep
     from ropeway.systems.studies.terrain import Profile as Profile
+    from ropeway.systems.studies.tune_response import TunedResponse as TunedResponse
+    from ropeway.systems.studies.tune_response import tune_response as tune_response
     from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.turk_solvers import solve_span as solve_span
     from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
@@ -254,6 +256,7 @@ _HOMES = {
     "ropeway.systems.studies.payload_comparison": "compare_payload_methods method_errors",
     "ropeway.systems.studies.payload_exact": "elastic_load exact_load",
     "ropeway.systems.studies.payload_methods": "payload_for_tension tension_for_payload",
+    "ropeway.systems.studies.tune_response": "TunedResponse tune_response",
     "ropeway.systems.studies.turk_solvers": "SpanProblem solve_span",
     "ropeway.systems.studies.worksheet": "lira_worksheet",
     "ropeway.systems.system": "System",
