@@ -89,7 +89,7 @@ def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str,
     headers = Path(fmpy.__file__).with_name("c-code")
     model, functions = _model_code(interface.equations)
     data = tables.fill(interface, tolerance)
-    templates = {name: (_TEMPLATES / name).read_text() for name in (*_CORE, "ropeway.h")}
+    templates = {name: (_TEMPLATES / name).read_text() for name in (*_CORE, "ropeway.h", "fmi_shared.h")}
     wrapper = f"fmi{fmi[0]}.c"
     content = hashlib.sha256("".join([fmi, *model.values(), data.source(), *templates.values()]).encode()).hexdigest()
     data.fingerprint(f"{{{uuid.uuid5(_NAMESPACE, content)}}}")
