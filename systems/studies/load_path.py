@@ -56,9 +56,9 @@ def load_path(
     the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its drum;
     sag below its span's chord and deflection in percent of the span; clearance of the load over the ground and
     rope_clearance, the least one of all ropes; for each support `NAME_force`, upward on the rope, negative where
-    it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
-    holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar tailspar_compression,
-    tailspar_lean, and both for each guyline `NAME_tension` at the top.
+    it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on
+    the skyline) or holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar
+    tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension` at the top.
     A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance that of its
     lower end, of its front where the rear drags.
 
