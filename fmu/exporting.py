@@ -48,8 +48,9 @@ def export(
 
     It starts from the system's equilibrium, or from the one given. inputs, outputs, parameters: names of the
     variables to show; by default all inputs that no Schedule drives; all outputs, states, travels and coordinates; all
-    parameters and load masses. platforms: "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources
-    only. tolerance: of the integrator in Co-Simulation, relative and absolute on scaled variables.
+    parameters and load masses. inputs may name switches too: `c1.brake` and `c1.pressure_lost`, Booleans. platforms:
+    "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator in
+    Co-Simulation, relative and absolute on scaled variables.
 
     Raises InputError, UnknownNameError, EquilibriumError, FmuExportError.
     """
