@@ -17,7 +17,7 @@ pytestmark = pytest.mark.importers
 @pytest.fixture(scope="module")
 def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, bytes]]:
     """Binaries by FMI version and place."""
-    found = {}
+    found: dict[str, dict[str, bytes]] = {}
     versions: tuple[Literal["2.0", "3.0"], ...] = ("2.0", "3.0")
     for fmi in versions:
         path = export(one_span(), tmp_path_factory.mktemp("all") / "all.fmu", fmi, platforms=compiler.PLATFORMS)
