@@ -76,6 +76,7 @@ def compile_library(folder: Path, sources: Sequence[str], platform: str, library
     own words."""
     windows = "windows" in platform
     each = [*command(platform), "-O2", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    each += ["-g0"]  # zig adds what a debugger needs, four times the code
     objects = [f"{platform}-{name}.o" for name in sources]
 
     def compile_one(name: str, result: str) -> None:
