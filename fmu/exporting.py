@@ -111,11 +111,30 @@ def _model_code(equations: Equations) -> tuple[dict[str, str], str]:
         name = f"{function.name()}.c"
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)
-        files[name] = generator.dump()
+        files[name] = _spared(generator.dump())
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )
     return files, declarations
+
+
+_LONG = 1_000_000
+"""Characters of C over which clang takes minutes."""
+_SPARE = """#if defined(__clang__)
+#define RW_SPARED __attribute__((optnone))
+#else
+#define RW_SPARED
+#endif
+"""
+
+
+def _spared(code: str) -> str:
+    """Long code in which clang does not optimise the functions that only call those of components: they are what is
+    long, and make a step slower by a third only."""
+    if len(code) < _LONG:
+        return code
+    calls = r"(/\* (?:rw_\w+|fwd\d+_(?:dae|outputs)):.*\n)(static int)"
+    return _SPARE + re.sub(calls, r"\1RW_SPARED \2", code)
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:
