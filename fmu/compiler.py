@@ -75,16 +75,14 @@ def compile_library(folder: Path, sources: Sequence[str], platform: str, library
     """Compiles C files in a folder to a shared library, on all processors. Raises FmuExportError with the compiler's
     own words."""
     windows = "windows" in platform
-    each = [*command(platform), "-O2", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
-    objects = [f"{platform}-{name}.o" for name in sources]
-
-    def compile_one(name: str, result: str) -> None:
-        _run([*each, "-c", name, "-o", result], folder, platform)
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(compile_one, sources, objects))
-    link = ["-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])]
-    _run([*command(platform), *link], folder, platform)
+    run = [*command(platform), "-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    objects = list(sources)
+    if "ziglang" not in run:  # zig compiles its files side by side itself
+        objects = [f"{platform}-{name}.o" for name in sources]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
+            list(pool.map(lambda one: _run(one, folder, platform), each))
+    _run([*run, "-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])], folder, platform)
 
 
 def _run(command: Sequence[str], folder: Path, platform: str) -> None:

@@ -118,7 +118,8 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
             ElementTree.SubElement(files, "File", name=name)
     _common(root, about, interface)
     # FMI 2.0 needs no variable for the time, and some importers want a start for one.
-    shown = [v for v in interface.variables if v not in indicators and v.causality != "independent"]
+    hidden = {v.reference for v in indicators}
+    shown = [v for v in interface.variables if v.reference not in hidden and v.causality != "independent"]
     place = {v.reference: i for i, v in enumerate(shown, 1)}
     by_name = {v.name: v for v in shown}
     variables = ElementTree.SubElement(root, "ModelVariables")

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components, maximum_bipartite_matchin
 
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.intervention import SWITCHED
 from ropeway.systems.model import Model
 from ropeway.systems.state import LineState
 
@@ -118,6 +119,12 @@ class Equations:
         return {i: s for i, s in enumerate(self.model.signals) if isinstance(s, Schedule)}
 
     @cached_property
+    def switches(self) -> dict[str, int]:
+        """Discrete variables that somebody may set while the line runs, by name: brakes and losses of pressure."""
+        own = {variable for variable, _ in SWITCHED.values()}
+        return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
+
+    @cached_property
     def mass_names(self) -> list[list[str]]:
         """For each run the names of its masses that can be set: of its loads, or of those that its feed repeats."""
         names = []
@@ -139,14 +146,15 @@ class Equations:
 
 
 class Dependencies:
-    """Which knowns (states, inputs, parameters, masses, numbered through) rates, algebraic variables and outputs
-    depend on after elimination: one bit mask each."""
+    """Which knowns (states, inputs, switches, parameters, masses, numbered through) rates, algebraic variables and
+    outputs depend on after elimination: one bit mask each."""
 
     def __init__(self, equations: Equations) -> None:
         m = equations.model
         self._m = m
         self.first_input = len(m.x)
-        self.first_parameter = self.first_input + len(m.u)
+        self.first_switch = self.first_input + len(m.u)
+        self.first_parameter = self.first_switch + len(equations.switches)
         self.first_mass = self.first_parameter + len(m.p)
         self.count = self.first_mass + len(equations.masses)
         self._slots = self._slot_masks(equations)
@@ -155,8 +163,10 @@ class Dependencies:
         self.outputs = self._through(m.outputs, 0)
 
     def _slot_masks(self, equations: Equations) -> list[int]:
-        """For each discrete variable the parameters and masses that it is made of."""
+        """For each discrete variable what it is made of: parameters and masses, or a switch."""
         masks = [0] * len(self._m.d)
+        for i, entry in enumerate(equations.switches.values()):
+            masks[entry] = 1 << (self.first_switch + i)
         mass = self.first_mass
         for layout, names in zip(self._m.layouts, equations.mass_names, strict=True):
             every = sum(1 << (mass + i) for i in range(len(names)))

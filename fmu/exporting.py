@@ -49,8 +49,9 @@ def export(
 
     It starts from the system's equilibrium, or from the one given. inputs, outputs, parameters: names of the
     variables to show; by default all inputs that no Schedule drives; all outputs, states, travels and coordinates; all
-    parameters and load masses. platforms: "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources
-    only. tolerance: of the integrator in Co-Simulation, relative and absolute on scaled variables.
+    parameters and load masses. inputs may name switches too: `c1.brake` and `c1.pressure_lost`, Booleans. platforms:
+    "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator in
+    Co-Simulation, relative and absolute on scaled variables.
 
     Raises InputError, UnknownNameError, EquilibriumError, FmuExportError.
     """
@@ -113,11 +114,30 @@ def _model_code(equations: Equations) -> tuple[dict[str, str], str]:
         name = f"{function.name()}.c"
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)
-        files[name] = generator.dump()
+        files[name] = _spared(generator.dump())
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )
     return files, declarations
+
+
+_LONG = 1_000_000
+"""Characters of C over which clang takes minutes."""
+_SPARE = """#if defined(__clang__)
+#define RW_SPARED __attribute__((optnone))
+#else
+#define RW_SPARED
+#endif
+"""
+
+
+def _spared(code: str) -> str:
+    """Long code in which clang does not optimise the functions that only call those of components: they are what is
+    long, and make a step slower by a third only."""
+    if len(code) < _LONG:
+        return code
+    calls = r"(/\* (?:rw_\w+|fwd\d+_(?:dae|outputs)):.*\n)(static int)"
+    return _SPARE + re.sub(calls, r"\1RW_SPARED \2", code)
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:

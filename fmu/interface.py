@@ -28,7 +28,7 @@ class FmuVariable:
     description: str
     unit: str = "1"
     initial: str | None = None
-    start: float | None = None
+    start: float | bool | None = None
     nominal: float | None = None
     state: str | None = None
     knowns: int = 0
@@ -48,12 +48,14 @@ class References:
     indicator: int
     limit: int
     passed: int
+    switch: int
     end: int
 
 
 class Interface:
     """The variables of an FMU. inputs, outputs, parameters: names to show; None for all that make sense: inputs that
-    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses.
+    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses. Among inputs may be
+    switches, `c1.brake` and `c1.pressure_lost`: Booleans.
 
     Raises InputError, UnknownNameError.
     """
@@ -70,6 +72,7 @@ class Interface:
         self.supports = [(r, k) for r, run in enumerate(equations.state.runs) for k in range(len(run.nodes))]
         sizes = [1, len(m.x), len(m.x), len(m.z), len(m.u), len(m.p), len(equations.masses), len(m.y)]
         sizes += [len(self.supports) + len(m.limits.output), len(m.limits.output), len(self.supports)]
+        sizes += [len(equations.switches)]
         self.first = References(*(int(n) for n in np.cumsum(sizes)))
         self._mass_names = [name for names in equations.mass_names for name in names]
         self.limit_names = [_limit_name(c, e) for c, e in zip(m.limits.components, m.limits.events, strict=True)]
@@ -82,7 +85,7 @@ class Interface:
         m = self.equations.model
         chosen = [n for n, s in zip(m.u.names, m.signals, strict=True) if not isinstance(s, Schedule)]
         if names is not None:
-            chosen = _known(names, m.u.names, "an input")
+            chosen = _known(names, (*m.u.names, *self.equations.switches), "an input")
         for name, signal in zip(m.u.names, m.signals, strict=True):
             if signal is None and name not in chosen:
                 raise InputError(f"Input {name!r} is open and not an input of the FMU", "Add it to inputs")
@@ -264,14 +267,28 @@ class Interface:
             for i, name in self.passed_names.items()
             if name in self.outputs
         ]
-        return [*limits, *passed]
+        switches = [
+            FmuVariable(
+                name,
+                self.first.switch + i,
+                "Boolean",
+                "input",
+                "discrete",
+                m.d.descriptions[entry].removeprefix("1: "),
+                start=bool(self.equations.state.point.d[entry]),
+            )
+            for i, (name, entry) in enumerate(self.equations.switches.items())
+            if name in self.inputs
+        ]
+        return [*limits, *passed, *switches]
 
     @cached_property
     def known_references(self) -> list[int]:
         """Value reference of each known of Dependencies that the FMU shows, -1 for those that it does not."""
         shown = {v.reference for v in self.variables}
         m, f = self.equations.model, self.first
-        groups = ((f.x, len(m.x)), (f.u, len(m.u)), (f.p, len(m.p)), (f.mass, len(self.equations.masses)))
+        groups = [(f.x, len(m.x)), (f.u, len(m.u)), (f.switch, len(self.equations.switches)), (f.p, len(m.p))]
+        groups += [(f.mass, len(self.equations.masses))]
         references = [first + i for first, n in groups for i in range(n)]
         return [r if r in shown else -1 for r in references]
 

@@ -80,6 +80,8 @@ def fill(interface: Interface, tolerance: float) -> Tables:
         tables.numbers(f"{name}_nominal", table.nominals)
     tables.texts("equation_name", (*(f"rate of {n}" for n in m.x.names), *m.r.names))
     tables.texts("input_name", m.u.names)
+    tables.integers("switch", equations.switches.values())
+    tables.integers("switch_shown", [name in interface.inputs for name in equations.switches])
     tables.integers("access", _access(interface))
     _schedules(tables, interface)
     _runs(tables, interface)
@@ -95,7 +97,7 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     order, room_l, room_u = equations.factors
     sizes = {"NX": len(m.x), "NZ": len(m.z), "NU": len(m.u), "NP": len(m.p), "ND": len(m.d), "NY": len(m.y)}
     sizes |= {"NM": len(equations.masses), "NW": len(m.x) + len(m.z), "NNZ": equations.pattern.nnz()}
-    sizes |= {"NK": len(interface.supports), "NL": len(m.limits.output)}
+    sizes |= {"NK": len(interface.supports), "NL": len(m.limits.output), "NSW": len(equations.switches)}
     sizes |= {"LCAP": room_l, "UCAP": room_u, "COUPLED": int(equations.coupled)}
     for part in ("arg", "res", "iw", "w"):
         sizes[f"SZ_{part.upper()}"] = max(1, *(getattr(f, f"sz_{part}")() for f in equations.functions))

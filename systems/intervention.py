@@ -7,7 +7,14 @@ from dataclasses import dataclass
 from ropeway.components import check
 from ropeway.components.errors import InputError
 
-ACTIONS = ("brake", "release", "pressure lost", "pressure back", "emergency stop")
+SWITCHED = {
+    "brake": ("brake", 1.0),
+    "release": ("brake", 0.0),
+    "pressure lost": ("pressure_lost", 1.0),
+    "pressure back": ("pressure_lost", 0.0),
+}
+"""Actions that set a discrete variable of a component, and its value."""
+ACTIONS = (*SWITCHED, "emergency stop")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,5 +46,5 @@ class Intervention:
     @property
     def entry(self) -> tuple[str, float]:
         """The discrete variable that the action sets, and its value."""
-        variable = "brake" if self.action in ("brake", "release") else "pressure_lost"
-        return f"{self.component}.{variable}", float(self.action in ("brake", "pressure lost"))
+        variable, value = SWITCHED[self.action]
+        return f"{self.component}.{variable}", value

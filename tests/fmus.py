@@ -173,6 +173,10 @@ class Opened:
         write = self.fmu.setFloat64 if self.three else self.fmu.setReal
         write(references, list(values.values()))
 
+    def switch(self, name: str, on: bool) -> None:
+        """Sets a Boolean variable."""
+        self.fmu.setBoolean([self.references[name]], [on])
+
     def step(self, time: float, size: float) -> None:
         """One step."""
         self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=size)

@@ -122,6 +122,14 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
     return (fmi2Status)status;
 }
 
+fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[])
+{
+    rw_status status = RW_OK;
+    NEEDS(1, "SetBoolean");
+    for (size_t i = 0; i < n; i++) WORST(status, rw_set_boolean(CORE, vr[i], value[i]));
+    return (fmi2Status)status;
+}
+
 #define NOT_THERE(type, call, parameters)                                                        \
     fmi2Status call parameters                                                                   \
     {                                                                                            \
@@ -134,7 +142,6 @@ fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
 NOT_THERE(String, fmi2GetString, (fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]))
 NOT_THERE(String, fmi2SetString, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2String value[]))
 NOT_THERE(Integer, fmi2SetInteger, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer value[]))
-NOT_THERE(Boolean, fmi2SetBoolean, (fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Boolean value[]))
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[], size_t nu,
                                         const fmi2ValueReference known[], size_t nk, const fmi2Real seed[],

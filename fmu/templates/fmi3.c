@@ -133,6 +133,14 @@ fmi3Status fmi3GetBoolean(fmi3Instance c, const fmi3ValueReference vr[], size_t 
     return (fmi3Status)status;
 }
 
+fmi3Status fmi3SetBoolean(fmi3Instance c, const fmi3ValueReference vr[], size_t n, const fmi3Boolean value[], size_t nValues)
+{
+    rw_status status = RW_OK;
+    NEEDS(n == nValues, "SetBoolean");
+    for (size_t i = 0; i < n; i++) WORST(status, rw_set_boolean(CORE, vr[i], value[i]));
+    return (fmi3Status)status;
+}
+
 /* Types without a variable. */
 #define NOT_THERE(call, ...)                                                             \
     fmi3Status call(fmi3Instance c, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) \
@@ -154,7 +162,6 @@ NO_TYPE(Int64)
 NO_TYPE(UInt64)
 NO_TYPE(String)
 NOT_THERE(fmi3SetInt32, const fmi3Int32 value[], size_t nValues)
-NOT_THERE(fmi3SetBoolean, const fmi3Boolean value[], size_t nValues)
 NOT_THERE(fmi3GetBinary, size_t sizes[], fmi3Binary value[], size_t nValues)
 NOT_THERE(fmi3SetBinary, const size_t sizes[], const fmi3Binary value[], size_t nValues)
 NOT_THERE(fmi3GetClock, fmi3Clock value[])

@@ -37,6 +37,7 @@ typedef struct {
     int broken[RW_NL + 1];             /* limits broken */
     int ticks[RW_NC + 1];              /* of each clock */
     int beyond_schedule;
+    int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
     double h;                          /* step that the error control asks for */
     rw_point now;
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
@@ -125,6 +126,7 @@ rw_status rw_set_time(rw_instance *m, double t);
 rw_status rw_get_real(rw_instance *m, unsigned vr, double *value);
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value);
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value);
+rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value);
 rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value);
 rw_status rw_seed(rw_instance *m, unsigned vr, double seed);
 rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value);

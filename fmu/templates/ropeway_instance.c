@@ -1,6 +1,6 @@
 /* An instance: made, set, read, initialised, saved. Value references are numbered through: time, states, rates,
  * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
- * (integer). */
+ * (integer), switches (Boolean inputs). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,8 @@ enum {
     EI = Y + RW_NY,
     LIMIT = EI + RW_NK + RW_NL,
     PASSED = LIMIT + RW_NL,
-    END = PASSED + RW_NK
+    SWITCH = PASSED + RW_NK,
+    END = SWITCH + RW_NSW
 };
 
 enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
@@ -35,6 +36,7 @@ void rw_reset(rw_instance *m)
     memcpy(s->d, rw_d_start, RW_ND * sizeof(double));
     memcpy(s->mass, rw_mass_start, RW_NM * sizeof(double));
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
+    for (int i = 0; i < RW_NSW; i++) s->on[i] = s->d[rw_switch[i]] > 0.0;
     s->h = 1e9;
 }
 
@@ -59,6 +61,7 @@ static rw_status take_over(rw_instance *m)
     if (s->known) return RW_OK;
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
     memcpy(s->d, rw_d_start, RW_ND * sizeof(double));
+    for (int i = 0; i < RW_NSW; i++) s->d[rw_switch[i]] = s->on[i];
     memcpy(s->now.z, rw_z_start, RW_NZ * sizeof(double));
     memcpy(p, s->p, sizeof p);
     memcpy(mass, s->mass, sizeof mass);
@@ -125,6 +128,12 @@ static rw_status bad(rw_instance *m, unsigned vr)
     return RW_ERROR;
 }
 
+static rw_status not_now(rw_instance *m, unsigned vr)
+{
+    rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
+    return RW_ERROR;
+}
+
 rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
 {
     rw_status status;
@@ -173,10 +182,8 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     } else if (access == STATE && (early || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
         m->s.now.x[vr - X] = value;
         if (early) m->s.known = 0;
-    } else {
-        rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
-        return RW_ERROR;
-    }
+    } else
+        return not_now(m, vr);
     m->s.solved = m->s.rated = m->s.shown = 0;
     return RW_OK;
 }
@@ -184,16 +191,34 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
+    if (vr >= SWITCH && vr < END && rw_switch_shown[vr - SWITCH]) {
+        *value = m->s.on[vr - SWITCH];
+        return RW_OK;
+    }
     if (vr < LIMIT || vr >= PASSED) return bad(m, vr);
     if (m->s.mode == RW_INITIALIZATION) status = rw_initialize(m);
     if (status <= RW_WARNING) *value = m->s.broken[vr - LIMIT];
     return status;
 }
 
+/* A switch: the line moves on from where it is. */
+rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value)
+{
+    if (vr >= LIMIT && vr < PASSED) return not_now(m, vr);
+    if (vr < SWITCH || vr >= END || !rw_switch_shown[vr - SWITCH]) return bad(m, vr);
+    if (m->s.on[vr - SWITCH] == (value != 0)) return RW_OK;
+    if (m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
+    m->s.on[vr - SWITCH] = value != 0;
+    m->s.d[rw_switch[vr - SWITCH]] = value != 0;
+    if (m->s.mode <= RW_INITIALIZATION) m->s.known = 0;
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    return RW_OK;
+}
+
 rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
-    if (vr < PASSED || vr >= END) return bad(m, vr);
+    if (vr < PASSED || vr >= SWITCH) return bad(m, vr);
     if (m->s.mode == RW_INITIALIZATION) status = take_over(m);
     if (status <= RW_WARNING) *value = m->s.passed[vr - PASSED];
     return status;

@@ -3,6 +3,7 @@
 import re
 import zipfile
 from pathlib import Path
+from typing import Literal
 
 import fmpy
 import pytest
@@ -16,9 +17,10 @@ pytestmark = pytest.mark.importers
 @pytest.fixture(scope="module")
 def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, bytes]]:
     """Binaries by FMI version and place."""
-    found = {}
-    for fmi in ("2.0", "3.0"):
-        path = export(one_span(), tmp_path_factory.mktemp("all") / "all.fmu", fmi, platforms=compiler.PLATFORMS)  # type: ignore[arg-type]
+    found: dict[str, dict[str, bytes]] = {}
+    versions: tuple[Literal["2.0", "3.0"], ...] = ("2.0", "3.0")
+    for fmi in versions:
+        path = export(one_span(), tmp_path_factory.mktemp("all") / "all.fmu", fmi, platforms=compiler.PLATFORMS)
         with zipfile.ZipFile(path) as archive:
             names = [n for n in archive.namelist() if n.startswith("binaries/")]
             found[fmi] = {n.removeprefix("binaries/"): archive.read(n) for n in names}
