@@ -97,10 +97,16 @@ if TYPE_CHECKING:
         EquilibriumError as EquilibriumError,
     )
     from ropeway.components.errors import (
+        InfeasibleScheduleError as InfeasibleScheduleError,
+    )
+    from ropeway.components.errors import (
         InputError as InputError,
     )
     from ropeway.components.errors import (
         RopewayError as RopewayError,
+    )
+    from ropeway.components.errors import (
+        ScheduleError as ScheduleError,
     )
     from ropeway.components.errors import (
         SimulationError as SimulationError,
@@ -185,12 +191,17 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
+    from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
+    from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
+    from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
     from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
     from ropeway.systems.studies.set_up import tension_history as tension_history
     from ropeway.systems.studies.sweep import sweep as sweep
     from ropeway.systems.studies.terrain import Profile as Profile
+    from ropeway.systems.studies.tune_response import TunedResponse as TunedResponse
+    from ropeway.systems.studies.tune_response import tune_response as tune_response
     from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.turk_solvers import solve_span as solve_span
     from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
@@ -205,7 +216,8 @@ _HOMES = {
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
+        "EquilibriumError InfeasibleScheduleError InputError RopewayError ScheduleError SimulationError SlackRopeError "
+        "UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
@@ -223,6 +235,9 @@ _HOMES = {
     "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
+    "ropeway.systems.studies.schedule": "optimise_schedule",
+    "ropeway.systems.studies.schedule_limits": "ScheduleLimits",
+    "ropeway.systems.studies.schedule_plan": "SchedulePlan",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
@@ -241,6 +256,7 @@ _HOMES = {
     "ropeway.systems.studies.payload_comparison": "compare_payload_methods method_errors",
     "ropeway.systems.studies.payload_exact": "elastic_load exact_load",
     "ropeway.systems.studies.payload_methods": "payload_for_tension tension_for_payload",
+    "ropeway.systems.studies.tune_response": "TunedResponse tune_response",
     "ropeway.systems.studies.turk_solvers": "SpanProblem solve_span",
     "ropeway.systems.studies.worksheet": "lira_worksheet",
     "ropeway.systems.system": "System",

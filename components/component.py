@@ -252,6 +252,10 @@ class Node(Component):
         """Name of the residual that determines the node's travel, where that is an algebraic variable."""
         return None
 
+    def balance_at(self, seat: Seat) -> str | None:
+        """The same for the rope at a seat, where several ropes run over the node."""
+        return self.balance
+
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         """Algebraic variables of a place that ropes hold, each with the residual of the forces along it."""

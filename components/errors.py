@@ -44,3 +44,21 @@ class SimulationError(RopewayError):
         self.time = time
         self.result = result
         super().__init__(cause, remedy)
+
+
+class ScheduleError(RopewayError):
+    """No schedule was found, or none that its simulation bears out. `plan` is the last one, if any."""
+
+    def __init__(self, cause: str, remedy: str = "", plan: object = None) -> None:
+        self.plan = plan
+        super().__init__(cause, remedy)
+
+
+class InfeasibleScheduleError(ScheduleError):
+    """Limits that no schedule keeps together. `relaxation`: the smallest change of each limit that would do, by
+    name, in its unit; `colliding`: a table of the limits that then bind, with component and time [s]."""
+
+    def __init__(self, cause: str, remedy: str, relaxation: object, colliding: object) -> None:
+        self.relaxation = relaxation
+        self.colliding = colliding
+        super().__init__(cause, remedy)

@@ -12,7 +12,7 @@ from ropeway.components.catenary import norm
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
-from ropeway.components.spar import Ground, HeadSpar
+from ropeway.components.spar import Ground, HeadSpar, Tailhold
 
 
 @dataclass(frozen=True)
@@ -94,17 +94,22 @@ class GuyedSpar(HeadSpar):
     the ropes at its top balance with its axial force alone (p-delta included: the balance is taken where the
     top has gone). Place it by its foot, foot=(x, z) or (x, y, z), or by station and height on a terrain.
 
-    mass: of the mast [kg], half of it counts at the top. mainline_block: a block at the top that the mainline
-    runs through. The skyline may stay open. Raises InputError.
+    mass: of the mast [kg], half of it counts at the top. blocks: names of ropes that run through a block of their own
+    at the top, each from `block(name)` on. The skyline is fixed at the top, or runs through a block, or stays open.
+    As a tailspar it can have a `tailhold` that the skyline runs on to. Raises InputError.
     """
 
     foot: tuple[float, ...] = ()
     mass: float = 0.0
     guylines: tuple[Guyline, ...] = ()
-    mainline_block: bool = False
+    blocks: tuple[str, ...] = ()
+    tailhold: Tailhold | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "guylines", tuple(self.guylines))
+        object.__setattr__(self, "blocks", tuple(self.blocks))
+        for block in self.blocks:
+            check.name(block, "Block")
         check.not_negative(self.mass, self.label, "mass", "kg")
         if self.height is None:
             raise InputError(f"{self.label} has no height", "Give height=, and foot= or station=")
@@ -135,15 +140,13 @@ class GuyedSpar(HeadSpar):
         """Where the skyline is fixed."""
         return Seat(self, "skyline", optional=True)
 
-    @property
-    def block_in(self) -> Seat:
-        """Where the mainline comes up from its drum."""
-        return Seat(self, "block_in", travel="travel")
+    def block(self, rope: str) -> Seat:
+        """Where a rope comes to its block."""
+        return Seat(self, f"{rope}_in", travel=f"{rope}_travel")
 
-    @property
-    def block_out(self) -> Seat:
-        """Where the mainline goes out."""
-        return Seat(self, "block_out", travel="travel")
+    def block_out(self, rope: str) -> Seat:
+        """Where a rope leaves its block."""
+        return Seat(self, f"{rope}_out", travel=f"{rope}_travel")
 
     def guy(self, name: str) -> Seat:
         """Where a guyline is fixed."""
@@ -159,15 +162,14 @@ class GuyedSpar(HeadSpar):
 
     @property
     def seats(self) -> tuple[Seat, ...]:
-        block = (self.block_in, self.block_out) if self.mainline_block else ()
-        return (self.skyline, *block, *(self.guy(g.name) for g in self.guylines))
+        blocks = [seat for rope in self.blocks for seat in (self.block(rope), self.block_out(rope))]
+        return (self.skyline, *blocks, *(self.guy(g.name) for g in self.guylines))
 
     def through(self, seat: Seat) -> Seat | None:
-        return self.block_out if seat == self.block_in else None
+        return next((self.block_out(rope) for rope in self.blocks if seat == self.block(rope)), None)
 
-    @property
-    def balance(self) -> str | None:
-        return "tension_law" if self.mainline_block else None
+    def balance_at(self, seat: Seat) -> str | None:
+        return next((f"{rope}_law" for rope in self.blocks if seat == self.block(rope)), None)
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
@@ -178,15 +180,11 @@ class GuyedSpar(HeadSpar):
         return () if self.capacity is None else (Limit("compression", "above capacity", high=self.capacity),)
 
     def structure(self, site: Site) -> Hashable:
-        return (GuyedSpar, self.mainline_block, len(self.guylines), tuple(g.name for g in self.guylines))
+        return (GuyedSpar, self.blocks, tuple(g.name for g in self.guylines))
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out, force = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.force
         foot = check.point(self.foot, self.label)
-        rolling = (
-            Variable("travel", alg, "m", "mainline that has run through the block", 0.0, site.length),
-            Variable("tension_law", res, "N", "mainline tension on both sides of the block", 0.0, force),
-        )
         upright = sum(g.pretension for g in self.guylines)
         return (
             *(
@@ -197,7 +195,8 @@ class GuyedSpar(HeadSpar):
             Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0),
             *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
             Variable("axial", alg, "N", "compression of the mast", upright, force),
-            *(rolling if self.mainline_block else ()),
+            *(Variable(f"{r}_travel", alg, "m", f"{r} run through its block", 0.0, site.length) for r in self.blocks),
+            *(Variable(f"{r}_law", res, "N", f"{r} on both sides of its block", 0.0, force) for r in self.blocks),
             *(Variable(f"balance_{a}", res, "N", f"forces at the top, {a}", 0.0, 0.01 * force) for a in "xyz"),
             Variable("rigid", res, "m", "the mast keeps its length", 0.0, 10.0),
             Variable("compression", out, "N", "compression of the mast", nominal=force),
@@ -208,15 +207,15 @@ class GuyedSpar(HeadSpar):
     def equations(self, v: Any) -> Equations:
         along = (v.x - v.foot_x, v.y - v.foot_y, v.z - v.foot_z)
         forces = [v.skyline.force, *(getattr(v, f"guy_{g.name}").force for g in self.guylines)]
-        if self.mainline_block:
-            forces += [v.block_in.force, v.block_out.force]
+        at_blocks = [(getattr(v, f"{r}_in").force, getattr(v, f"{r}_out").force) for r in self.blocks]
+        forces += [force for both in at_blocks for force in both]
         total = [sum(f[i] for f in forces) + v.axial * along[i] / v.height for i in range(3)]
         total[2] = total[2] - v.mass / 2.0 * v.gravity
         residuals = {f"balance_{a}": total[i] for i, a in enumerate("xyz")}
         # (|p|^2 - h^2) / 2h is the length's error to first order, and smooth.
         residuals["rigid"] = (along[0] ** 2 + along[1] ** 2 + along[2] ** 2 - v.height**2) / (2.0 * v.height)
-        if self.mainline_block:
-            residuals["tension_law"] = norm(v.block_out.force) - norm(v.block_in.force)
+        for rope, (coming, going) in zip(self.blocks, at_blocks, strict=True):
+            residuals[f"{rope}_law"] = norm(going) - norm(coming)
         lean = (along[0] ** 2 + along[1] ** 2 + 1e-30) ** 0.5
         return Equations(
             residuals=residuals,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -41,9 +43,50 @@ class Schedule:
         """Speed at a time [s]."""
         return float(np.interp(time, self.times, self.speeds))
 
+    def to_csv(self, path: str | Path) -> Path:
+        """Writes columns time [s] and speed [m/s]; returns the path."""
+        rows = "".join(f"{time!r},{speed!r}\n" for time, speed in zip(self.times, self.speeds, strict=True))
+        Path(path).write_text(f"time,speed\n{rows}")
+        return Path(path)
+
+    @classmethod
+    def from_csv(cls, path: str | Path, column: str = "speed") -> Schedule:
+        """The schedule in column `column` [m/s] of a table with a column time [s]. Raises InputError with file and
+        line."""
+        try:
+            with Path(path).open(newline="") as file:
+                table = csv.DictReader(file)
+                if missing := [name for name in ("time", column) if name not in (table.fieldnames or ())]:
+                    raise InputError(
+                        f"{path}, line 1: column {missing[0]} is missing", f"It needs columns time and {column}"
+                    )
+                rows = [(row["time"], row[column], table.line_num) for row in table]
+        except FileNotFoundError as error:
+            raise InputError(f"There is no file {path}", f"Give a CSV with columns time and {column}") from error
+        values = []
+        for time, speed, line in rows:
+            try:
+                values.append((float(time), float(speed)))
+            except (TypeError, ValueError) as error:
+                raise InputError(
+                    f"{path}, line {line}: {time!r}, {speed!r} are not two numbers", "Correct it"
+                ) from error
+        return cls([time for time, _ in values], [speed for _, speed in values])
+
     def breaks(self) -> np.ndarray:
         """Times where it bends, and where it passes through zero [s]."""
         t, v = np.array(self.times), np.array(self.speeds)
         turn = np.flatnonzero(v[:-1] * v[1:] < 0.0)
         zeros = t[turn] - v[turn] * (t[turn + 1] - t[turn]) / (v[turn + 1] - v[turn])
         return np.unique(np.concatenate([t, zeros]))
+
+    def require(self, time: float) -> None:
+        """Raises InputError when it ends before a time [s]."""
+        if self.times[-1] < time - 1e-9:
+            raise InputError(
+                f"The schedule ends at {self.times[-1]:g} s, before {time:g} s", "Make it longer or ask for less"
+            )
+
+    def on(self, times: Sequence[float]) -> Schedule:
+        """The schedule with its speeds at other times [s] only."""
+        return Schedule(times, [self.at(float(t)) for t in times])

@@ -10,6 +10,7 @@ import struct
 import subprocess
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from ropeway.components.errors import InputError
@@ -71,13 +72,23 @@ def command(platform: str) -> list[str]:
 
 
 def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
-    """Compiles C files in a folder to a shared library. Raises FmuExportError with the compiler's own words."""
-    options = ["-O2", "-std=c99", "-shared", "-fvisibility=hidden", "-I."]
-    if "windows" not in platform:
-        options += ["-fPIC"]
-    libraries = [] if "windows" in platform else ["-lm"]
-    run = [*command(platform), *options, *sources, "-o", str(library.resolve()), *libraries]
-    done = subprocess.run(run, cwd=folder, capture_output=True, text=True, check=False)
+    """Compiles C files in a folder to a shared library, on all processors. Raises FmuExportError with the compiler's
+    own words."""
+    windows = "windows" in platform
+    each = [*command(platform), "-O2", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    objects = [f"{platform}-{name}.o" for name in sources]
+
+    def compile_one(name: str, result: str) -> None:
+        _run([*each, "-c", name, "-o", result], folder, platform)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(compile_one, sources, objects))
+    link = ["-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])]
+    _run([*command(platform), *link], folder, platform)
+
+
+def _run(command: Sequence[str], folder: Path, platform: str) -> None:
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise FmuExportError(
             f"Compiling for {platform} failed: {done.stderr.strip()[-2000:]}",

@@ -92,30 +92,32 @@ def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str,
     headers = Path(fmpy.__file__).with_name("c-code")
     model, functions = _model_code(interface.equations)
     data = tables.fill(interface, tolerance)
-    templates = {name: (_TEMPLATES / name).read_text() for name in (*_CORE, "ropeway.h")}
+    templates = {name: (_TEMPLATES / name).read_text() for name in (*_CORE, "ropeway.h", "fmi_shared.h")}
     wrapper = f"fmi{fmi[0]}.c"
-    content = hashlib.sha256("".join([fmi, model, data.source(), *templates.values()]).encode()).hexdigest()
+    content = hashlib.sha256("".join([fmi, *model.values(), data.source(), *templates.values()]).encode()).hexdigest()
     data.fingerprint(f"{{{uuid.uuid5(_NAMESPACE, content)}}}")
     return {
         wrapper: (_TEMPLATES / wrapper).read_text(),
         **templates,
-        "model.c": model,
+        **model,
         "model_data.c": data.source(),
         "model_data.h": data.header(functions),
         **{name: (headers / name).read_text() for name in _HEADERS[fmi]},
     }
 
 
-def _model_code(equations: Equations) -> tuple[str, str]:
-    """The generated C of the equations, and the declarations of its functions."""
-    generator = ca.CodeGenerator("model.c", {"casadi_int": "int", "with_export": False})
+def _model_code(equations: Equations) -> tuple[dict[str, str], str]:
+    """The generated C of the equations, a file for each function as they are long, and their declarations."""
+    files = {}
     for function in equations.functions:
+        name = f"{function.name()}.c"
+        generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)
+        files[name] = generator.dump()
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )
-    code: str = generator.dump()
-    return code, declarations
+    return files, declarations
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:

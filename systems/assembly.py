@@ -299,11 +299,12 @@ def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, Table]) ->
     found = []
     for run in runs:
         for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
-            if node.balance is not None and seat.travel is not None:
+            balance = node.balance_at(seat)
+            if balance is not None and seat.travel is not None:
                 # At a rope's end travel winds rope in and so raises the tension.
                 sign = -1.0 if k == len(run.nodes) - 1 else 1.0
                 travel = unknowns[f"{node.name}.{seat.travel}"]
-                found.append(Balance(travel, residuals[f"{node.name}.{node.balance}"], sign))
+                found.append(Balance(travel, residuals[f"{node.name}.{balance}"], sign))
     for c in system.components.values():
         for place, force in c.free if isinstance(c, Node) else ():
             found.append(Balance(unknowns[f"{c.name}.{place}"], residuals[f"{c.name}.{force}"], 1.0))

@@ -17,7 +17,8 @@ from scipy.sparse.linalg import splu
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.model import Model
-from ropeway.systems.newton import VECTORS, Buffered, Point, expanded
+from ropeway.systems.newton import VECTORS, Buffered, Point, scalar
+from ropeway.systems.sampling import Clock
 
 
 @dataclass(frozen=True)
@@ -41,13 +42,13 @@ class Directions:
 
 
 class Jacobian:
-    """The derivatives of a function of a point by all of the model's vectors, as a sparse matrix."""
+    """The derivatives of one result of a model's function by all of the model's vectors, as a sparse matrix."""
 
-    def __init__(self, model: Model, function: ca.Function) -> None:
+    def __init__(self, model: Model, function: ca.Function, result: int = 0) -> None:
         sizes = [len(model.tables[kind]) for kind in VECTORS]
-        everything, time = ca.SX.sym("v", sum(sizes)), ca.SX.sym("t")
+        everything, time = model.sym("v", sum(sizes)), model.sym("t")
         parts = ca.vertsplit(everything, np.concatenate([[0], np.cumsum(sizes)]).tolist())
-        matrix = ca.jacobian(function(time, *parts), everything)
+        matrix = ca.jacobian(scalar(model, function).call([time, *parts])[result], everything)
         pattern = matrix.sparsity()
         self._rows, self._columns, self._shape = np.array(pattern.row()), np.array(pattern.colind()), matrix.shape
         self._f = Buffered(ca.Function("jacobian", [time, everything], [matrix]))
@@ -63,11 +64,9 @@ class Tangent:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        arguments = model.dae.sx_in()
-        ode, alg = expanded(model)(*arguments)
-        self._alg = Jacobian(model, ca.Function("alg", arguments, [alg / model.r.nominals]))
-        self._ode = Jacobian(model, ca.Function("ode", arguments, [ode]))
-        self._outputs = Jacobian(model, model.outputs.expand())
+        self._ode = Jacobian(model, model.dae)
+        self._alg = Jacobian(model, model.dae, result=1)
+        self._outputs = Jacobian(model, model.outputs)
 
     def solve(self, point: Point, x: np.ndarray, u: np.ndarray, p: np.ndarray, d: np.ndarray) -> Directions:
         """The directions with those of the algebraic variables. Raises EquilibriumError where the equations
@@ -76,7 +75,7 @@ class Tangent:
         known = Directions(x, np.zeros((nz, x.shape[1])), u, p, d)
         if nz == 0:
             return known
-        matrix = self._alg(point)
+        matrix = diags(1.0 / self.model.r.nominals) @ self._alg(point)
         try:
             factors = splu((matrix[:, nx : nx + nz] @ diags(self.model.z.nominals)).tocsc())
         except RuntimeError as error:
@@ -100,6 +99,6 @@ def tangent_of(model: Model) -> Tangent:
 
 
 @lru_cache(maxsize=64)
-def update_jacobian_of(model: Model, clock: int) -> Jacobian:
-    """The derivatives of the update of one of a model's clocks."""
-    return Jacobian(model, model.clocks[clock].update.expand())
+def update_jacobian_of(model: Model, clock: Clock) -> Jacobian:
+    """The derivatives of the update of a clock."""
+    return Jacobian(model, clock.update)

@@ -1,7 +1,7 @@
 /* A cable system: its equations solved, its loads moved from span to span, stepped through time.
  *
  * The sizes RW_N... and all tables come from model_data.h and model_data.c, the equations rw_dae, rw_jacobian,
- * rw_outputs and rw_tangent from model.c; both are generated with the FMU. fmi2.c and fmi3.c are wrappers. */
+ * rw_outputs and rw_tangent from files of these names; all are generated with the FMU. fmi2.c and fmi3.c are wrappers. */
 #ifndef ROPEWAY_H
 #define ROPEWAY_H
 

@@ -16,7 +16,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
-from ropeway.components.spar import Ground, HeadSpar, TailSpar
+from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
 from ropeway.systems.empty_rope import lengths_for_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig, Turn
 from ropeway.systems.system import GRAVITY
@@ -26,7 +26,7 @@ class SkylineParts(TypedDict, total=False):
     """The keywords of `standing_skyline` and `live_skyline`: four are required."""
 
     headspar: Required[HeadSpar]
-    tailspar: Required[TailSpar]
+    tailspar: Required[TailSpar | GuyedSpar]
     skyline: Required[Rope]
     carriage: Required[Carriage]
     supports: Sequence[IntermediateSupport]
@@ -35,6 +35,7 @@ class SkylineParts(TypedDict, total=False):
     mainline: Rope | None
     haulback: Rope | None
     haulback_tension: float | None
+    haulback_block: Block | None
     holding: Holding
     turn: Turn | None
     name: str
@@ -46,7 +47,7 @@ def joined(
     terrain: Ground | None,
     *,
     headspar: HeadSpar,
-    tailspar: TailSpar,
+    tailspar: TailSpar | GuyedSpar,
     skyline: Rope,
     carriage: Carriage,
     supports: Sequence[IntermediateSupport] = (),
@@ -55,6 +56,7 @@ def joined(
     mainline: Rope | None = None,
     haulback: Rope | None = None,
     haulback_tension: float | None = None,
+    haulback_block: Block | None = None,
     holding: Holding = "bisector",
     turn: Turn | None = None,
     name: str | None = None,
@@ -68,9 +70,14 @@ def joined(
     if tail.tailhold is not None:
         tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
     if isinstance(head, GuyedSpar):
-        if kind is not Kind.STANDING:
-            raise InputError(f"{head.label} holds a standing skyline only", "Take a HeadSpar")
-        head = replace(head, mainline_block=mainline is not None and not carriage.clamped)
+        lead = {Kind.STANDING: (), Kind.LIVE: ("skyline",), Kind.GRAVITY: ("skyline",), Kind.RUNNING: ("haulback",)}
+        pulled = mainline is not None and not carriage.clamped
+        back = haulback_block is not None and not carriage.clamped
+        more = [rope for rope, on in (("mainline", pulled), ("haulback", back)) if on]
+        head = replace(head, blocks=(*lead[kind], *more))
+    if isinstance(tail, GuyedSpar):
+        through = "haulback" if kind is Kind.RUNNING else "skyline"
+        tail = replace(tail, blocks=(through,) if kind is Kind.RUNNING or tail.tailhold is not None else ())
     between = tuple(support.placed(terrain) for support in supports)
     stands = (head, *between, tail)
     for before, after in pairwise(stands):
@@ -83,6 +90,8 @@ def joined(
         raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
     if haulback_tension is not None:
         check.positive(haulback_tension, name, "haulback_tension", "N")
+    if haulback is None and haulback_block is not None:
+        raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
     if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
         raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
     if turn is not None and (terrain is None or kind is Kind.RUNNING):
@@ -100,6 +109,7 @@ def joined(
         mainline=mainline,
         haulback=haulback,
         haulback_tension=haulback_tension,
+        haulback_block=None if haulback_block is None else haulback_block.placed(terrain),
         carriage=replace(carriage, holding=holding if ideal else None),
         turn=turn,
         name=name,
@@ -130,7 +140,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
                 "Ask for less tension or take a stronger rope",
             )
         names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
-        names += [f"{rig.tailspar.name}_{rig.tail[-1].name}"] * (len(rig.tail) - 1)
+        names += [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends[len(rig.stands) - 1 :])]
         length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
     check.positive(length or 0.0, rig.name, "length", "m")
     chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
@@ -138,7 +148,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     if (length or 0.0) <= shortest:
         raise InputError(
             f"{rig.name}: the skyline is {length:.6g} m long; at its minimum breaking load it needs at least "
-            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.tail[-1].name!r}",
+            f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.ends[-1].name!r}",
             "Give a longer skyline or a lower tension",
         )
     return replace(rig, length=length)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Unpack
 
 from ropeway.components.carriage import Carriage
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
 from ropeway.systems.rigs.joining import SkylineParts, joined
@@ -24,7 +25,7 @@ def gravity_skyline(
     terrain: Ground | None,
     *,
     headspar: HeadSpar,
-    tailspar: TailSpar,
+    tailspar: TailSpar | GuyedSpar,
     skyline: Rope,
     mainline: Rope,
     carriage: Carriage,

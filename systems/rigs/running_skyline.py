@@ -5,6 +5,7 @@ from __future__ import annotations
 from ropeway.components import check
 from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
 from ropeway.systems.rigs.joining import joined
@@ -16,7 +17,7 @@ def running_skyline(
     terrain: Ground | None,
     *,
     headspar: HeadSpar,
-    tailspar: TailSpar,
+    tailspar: TailSpar | GuyedSpar,
     haulback: Rope,
     mainline: Rope,
     carriage: Carriage,

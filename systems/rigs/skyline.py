@@ -12,16 +12,16 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
-from ropeway.components.component import Node
+from ropeway.components.component import Node, Seat
 from ropeway.components.drum import Drum
-from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.log import Log
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
-from ropeway.systems.empty_rope import lengths_for_total
+from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.guylines import string_guylines
 from ropeway.systems.system import System
@@ -85,13 +85,14 @@ class SkylineRig:
     terrain: Ground | None
     headspar: HeadSpar
     supports: tuple[IntermediateSupport, ...]
-    tailspar: TailSpar
+    tailspar: TailSpar | GuyedSpar
     skyline: Rope
     length: float | None
     tension: float | None
     mainline: Rope | None
     haulback: Rope | None
     haulback_tension: float | None
+    haulback_block: Block | None
     carriage: Carriage
     turn: Turn | None
     name: str
@@ -103,17 +104,40 @@ class SkylineRig:
         return (self.headspar, *self.supports, self.tailspar)
 
     @property
-    def tail(self) -> tuple[Node, ...]:
+    def tail(self) -> tuple[Node | Seat, ...]:
         """The tailspar, with its block and tailhold where the skyline runs on."""
         hold = self.tailspar.tailhold
-        if hold is None:
-            return (self.tailspar,)
-        return (Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity), hold)
+        return (self.tailspar,) if hold is None else (self._tail_block("skyline"), hold)
+
+    def _tail_block(self, rope: str) -> Node | Seat:
+        """The block at the tailspar's top that a rope runs through."""
+        if isinstance(self.tailspar, GuyedSpar):
+            return self.tailspar.block(rope)
+        return Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity)
+
+    def _from_yarder(self, rope: str, drum: str, tension: float | None = None) -> list[Any]:
+        """Where a rope comes from: a drum at the headspar's top, or at a guyed one's foot and a block at its top."""
+        if isinstance(self.headspar, GuyedSpar):
+            return [Drum(drum, at=self.headspar.foot, tension=tension), self.headspar.block(rope)]
+        return [Drum(drum, at=self.headspar.at, tension=tension)]
+
+    @property
+    def skyline_drum(self) -> str:
+        """Name of the drum that sets the skyline's length, or a running one's tension."""
+        if self.kind is Kind.RUNNING:
+            return "haulback"
+        return "skyline" if isinstance(self.headspar, GuyedSpar) else self.headspar.name
+
+    @property
+    def ends(self) -> tuple[Node, ...]:
+        """Headspar, supports, and tailspar with its tailhold: what the skyline runs over."""
+        hold = self.tailspar.tailhold
+        return (*self.stands, *(() if hold is None else (hold,)))
 
     @property
     def points(self) -> np.ndarray:
         """Points that the skyline runs over, shape (n, 3) [m]."""
-        return np.array([node.at for node in (self.headspar, *self.supports, *self.tail)])
+        return np.array([node.at for node in self.ends])
 
     @property
     def spans(self) -> int:
@@ -174,8 +198,9 @@ class SkylineRig:
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
         system = System(self.name, gravity=self.gravity)
-        if isinstance(self.headspar, GuyedSpar):
-            string_guylines(system, self.headspar)
+        for spar in (self.headspar, self.tailspar):
+            if isinstance(spar, GuyedSpar):
+                string_guylines(system, spar)
         if self.kind is Kind.RUNNING:
             self._running(system, carriage)
         else:
@@ -183,8 +208,11 @@ class SkylineRig:
         if self.pulled:
             self._mainline(system, carriage, span if rollers is None else rollers, start.pull)
         if self.haulback is not None and not carriage.clamped and self.kind is not Kind.RUNNING:
-            drum = Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)
-            _string(system, self.haulback, [drum, carriage.haulback], self.haulback_tension or 0.0)
+            if self.haulback_block is None:
+                way: list[Any] = [Drum("haulback", at=self.tailspar.at, tension=self.haulback_tension)]
+            else:
+                way = [*self._from_yarder("haulback", "haulback", self.haulback_tension), self.haulback_block]
+            _string(system, self.haulback, [*way, carriage.haulback], self.haulback_tension or 0.0)
         if self.turn is not None:
             x, y, z = carriage.at
             log = self.turn.under(x, y, z, mass, self.terrain)
@@ -232,20 +260,38 @@ class SkylineRig:
         return self.mainline is not None and not self.carriage.clamped
 
     def _skyline(self, system: System, carriage: Carriage, span: int, on: int | None) -> None:
-        head: Node = self.headspar
-        if self.kind is not Kind.STANDING:
-            head = Drum(self.headspar.name, at=self.headspar.at)
-        over: list[Node] = [head, *self.supports, *self.tail]
+        head = [self.headspar] if self.kind is Kind.STANDING else self._from_yarder("skyline", self.skyline_drum)
+        over: list[Any] = [head[-1], *self.supports, *self.tail]
         over[span + 1 : span + 1 + (on is not None)] = [carriage]
         length = self.length or 0.0
         if any(s.friction > 0.0 for s in self.supports):
             # Friction in the saddles counts from where the bare rope lay on them.
-            strung = np.cumsum(self._shared([node.at for node in over]))
+            strung = np.cumsum(self._shared([_node(o).at for o in over]))
             bare = np.cumsum(self._shared(self.points))
             for k, node in enumerate(over):
                 if isinstance(node, IntermediateSupport):
                     over[k] = replace(node, rest=float(strung[k - 1] - bare[k - 1 - (k > span + 1)]))
-        system.string(self.skyline, *over, length=length)
+        if len(head) > 1:  # from the drum up to the block, with the bare rope's stretch
+            strain = self.skyline.strain.at(self._bare_tension)
+            length += float(np.linalg.norm(np.subtract(_node(head[1]).at, head[0].at))) / (1.0 + strain)
+        system.string(self.skyline, *head[:-1], *over, length=length)
+
+    @property
+    def _bare_tension(self) -> float:
+        """Tension of the bare skyline at the headspar [N], all spars upright; its least one for a slack rope."""
+        if self.tension is not None:
+            return self.tension
+        points, rope = [tuple(p) for p in self.points], self.skyline
+        weight, names = rope.mass_per_length * self.gravity, [f"skyline {k + 1}" for k in range(len(points) - 1)]
+        low, high = 0.0, rope.breaking_load
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            try:
+                long = lengths_for_tension(points, weight, rope.strain, middle, names).sum() > (self.length or 0.0)
+            except SlackRopeError:
+                long = True
+            low, high = (middle, high) if long else (low, middle)
+        return high
 
     def _shared(self, points: Sequence[Sequence[float]] | np.ndarray) -> np.ndarray:
         """How the skyline's length is shared out at rest over `points` without a load."""
@@ -254,27 +300,30 @@ class SkylineRig:
         return lengths_for_total([tuple(p) for p in points], weight, self.skyline.strain, self.length or 0.0, names)
 
     def _running(self, system: System, carriage: Carriage) -> None:
-        drum = Drum("haulback", at=self.headspar.at, tension=self.tension)
-        block = Block(self.tailspar.name, at=self.tailspar.at, capacity=self.tailspar.capacity)
-        _string(system, self.skyline, [drum, carriage, block, carriage.haulback], self.tension or 0.0)
+        over = [*self._from_yarder("haulback", "haulback", self.tension), carriage, self._tail_block("haulback")]
+        _string(system, self.skyline, [*over, carriage.haulback], self.tension or 0.0)
 
     def _mainline(self, system: System, carriage: Carriage, count: int, pull: float) -> None:
         rope = self.mainline
         if rope is None:
             return
         rollers = [_roller(support) for support in self.supports[:count]]
-        if isinstance(self.headspar, GuyedSpar):
-            over: list[Any] = [Drum("mainline", at=self.headspar.foot), self.headspar.block_in, *rollers]
-            _string(system, rope, [*over, carriage.mainline], pull, "line")
-        else:
-            over = [Drum("mainline", at=self.headspar.at), *rollers]
-            _string(system, rope, [*over, carriage.mainline], pull)
+        over = [*self._from_yarder("mainline", "mainline"), *rollers, carriage.mainline]
+        # Beside the skyline and the guylines of a guyed spar its spans need names of their own.
+        _string(system, rope, over, pull, "line" if isinstance(self.headspar, GuyedSpar) else None)
+
+
+def _node(one: Node | Seat) -> Node:
+    """A node, or that of a seat."""
+    node = one.owner if isinstance(one, Seat) else one
+    if not isinstance(node, Node):
+        raise InputError(f"{node.name!r} is no support", "Give a node or a seat of one")
+    return node
 
 
 def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, name: str | None = None) -> None:
     """Runs a rope with about a tension [N], and not less than its own weight needs."""
-    nodes = [o if isinstance(o, Node) else o.owner for o in over]
-    points = np.array([node.at for node in nodes])
+    points = np.array([_node(o).at for o in over])
     lengths = carriage_start.rope_lengths(points, rope.mass_per_length * system.gravity, rope.strain, tension)
     system.string(rope, *over, length=float(lengths.sum()), name=name)
 

@@ -130,8 +130,8 @@ class Follower:
         newton_of(self.model).solve(point)
         directions = self._directions(line, point, self.x)
         rows = np.searchsorted(self.model.kept, clock.entries)
-        self.kept[rows] = update_jacobian_of(self.model, j)(point) @ directions.stacked
-        point.d[clock.entries] = update_of(clock)(*point.arguments)[0]
+        self.kept[rows] = update_jacobian_of(self.model, clock)(point) @ directions.stacked
+        point.d[clock.entries] = update_of(self.model, clock)(*point.arguments)[0]
 
     def _integrated(self, a: Equilibrium, b: Equilibrium, point: Point, stop: float) -> Point:
         """The states and their directions taken on to `stop`. Raises SimulationError."""

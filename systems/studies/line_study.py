@@ -53,11 +53,11 @@ def line_units(model: Model, names: Sequence[str]) -> dict[str, str]:
     return {name: "kg" if name in masses else model.tables[slots[name][0]].units[slots[name][1]] for name in names}
 
 
-def line_mark(model: Model) -> bytes:
-    """What tells a line from others: the names and values of all that it is made of."""
+def line_mark(model: Model, study: LineStudy) -> bytes:
+    """What tells the study of a line from others: names and values of all that it is made of, and the outputs."""
     tables = [(kind.value, table.names, table.values.tolist()) for kind, table in model.tables.items()]
     loads = [(run.loads.names, run.loads.mass.tolist(), run.loads.place.tolist()) for run in model.runs]
-    return repr((tables, loads)).encode()
+    return repr((tables, loads, study.outputs)).encode()
 
 
 @lru_cache(maxsize=4)

@@ -27,6 +27,7 @@ UNITS = {
     "anchor_tension": "N",
     "mainline_pull": "N",
     "mainline_tension": "N",
+    "haulback_pull": "N",
     "haulback_tension": "N",
     "sag": "m",
     "deflection": "%",
@@ -34,6 +35,8 @@ UNITS = {
     "rope_clearance": "m",
     "spar_compression": "N",
     "spar_lean": "m",
+    "tailspar_compression": "N",
+    "tailspar_lean": "m",
     "payload": "kg",
 }
 
@@ -50,11 +53,12 @@ def load_path(
     One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
     the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
     (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
-    the headspar) and mainline_tension at its drum; haulback_tension at its drum; sag below its span's chord
-    and deflection in percent of the span; clearance of the load over the ground and rope_clearance, the least
-    one of all ropes; for each support `NAME_force`, upward on the rope, negative where it lifts off; span
-    (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or
-    holding. A guyed spar adds spar_compression, spar_lean [m] and for each guyline `NAME_tension` at its top.
+    the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its drum;
+    sag below its span's chord and deflection in percent of the span; clearance of the load over the ground and
+    rope_clearance, the least one of all ropes; for each support `NAME_force`, upward on the rope, negative where
+    it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on
+    the skyline) or holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar
+    tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension` at the top.
     A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance that of its
     lower end, of its front where the rear drags.
 
@@ -108,6 +112,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
     sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
     sky = model.runs[solved.at.skyline]
     ends = [solved[f"{s.name}.tension_{end}"] for s in sky.spans for end in "ab"]
+    from_head = next((k for k, node in enumerate(sky.nodes) if node.name == head.name), 0)
     into_tail = next(s for s, node in zip(sky.spans, sky.nodes[1:], strict=True) if node.name == tail.name)
     at_carriage = max(solved[f"{name}.tension_a"], solved[f"{name}.tension_b"])
     pull = solved[f"{name}.holding"] if solved.held_by == "holding" else 0.0
@@ -123,11 +128,12 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         "carriage_z": z,
         "skyline_tension": at_carriage,
         "highest_tension": max(ends),
-        "headspar_tension": ends[0],
+        "headspar_tension": ends[2 * from_head],
         "tailspar_tension": solved[f"{into_tail.name}.tension_b"],
         "anchor_tension": ends[-1],
         "mainline_pull": pull,
         "mainline_tension": main,
+        "haulback_pull": solved[f"{name}.haulback_pull"],
         "haulback_tension": haul,
         "sag": sag,
         "deflection": deflection(sag, float(np.hypot(b[0] - a[0], b[1] - a[1]))),
@@ -137,10 +143,11 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         "span": k + 1,
         "held_by": solved.held_by,
     }
-    if isinstance(head, GuyedSpar):
-        values["spar_compression"] = solved[f"{head.name}.compression"]
-        values["spar_lean"] = solved[f"{head.name}.lean"]
-        values.update({f"{g.name}_tension": solved[f"{g.name}_{head.name}.tension_b"] for g in head.guylines})
+    for spar, prefix in ((head, "spar"), (tail, "tailspar")):
+        if isinstance(spar, GuyedSpar):
+            values[f"{prefix}_compression"] = solved[f"{spar.name}.compression"]
+            values[f"{prefix}_lean"] = solved[f"{spar.name}.lean"]
+            values.update({f"{g.name}_tension": solved[f"{g.name}_{spar.name}.tension_b"] for g in spar.guylines})
     if rig.turn is not None and isinstance(rig.terrain, Profile):
         log = rig.turn.log.name
         drags = solved[f"{log}.ground_force"] > 1.0
@@ -162,7 +169,8 @@ def rope_clearance(solved: Solved, ground: Profile) -> float:
     least, r = np.inf, at.skyline
     run = at.model.runs[r]
     strain = run.rope.strain
-    for k, span in enumerate(run.spans):
+    first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
+    for k, span in enumerate(run.spans[first:], first):
         force = at.curve(solved.point, k, r)
         x, _, z = solved.start(r, k)
         if force[0] > 0.0:

@@ -123,6 +123,9 @@ def margins_of(
         found["mainline tension"] = tension("mainline_tension", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
         found["haulback tension"] = tension("haulback_tension", rig.haulback.breaking_load / others)
+    block = rig.haulback_block
+    if block is not None and block.capacity is not None:
+        found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
     of_load, of_rope = clearances
     if of_load is not None and rig.kind is Kind.STANDING:
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
@@ -135,13 +138,14 @@ def margins_of(
     if rig.headspar.capacity is not None:
         head = rig.headspar
         found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
-    if isinstance(rig.headspar, GuyedSpar):
-        for guy in rig.headspar.guylines:
+    guyed = [spar for spar in (rig.headspar, rig.tailspar) if isinstance(spar, GuyedSpar)]
+    for spar in guyed:
+        for guy in spar.guylines:
             found[f"guyline {guy.name}"] = tension(f"{guy.name}_tension", guy.rope.breaking_load / others)
     tail, hold = rig.tailspar, rig.tailspar.tailhold
     if tail.capacity is not None:
         through = hold is not None or rig.kind is Kind.RUNNING
-        output = "bearing_load" if through else "tension"
+        output = "compression" if tail in guyed else "bearing_load" if through else "tension"
         found[f"capacity of {tail.name}"] = capacity(f"{tail.name}.{output}", tail.capacity)
     if hold is not None and hold.capacity is not None:
         found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)

@@ -12,8 +12,11 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.anchor import Anchor
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Elastic
+from ropeway.components.spar import Block
 from ropeway.systems.equilibrium import equilibrium
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
@@ -84,9 +87,13 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
 
 
 def bare_tension(rig: SkylineRig) -> float:
-    """Tension of the bare skyline at the headspar [N]."""
+    """Tension of the bare skyline at the headspar [N], guyed spars held upright."""
     bare = System(rig.name, gravity=rig.gravity)
-    spans = bare.string(rig.skyline, rig.headspar, *rig.supports, *rig.tail, length=rig.length)
+    first, *between, last = rig.ends
+    over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
+    spans = bare.string(
+        rig.skyline, Anchor(first.name, at=first.at), *over, Anchor(last.name, at=last.at), length=rig.length
+    )
     return equilibrium(bare)[f"{spans[0].name}.tension_a"]
 
 

@@ -54,7 +54,7 @@ class SpanModel:
             freed.append(self.slot(f"{name}.travel" if rig.carriage.clamped else "mainline.travel"))
         if by_height:
             given.append(self.axes[2])
-            freed.append(self.slot("haulback.tension" if rig.kind is Kind.RUNNING else f"{rig.headspar.name}.travel"))
+            freed.append(self.slot(f"{rig.skyline_drum}.{'tension' if rig.kind is Kind.RUNNING else 'travel'}"))
         self.given = given
         self.newton = Newton(m, freed, given)
         self._blank = LineState.cold(m).point
@@ -139,7 +139,7 @@ class SpanModel:
         travel = np.append(np.cumsum(more[::-1])[::-1], 0.0)
         layout.travel.write(travel, point.x, point.z)
         if self.rig.carriage.clamped and role == "skyline":
-            point.p[self.model.p.index[f"{self.rig.carriage.name}.travel"]] = travel[self.span + 1]
+            point.p[self.model.p.index[f"{self.rig.carriage.name}.travel"]] = travel[self._carriage_in(r)]
 
     def off_shoe(self, solved: Solved) -> Point:
         """Starting values for a carriage that has just left a shoe, from a solution that holds it there by force:
@@ -176,7 +176,7 @@ class SpanModel:
             force = np.array([source.curve(solved.point, k, r) for k in range(len(run.spans))])
             lengths = np.array([solved[f"{s.name}.length"] for s in run.spans])
             if len(m.runs[self.roles.index(role)].spans) > len(lengths):
-                k = on + 1 if role == "skyline" else len(lengths)
+                k = source._carriage_in(r)
                 pull = solved[f"{name}.tension_a" if role == "skyline" else f"{name}.mainline_pull"]
                 up = shoe.normal_after(normal, touch[role])
                 way = shoe.towards_b(up)
@@ -300,6 +300,10 @@ class SpanModel:
                 raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
+
+    def _carriage_in(self, r: int) -> int:
+        """The carriage's place among the nodes of a rope."""
+        return [node.name for node in self.model.runs[r].nodes].index(self.rig.carriage.name)
 
     @property
     def skyline(self) -> int:

@@ -205,5 +205,5 @@ def clamped_twin(rig: SkylineRig) -> SkylineRig:
     """The rig with its carriage held on the skyline instead of by its mainline."""
     head = rig.headspar
     if isinstance(head, GuyedSpar):
-        head = replace(head, mainline_block=False)
+        head = replace(head, blocks=tuple(rope for rope in head.blocks if rope != "mainline"))
     return replace(rig, headspar=head, mainline=None, carriage=replace(rig.carriage, holding="bisector"))

@@ -59,8 +59,9 @@ def sweep(
     if isinstance(study, (System, Model)):
         model = study if isinstance(study, Model) else assemble(study)
         _require_numbers(cases)
-        task: Study = line_study(model, names, outputs)
-        units, mark = line_units(model, [*names, *task.outputs]), line_mark(model) + repr(task.outputs).encode()
+        variants = line_study(model, names, outputs)
+        task: Study = variants
+        units, mark = line_units(model, [*names, *variants.outputs]), line_mark(model, variants)
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:
@@ -88,7 +89,7 @@ def _run(
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
     with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
         advance(len(rows))
-        for k, found in share_out(partial(_chunk, study), ([every[i] for i in chunk] for chunk in chunks)):
+        for k, found in share_out(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
             new = dict(zip(chunks[k], found, strict=True))
             rows.update(new)
             if journal is not None:
@@ -101,7 +102,8 @@ _ALONE = RLock()
 """Solvers keep their buffers: of the threads that a Dask worker may have, one works at a time."""
 
 
-def _chunk(study: Study, cases: Sequence[dict[str, Any]]) -> list[Row]:
+def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[Row]:
+    """What some cases came to, failures too: the part of a sweep that a worker does."""
     with _ALONE:
         return [_row(study, case) for case in cases]
 
@@ -117,12 +119,14 @@ def _row(study: Study, case: dict[str, Any]) -> Row:
 def _plain(found: object, case: Mapping[str, Any]) -> Row:
     """Numbers and text by name. Raises InputError for anything else."""
     pairs = found.items() if isinstance(found, (Mapping, pd.Series)) else [("value", found)]
-    row = {str(name): value.item() if isinstance(value, np.generic) else value for name, value in pairs}
-    for name, value in row.items():
+    row: Row = {}
+    for name, each in pairs:
+        value = each.item() if isinstance(each, np.generic) else each
         if not isinstance(value, (bool, int, float, str, type(None))):
             raise InputError(f"{name} of the study is a {type(value).__name__}", "Return numbers and text by name")
         if name in case or name in _FAILURE:
             raise InputError(f"{name} of the study is the name of another column", "Give it another name")
+        row[str(name)] = value
     return row
 
 

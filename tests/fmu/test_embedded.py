@@ -30,9 +30,9 @@ def test_a_line_with_an_fmu_runs_as_the_native_one(unit: FmuComponent) -> None:
     assert set(frame.columns) == set(native.frame.columns)
     assert np.ptp(frame["unit.speed"]) > 3.0
     scale = native.frame.abs().max().clip(lower=1.0)
-    assert ((frame - native.frame).abs().max() / scale).max() < 1e-6
+    assert ((frame - native.frame).abs().max() / scale).max() < 1e-9
     assert coupled.events["event"].tolist() == native.events["event"].tolist()
-    assert coupled.events["time"].to_numpy() == pytest.approx(native.events["time"].to_numpy(), abs=1e-6)
+    assert coupled.events["time"].to_numpy() == pytest.approx(native.events["time"].to_numpy(), abs=1e-9)
 
 
 @pytest.fixture(scope="module")

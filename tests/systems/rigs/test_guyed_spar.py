@@ -97,6 +97,76 @@ def test_forces_at_the_top_balance_along_the_leaning_mast() -> None:
     assert eq["head.lean"] > 0.01
 
 
+def tailspar(rope: rw.Rope = GUY, pretension: float = 20e3, **how: object) -> rw.GuyedSpar:
+    anchors = [(270.0, -12.0, -16.0), (270.0, 12.0, -16.0), (238.0, -20.0, -17.0), (238.0, 20.0, -17.0)]
+    guys = tuple(rw.Guyline(f"t{i}", rope=rope, at=at, pretension=pretension) for i, at in enumerate(anchors))
+    return rw.GuyedSpar("tail", foot=(250.0, -22.0), height=12.0, guylines=guys, **how)  # type: ignore[arg-type]
+
+
+GROUND = rw.Profile([-30.0, 0.0, 100.0, 200.0, 250.0, 300.0], [-2.0, 0.0, -45.0, -48.0, -22.0, -22.0])
+
+
+def of_kind(kind: str, head: rw.HeadSpar, tail: rw.TailSpar | rw.GuyedSpar) -> rw.SkylineRig:
+    carriage = rw.Carriage("carriage", mass=450.0)
+    if kind == "running":
+        return rw.running_skyline(
+            GROUND, headspar=head, tailspar=tail, haulback=MAIN, mainline=MAIN, tension=30e3, carriage=carriage
+        )
+    make = {"live": rw.live_skyline, "gravity": rw.gravity_skyline, "standing": rw.standing_skyline}[kind]
+    return make(  # type: ignore[operator, no-any-return]
+        GROUND, headspar=head, tailspar=tail, skyline=ROPE, tension=60e3, mainline=MAIN, carriage=carriage
+    )
+
+
+@pytest.mark.parametrize("kind", ["live", "gravity", "running"])
+def test_stiff_guys_on_both_spars_of_a_lowered_skyline_are_fixed_spars(kind: str) -> None:
+    """At a given height of the carriage it does not matter where the drum stands."""
+    stations = [60.0, 125.0, 200.0]
+    fixed = of_kind(kind, rw.HeadSpar("head", at=(0.0, 15.0)), rw.TailSpar("tail", at=(250.0, -10.0)))
+    there = rw.load_path(fixed, 1000.0, stations, height=12.0)
+
+    def guyed(stiffness: float) -> pd.DataFrame:
+        rope = rw.Rope(mass_per_length=1e-7, axial_stiffness=stiffness, breaking_load=1e9)
+        rig = of_kind(kind, spar(rope, pretension=2e5), tailspar(rope, pretension=2e5))
+        return rw.load_path(rig, 1000.0, stations, height=12.0)
+
+    once, twice = guyed(1e12), guyed(2e12)
+    for column in ("skyline_tension", "headspar_tension", "tailspar_tension", "mainline_pull"):
+        if kind == "running" and column == "headspar_tension":
+            continue  # that of the drum, which stands at the spar's foot
+        np.testing.assert_allclose(2.0 * twice[column] - once[column], there[column], rtol=1e-9)
+
+
+def test_a_live_skyline_at_rest_is_the_standing_one_but_for_the_rope_down_to_its_drum() -> None:
+    fixed = rw.TailSpar("tail", at=(250.0, -10.0))
+    standing, live = (rw.load_path(of_kind(k, spar(), fixed), 2500.0, [120.0]).iloc[0] for k in ("standing", "live"))
+    assert live.skyline_tension == pytest.approx(standing.skyline_tension, rel=0.01)
+    # The drum's rope presses the spar down as well, about with its own tension.
+    assert live.spar_compression == pytest.approx(standing.spar_compression + live.headspar_tension, rel=0.01)
+
+
+@pytest.mark.parametrize("hold", [None, rw.Tailhold("stump", at=(275.0, -21.0))])
+def test_a_guyed_tailspar_balances_along_its_mast(hold: rw.Tailhold | None) -> None:
+    held = of_kind("standing", rw.HeadSpar("head", at=(0.0, 15.0)), tailspar(tailhold=hold))
+    given = {"carriage.x": 120.0}
+    eq = rw.equilibrium(held.system(0, 120.0, payload=2500.0), given=given, solve_for="mainline.travel")
+    foot = np.array([250.0, 0.0, -22.0])
+    along = np.array([eq[f"tail.{a}"] for a in "xyz"]) - foot
+    assert np.linalg.norm(along) == pytest.approx(12.0, rel=1e-12)
+    total = np.zeros(3)
+    for span, mass, end in [("carriage_tail", 3.48, "b"), *((f"t{i}_tail", 2.0, "b") for i in range(4))] + (
+        [("tail_stump", 3.48, "a")] if hold else []
+    ):
+        force = np.array([eq[f"{span}.force_{a}"] for a in "xyz"])
+        total += force if end == "a" else -(force + np.array([0.0, 0.0, mass * G * eq[f"{span}.length"]]))
+    np.testing.assert_allclose(total, -eq["tail.compression"] * along / 12.0, atol=1e-5)
+    row = rw.load_path(held, 2500.0, [120.0]).iloc[0]
+    assert row.tailspar_compression == pytest.approx(eq["tail.compression"], rel=1e-9)
+    assert row.t0_tension == pytest.approx(eq["t0_tail.tension_b"], rel=1e-9)
+    if hold:
+        assert eq["tail_stump.tension_a"] == pytest.approx(eq["carriage_tail.tension_b"], rel=1e-12)
+
+
 def test_payload_is_limited_by_a_guyline() -> None:
     weak = rw.Rope(mass_per_length=1.0, axial_stiffness=12e6, breaking_load=180e3)
     study = rw.payload(rig(spar(weak)), stations=[120.0])
@@ -111,6 +181,8 @@ def test_bad_spars_are_refused() -> None:
         rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys)
     with pytest.raises(rw.InputError, match="one name"):
         rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys * 2)
+    with pytest.raises(rw.InputError, match="Block"):
+        rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys, blocks=("main line",))
     with pytest.raises(rw.InputError, match="no height"):
         rw.GuyedSpar("head", foot=(0.0, 0.0), guylines=guys)
     with pytest.raises(rw.InputError, match="breaking load"):

@@ -1,0 +1,409 @@
+"""Optimal schedules of control sheaves: how each should move, proved by simulation."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.component import Node
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError, UnknownNameError
+from ropeway.components.response import Response
+from ropeway.components.schedule import Schedule
+from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.model import component_of, nearest
+from ropeway.systems.progress import bar
+from ropeway.systems.result import Result
+from ropeway.systems.simulation import simulate
+from ropeway.systems.studies.schedule_equations import LineEquations, Row, drive_parameters
+from ropeway.systems.studies.schedule_limits import HYDRAULIC, UNITS, ScheduleLimits, objective_weights
+from ropeway.systems.studies.schedule_moments import Moment, moments
+from ropeway.systems.studies.schedule_parts import Parts, Task
+from ropeway.systems.studies.schedule_plan import Gap, Report, Round, SchedulePlan, active_table, peaks_above
+from ropeway.systems.studies.schedule_problem import ScheduleProblem
+from ropeway.systems.studies.schedule_run import (
+    balancing,
+    carried_over,
+    control_sheaves,
+    measured,
+    smoothed,
+    with_responses,
+)
+from ropeway.systems.studies.schedule_solution import Planned
+from ropeway.systems.studies.schedule_solution import planned as solved
+from ropeway.systems.system import System
+
+CROSSING_GAP, PEAK_GAP = 5e-3, 20.0
+"""A plan and its simulation agree when times of crossings [s] and the highest tension [N] differ by less."""
+
+_ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6
+_SIZE = 10.0
+"""What the objective is scaled to: with less the solver's barrier outweighs it."""
+_GIVE = 1e-4
+"""Share of a limit below which a relaxation is none."""
+_SPARE = 0.02
+"""Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
+_SAMPLES = 4
+"""Records of a simulation in each interval of the schedule."""
+
+
+def optimise_schedule(
+    line: System,
+    until: float,
+    *,
+    minimise: str | Mapping[str, float] = "peak tension",
+    limits: ScheduleLimits | None = None,
+    intervals: int = 60,
+    target: float | None = None,
+    settle: float | None = None,
+    lead: str | None = None,
+    start: Equilibrium | None = None,
+    warm_start: SchedulePlan | Mapping[str, Schedule] | None = None,
+    progress: bool | None = None,
+) -> SchedulePlan:
+    """Speeds of a mono-cable line's control sheaves over `until` seconds that serve an objective within limits.
+
+    minimise: "peak tension", "tension deviation" or "energy" (`OBJECTIVES`), or a weight for each [per N, N, J].
+    intervals: pieces on which speeds are linear. target: tension that the deviation counts from [N], by default the
+    mean at the control sheaves when they balance their tensions. settle: from when limits on tensions and drives, and
+    the objective, count [s], as a schedule cannot change what the line starts with; by default 10 s or a quarter of
+    the time. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
+    start: an equilibrium to start from; warm_start: an earlier plan, or schedules.
+
+    The optimum is simulated, and planned anew around the simulation until both agree. Raises InputError,
+    InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
+    """
+    begin = clock.perf_counter()
+    check.positive(until, "optimise_schedule", "until", "s")
+    if not isinstance(intervals, int) or intervals < 3:
+        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
+    weights = objective_weights(minimise)
+    bounds = limits or ScheduleLimits()
+    settled = min(10.0, until / 4.0) if settle is None else settle
+    check.not_negative(settled, "optimise_schedule", "settle", "s")
+    if settled >= until:
+        raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
+    study = _Study(line, until, intervals, bounds, settled, target, lead, start)
+    with bar("optimise", 1.0, progress) as advance:
+        schedules = study.first(warm_start)
+        return study.optimise(weights, schedules, advance, begin)
+
+
+class _Study:
+    """What all rounds share: the line, its limits, and the run that balances tensions."""
+
+    def __init__(
+        self,
+        line: System,
+        until: float,
+        intervals: int,
+        limits: ScheduleLimits,
+        settle: float,
+        target: float | None,
+        lead: str | None,
+        start: Equilibrium | None,
+    ) -> None:
+        self.line, self.until, self.limits, self.settle = line, until, limits, settle
+        self.names = control_sheaves(line)
+        self._parts: dict[tuple[LineEquations, bool], Parts] = {}
+        self.bare = with_responses(line, dict.fromkeys(self.names))
+        self.start = equilibrium(self.bare) if start is None else carried_over(start, self.bare)
+        self.grid = np.linspace(0.0, until, intervals + 1)
+        self.lead = self._lead(lead)
+        response = balancing(self.start, 1.0)
+        rule = {name: None if name == self.lead else response for name in self.names}
+        self.balanced = self.run({}, rule)
+        frame = self.balanced.full_frame
+        counts = frame.index >= settle
+        sides = [f"{n}.tension_{s}" for n in self.names for s in ("in", "out")]
+        self.target = float(frame.loc[counts, sides].to_numpy().mean()) if target is None else target
+        check.positive(self.target, "optimise_schedule", "target", "N")
+        rope = self.balanced.runs[0].rope
+        low = frame.filter(regex=r"\.tension_[ab]$").to_numpy()[counts].min()
+        self.tension = (
+            # Below it by the gap allowed: some tensions, as beside a drum, no schedule can change.
+            float(low) - PEAK_GAP if limits.tension_low is None else limits.tension_low,
+            rope.safe_working_load if limits.tension_high is None else limits.tension_high,
+        )
+        if self.tension[0] >= self.tension[1]:
+            raise InputError(
+                f"Tensions are to stay above {self.tension[0]:g} N and below {self.tension[1]:g} N",
+                "Give limits with tension_low below tension_high",
+            )
+
+    def _lead(self, lead: str | None) -> str:
+        """The support whose speed is the line's. Raises InputError, UnknownNameError."""
+        driven = [component_of(name) for name in self.start.model.u.names]
+        drums = [name for name in driven if name not in self.names]
+        if lead is not None and lead not in self.names:
+            raise UnknownNameError(f"{lead!r} is not a control sheave", nearest(lead, self.names))
+        if len(driven) < 2 or not self.names:
+            raise InputError(
+                f"{self.line.name!r} has nothing to optimise", "A schedule needs a second driven support on the rope"
+            )
+        return lead or (drums or self.names)[0]
+
+    def own_speed(self, name: str) -> Schedule | float:
+        """The speed that a driven support has by itself. Raises InputError."""
+        signal = self.start.model.signals[self.start.model.u.index[f"{name}.speed"]]
+        if signal is None:
+            raise InputError(f"The speed of {name!r} is open", "Give it a speed, which its schedule starts from")
+        return signal
+
+    def run(self, schedules: Mapping[str, Schedule], responses: Mapping[str, Response | None]) -> Result:
+        """The line under schedules and responses, with a record at every grid time."""
+        line = with_responses(self.line, {**dict.fromkeys(self.names), **responses})
+        start = carried_over(self.start, line)
+        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
+        every = float(self.grid[1]) / _SAMPLES
+        return simulate(start.model, self.until, every=every, inputs=inputs, start=start, progress=False)
+
+    def first(self, warm_start: SchedulePlan | Mapping[str, Schedule] | None) -> dict[str, Schedule]:
+        """The schedules to begin with: given ones on this grid, or those of the balanced run. Raises InputError."""
+        if warm_start is None:
+            return smoothed(self.balanced, self.grid, self.names)
+        given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
+        if missing := [n for n in self.names if n not in given]:
+            raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
+        for name in self.names:
+            given[name].require(self.until)
+        return {name: given[name].on(self.grid.tolist()) for name in self.names}
+
+    def task(self, weights: Mapping[str, float], deviation: float, *, relaxed: bool = False) -> Task:
+        """What is asked of the problem."""
+        model, parameters = self.balanced.model, self.balanced.parameters
+        equations = LineEquations(model, parameters)
+        rows, fixed, speeds = [], [], []
+        for node in equations.nodes:
+            rows.append(self._rows(equations, node))
+            fixed.append(node.name == self.lead or node.name not in self.names)
+            speeds.append(self._speed_range(node.name))
+        return Task(
+            grid=self.grid,
+            weights=weights,
+            tension=self.tension,
+            rows=tuple(rows),
+            fixed=tuple(fixed),
+            speed=tuple(speeds),
+            acceleration=self.limits.acceleration,
+            target=self.target,
+            deviation=deviation,
+            settle=self.settle,
+            relaxed=relaxed,
+        )
+
+    def _rows(self, equations: LineEquations, node: Node) -> tuple[Row, ...]:
+        if not isinstance(node, ControlSheave):
+            return ()
+        hydraulic = drive_parameters(equations.model, node, equations.parameters, tuple(HYDRAULIC.values()))
+        rows = []
+        for output, (low, high, limit) in self.limits.outputs(node.name, hydraulic).items():
+            name = f"{node.name}.{output}"
+            if name not in equations.model.y.index:
+                raise InputError(f"{node.name!r} has no {output}: its drive is ideal", "Limit force and power instead")
+            unit = equations.y_unit[equations.model.y.index[name]]
+            rows.append(Row(name, low / unit, high / unit, limit))
+        return tuple(rows)
+
+    def _speed_range(self, name: str) -> tuple[float, float]:
+        if self.limits.speed is not None:
+            return self.limits.speed
+        own = self.own_speed(name)
+        line = own.at(0.0) if isinstance(own, Schedule) else own
+        low, high = sorted((0.85 * line, 1.15 * line))
+        return low, high
+
+    def optimise(
+        self,
+        weights: Mapping[str, float],
+        schedules: dict[str, Schedule],
+        advance: Callable[[float], None],
+        begin: float,
+    ) -> SchedulePlan:
+        """Plans and simulates in turn until both agree. Raises InfeasibleScheduleError, ScheduleError."""
+        balanced = measured(self.balanced, self.names, self.settle, self.target)
+        size = sum(w * balanced[name] for name, w in weights.items()) / _SIZE
+        around = self.around(schedules)
+        rounds: list[Round] = []
+        plan: SchedulePlan | None = None
+        # A mean over time wants more samples than a peak, which asks for its own where it needs them.
+        record = float(self.grid[1]) / _SAMPLES
+        between = (self.grid[1:] + self.grid[:-1]) / 2.0
+        more: set[float] = set() if list(weights) == ["peak tension"] else set(between.tolist())
+        for number in range(_ROUNDS):
+            deviation = around.objectives["tension deviation"]
+            task = self.task({name: w / size for name, w in weights.items()}, deviation)
+            problem = self.problem(task, around, sorted(more))
+            planned = solved(problem, _ITERATIONS, _TOLERANCE)
+            if not planned.solution.converged:
+                planned = self.relaxed(task, around, sorted(more), again=number < _ROUNDS // 2)
+            after = self.around(
+                {
+                    node.name: Schedule(self.grid.tolist(), planned.speeds[i].tolist())
+                    for i, node in enumerate(around.equations.nodes)
+                    if node.name in self.names
+                },
+                around.equations,
+            )
+            gap = self.gap(problem.moments, planned, after)
+            objective = sum(w * after.objectives[name] for name, w in weights.items())
+            told = planned.solution
+            expected = told.objective * size + weights.get("tension deviation", 0.0) * deviation / 2.0
+            rounds.append(Round(told.status, told.iterations, told.seconds, after.seconds, expected, objective, gap))
+            report = Report(tuple(rounds), len(told.variables), len(told.multipliers), clock.perf_counter() - begin)
+            plan = SchedulePlan(
+                schedules=after.schedules,
+                predicted=planned.frame,
+                result=after.result,
+                objectives=after.objectives,
+                balanced=balanced,
+                weights=weights,
+                limits=self.limits,
+                tension=self.tension,
+                target=self.target,
+                settle=self.settle,
+                gap=gap,
+                active=active_table(planned.active, size, objective),
+                report=report,
+            )
+            advance(1.0 - 0.5 ** (number + 1))
+            broken = self.broken(task, after)
+            if told.converged and not planned.relaxation and self.agreed(gap) and not broken:
+                return plan
+            for times in (self.peaks(planned.frame, after.result), *broken.values()):
+                more.update(np.round(np.array(times) / record) * record)
+            around = after
+        raise ScheduleError(
+            f"Plan and simulation have not come together in {_ROUNDS} rounds: crossings {gap.crossing_time:.3g} s and "
+            f"highest tension {gap.peak_tension:.3g} N apart",
+            f"Take more intervals, or a shorter time{_and(broken)}",
+            plan,
+        )
+
+    def around(self, schedules: Mapping[str, Schedule], equations: LineEquations | None = None) -> _Simulated:
+        """The simulation of schedules, to plan around; equations: those of an earlier one, if they still hold."""
+        begin = clock.perf_counter()
+        result = self.run(schedules, {})
+        if equations is None or equations.model is not result.model:
+            equations = LineEquations(result.model, result.parameters)
+        objectives = measured(result, self.names, self.settle, self.target)
+        return _Simulated(schedules, result, objectives, equations, clock.perf_counter() - begin)
+
+    def problem(self, task: Task, around: _Simulated, more: Sequence[float]) -> ScheduleProblem:
+        """The problem around a simulation."""
+        key = (around.equations, task.relaxed)
+        if key not in self._parts:
+            self._parts[key] = Parts(around.equations, task)
+        places = moments(around.result, self.grid, more, around.equations.sections())
+        speeds = self.speeds(around.equations, around.schedules)
+        return ScheduleProblem(around.equations, self._parts[key], task, around.result, places, speeds)
+
+    def relaxed(self, task: Task, around: _Simulated, more: Sequence[float], *, again: bool) -> Planned:
+        """The schedule that gives way least; again: another round may follow.
+
+        Raises InfeasibleScheduleError when it has to give way, ScheduleError."""
+        problem = self.problem(replace(task, relaxed=True), around, more)
+        planned = solved(problem, _ITERATIONS, _TOLERANCE)
+        if not planned.solution.converged:
+            raise ScheduleError(
+                f"IPOPT found no schedule: {planned.solution.status}", "Begin with other schedules in warm_start"
+            )
+        needed = {limit: give for limit, give in planned.relaxation.items() if give > _GIVE * problem.size(limit)}
+        # Where crossings come at other times, another round may need less.
+        far = again and any(
+            abs(t - m.time) > problem.step / 8.0 for m, t in zip(problem.moments, planned.times, strict=True)
+        )
+        if not needed or far:
+            return planned
+        table = active_table(planned.active, 1.0, planned.solution.objective)
+        names = sorted(set(table.index.get_level_values("limit")))
+        relaxation = {limit: give * problem.unit(limit) for limit, give in needed.items()}
+        raise InfeasibleScheduleError(
+            f"No schedule keeps these limits together: {', '.join(names)}",
+            "The least that would do: " + ", ".join(f"{n} by {g:.3g} {UNITS[n]}" for n, g in relaxation.items()),
+            relaxation,
+            table,
+        )
+
+    def gap(self, places: Sequence[Moment], planned: Planned, after: _Simulated) -> Gap:
+        """How far a plan is from its simulation."""
+        found = moments(after.result, self.grid, (), after.equations.sections())
+        expected = {key: float(t) for m, t in zip(places, planned.times, strict=True) for key in m.keys}
+        came = {key: m.time for m in found for key in m.keys}
+        # A load that comes to a support just at the end may be late.
+        near_end = self.until - float(self.grid[1])
+        lone = [key for key in expected.keys() ^ came.keys() if {**expected, **came}[key] < near_end]
+        both = expected.keys() & came.keys()
+        moved = [abs(t - m.time) for m, t in zip(places, planned.times, strict=True)]
+        return Gap(
+            max((abs(expected[key] - came[key]) for key in both), default=0.0),
+            abs(_peak(planned.frame, self.settle) - after.objectives["peak tension"]),
+            len(lone),
+            float(max(moved)),
+        )
+
+    def peaks(self, planned: pd.DataFrame, result: Result) -> list[float]:
+        """Times [s] at which a simulation's highest tension has a peak above a plan's."""
+        frame = result.full_frame[result.full_frame.index >= self.settle]
+        highest = frame.filter(regex=r"\.tension_[ab]$").max(axis=1).to_numpy()
+        return peaks_above(frame, highest, _peak(planned, self.settle) + PEAK_GAP / 4.0)
+
+    def agreed(self, gap: Gap) -> bool:
+        """Whether plan and simulation are one, and the plan was made close enough around a simulation."""
+        return (
+            gap.crossing_time < CROSSING_GAP
+            and gap.peak_tension < PEAK_GAP
+            and not gap.crossings_in_one_only
+            and gap.moved < float(self.grid[1]) / 8.0
+        )
+
+    def broken(self, task: Task, after: _Simulated) -> dict[str, list[float]]:
+        """Limits that the simulation does not keep, with the times of the worst [s]."""
+        frame, equations = after.result.full_frame, after.equations
+        ends = frame.filter(regex=r"\.tension_[ab]$")
+        low, high = self.tension
+        excess = {"tension": np.maximum(low - ends.min(axis=1), ends.max(axis=1) - high).to_numpy() - PEAK_GAP}
+        for row in (row for rows in task.rows for row in rows):
+            values = frame[row.output].to_numpy() / equations.y_unit[equations.model.y.index[row.output]]
+            spare = _SPARE * max(abs(bound) for bound in (row.low, row.high) if np.isfinite(bound))
+            excess[row.output] = np.maximum(row.low - values, values - row.high) - spare
+        counts = frame.index.to_numpy() >= self.settle
+        found = {name: peaks_above(frame, np.where(counts, value, -1.0), 0.0) for name, value in excess.items()}
+        return {name: times for name, times in found.items() if times}
+
+    def speeds(self, equations: LineEquations, schedules: Mapping[str, Schedule]) -> np.ndarray:
+        """Speeds of the driven supports at grid times, shape (driven, grid)."""
+        found = []
+        for node in equations.nodes:
+            speed = schedules.get(node.name, self.own_speed(node.name))
+            found.append(
+                [speed.at(float(t)) for t in self.grid] if isinstance(speed, Schedule) else [speed] * len(self.grid)
+            )
+        return np.array(found, dtype=float)
+
+
+def _peak(frame: pd.DataFrame, settle: float) -> float:
+    """Highest tension of all spans from `settle` [s] on."""
+    ends = frame[frame.index >= settle - 1e-9].filter(regex=r"\.tension_[ab]$")
+    return float(np.nanmax(ends.to_numpy()))
+
+
+def _and(broken: Mapping[str, Sequence[float]]) -> str:
+    places = [f"{name} at {times[0]:.1f} s" for name, times in broken.items()]
+    return f"; the simulation passes the limit of {', '.join(places)}" if places else ""
+
+
+@dataclass(frozen=True)
+class _Simulated:
+    """Schedules, their simulation with its objectives, its equations, and the time it took [s]."""
+
+    schedules: Mapping[str, Schedule]
+    result: Result
+    objectives: Mapping[str, float]
+    equations: LineEquations
+    seconds: float

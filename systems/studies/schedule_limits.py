@@ -1,0 +1,120 @@
+"""What a schedule is asked for: objectives, and the limits that it keeps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ropeway.components import check
+from ropeway.components.errors import InputError
+
+OBJECTIVES = ("peak tension", "tension deviation", "energy")
+"""Highest tension of all spans [N]; root mean square of the control sheaves' tensions, on both sides, from a target
+[N]; energy that the control sheaves' drives give, not less what they recover [J]."""
+
+PerSheave = float | Mapping[str, float]
+"""One value for all control sheaves, or one for each name; those not named have no limit of their own."""
+
+_LARGEST = {
+    "force": ("N", "drive_force"),
+    "power": ("W", "power"),
+    "pressure": ("Pa", "pressure"),
+    "flow": ("m3/s", "flow"),
+    "hydraulic_power": ("W", "hydraulic_power"),
+}
+"""Limits on the size of an output of a control sheave, with that output's name."""
+
+UNITS = {
+    **{name: unit for name, (unit, _) in _LARGEST.items()},
+    "tension_low": "N",
+    "tension_high": "N",
+    "grip": "",
+    "speed": "m/s",
+    "acceleration": "m/s2",
+}
+"""Units of all limits."""
+
+HYDRAULIC = {"pressure": "relief_pressure", "flow": "pump_flow", "hydraulic_power": "engine_power"}
+"""Parameters of a hydraulic drive that bound these limits."""
+
+SPARE = 0.95
+"""Share of a hydraulic drive's limits that a plan uses: beyond it they round off the drive's motion."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduleLimits:
+    """Limits of a schedule.
+
+    tension_low, tension_high: of every span [N]; by default the lowest that the line has when its control sheaves
+    balance their tensions, and the rope's SWL. force, power: largest size of a control sheave's drive force [N] and
+    power [W]; pressure [Pa], flow [m3/s], hydraulic_power [W] of its hydraulic drive, by default 0.95 of what the
+    drive has; grip: least margin. speed: lowest and highest [m/s], by default 0.85 and 1.15 of the line's;
+    acceleration: largest size [m/s2]. Those of control sheaves: one for all, or a mapping by name. Raises InputError.
+    """
+
+    tension_low: float | None = None
+    tension_high: float | None = None
+    force: PerSheave = math.inf
+    power: PerSheave = math.inf
+    pressure: PerSheave | None = None
+    flow: PerSheave | None = None
+    hydraulic_power: PerSheave | None = None
+    grip: PerSheave = 0.0
+    speed: tuple[float, float] | None = None
+    acceleration: float = 0.05
+
+    def __post_init__(self) -> None:
+        owner = "ScheduleLimits"
+        for name in ("tension_low", "tension_high"):
+            if getattr(self, name) is not None:
+                check.not_negative(getattr(self, name), owner, name, "N")
+        for name, (unit, _) in _LARGEST.items():
+            given = getattr(self, name)
+            for value in () if given is None else given.values() if isinstance(given, Mapping) else (given,):
+                check.positive(value, owner, name, unit, infinite=True)
+        for value in self.grip.values() if isinstance(self.grip, Mapping) else (self.grip,):
+            check.number(value, owner, "grip")
+        check.positive(self.acceleration, owner, "acceleration", "m/s2")
+        for name, bounds in (("tension", (self.tension_low, self.tension_high)), ("speed", self.speed)):
+            if bounds is None:
+                continue
+            low, high = bounds
+            if low is not None and high is not None and low >= high:
+                raise InputError(f"{owner}: {name} low is {low:g}, high is {high:g}", "Give low below high")
+
+    def outputs(self, sheave: str, hydraulic: Mapping[str, float]) -> dict[str, tuple[float, float, str]]:
+        """Lowest and highest value of each limited output of a control sheave, and the limit's name.
+
+        hydraulic: the parameters of its hydraulic drive by name, empty for an ideal one."""
+        found = {}
+        for name, (_, output) in _LARGEST.items():
+            given = getattr(self, name)
+            if given is None and name in HYDRAULIC and hydraulic:
+                most = SPARE * hydraulic[HYDRAULIC[name]]
+            else:
+                most = _of(given, sheave, math.inf)
+            if math.isfinite(most):
+                found[output] = (-most, most, name)
+        least = _of(self.grip, sheave, -math.inf)
+        if math.isfinite(least):
+            found["grip_margin"] = (least, math.inf, "grip")
+        return found
+
+
+def _of(given: PerSheave | None, sheave: str, none: float) -> float:
+    if given is None:
+        return none
+    return float(given.get(sheave, none)) if isinstance(given, Mapping) else float(given)
+
+
+def objective_weights(minimise: str | Mapping[str, float]) -> dict[str, float]:
+    """The weight of each objective that counts. Raises InputError."""
+    given = {minimise: 1.0} if isinstance(minimise, str) else dict(minimise)
+    for name, weight in given.items():
+        if name not in OBJECTIVES:
+            raise InputError(f"minimise is {name!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}")
+        check.not_negative(weight, "minimise", f"weight of {name!r}")
+    if not any(given.values()):
+        raise InputError("minimise has no weight above zero", "Give at least one")
+    return {name: float(weight) for name, weight in given.items() if weight}

@@ -1,0 +1,152 @@
+"""A plan: schedules, what they are to bring, and what the simulation says they bring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.errors import InputError
+from ropeway.components.schedule import Schedule
+from ropeway.systems.result import Result
+from ropeway.systems.studies.schedule_limits import ScheduleLimits
+from ropeway.systems.studies.schedule_solution import Active
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class Gap:
+    """How far a plan is from its simulation: times of crossings [s], highest tension [N], and crossings that only
+    one of them has. `moved`: how far crossings are from where the plan was made around [s]."""
+
+    crossing_time: float
+    peak_tension: float
+    crossings_in_one_only: int
+    moved: float
+
+
+@dataclass(frozen=True)
+class Round:
+    """A plan made and simulated: what the solver says, its iterations and time [s], time of the simulation [s], the
+    objective by plan and by simulation, and the gap."""
+
+    status: str
+    iterations: int
+    solve_seconds: float
+    simulate_seconds: float
+    planned: float
+    simulated: float
+    gap: Gap
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a plan came about: its rounds, size of the problem, and time in all [s]."""
+
+    rounds: tuple[Round, ...]
+    variables: int
+    constraints: int
+    seconds: float
+
+    @property
+    def frame(self) -> pd.DataFrame:
+        """A row a round."""
+        rows = [
+            {**{k: v for k, v in r.__dict__.items() if k != "gap"}, **r.gap.__dict__} for r in self.rounds
+        ]  # fmt: skip
+        return pd.DataFrame(rows).rename_axis("round")
+
+
+@dataclass(frozen=True, eq=False)
+class SchedulePlan:
+    """Schedules of the control sheaves, by name, and what they bring.
+
+    predicted: what the plan expects, with the columns of a result's `full_frame`, a row for each side of each moment
+    that it looks at (NaN for sections that it does not look at then); result: the simulation; objectives: those of
+    the simulation from `settle` [s] on, by name, balanced: those of the run whose sheaves balance their tensions; gap
+    between plan and simulation; active: limits that bind, a row for each limit and component, with how often, when
+    first [s], the bound, and the `cost`: by how much the objective would fall per unit of the limit; report.
+    """
+
+    schedules: Mapping[str, Schedule]
+    predicted: pd.DataFrame
+    result: Result
+    objectives: Mapping[str, float]
+    balanced: Mapping[str, float]
+    weights: Mapping[str, float]
+    limits: ScheduleLimits
+    tension: tuple[float, float]
+    target: float
+    settle: float
+    gap: Gap
+    active: pd.DataFrame
+    report: Report
+
+    @property
+    def until(self) -> float:
+        """End of the plan [s]."""
+        return next(iter(self.schedules.values())).times[-1]
+
+    @property
+    def objective(self) -> float:
+        """What was minimised, by the simulation."""
+        return sum(w * self.objectives[name] for name, w in self.weights.items())
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """The schedules: index time [s], columns c1.speed [m/s], ...; units in `attrs["units"]`."""
+        times = next(iter(self.schedules.values())).times
+        columns = {f"{name}.speed": schedule.speeds for name, schedule in self.schedules.items()}
+        frame = pd.DataFrame(columns, index=pd.Index(times, name="time"))
+        frame.attrs["units"] = dict.fromkeys(frame.columns, "m/s")
+        return frame
+
+    def at(self, time: float) -> pd.Series:
+        """Speeds at a time [s], by sheave. Raises InputError outside the plan."""
+        if not 0.0 <= time <= self.until:
+            raise InputError(f"{time:g} s is outside the schedule", f"Choose from 0 to {self.until:g} s")
+        return pd.Series({name: s.at(time) for name, s in self.schedules.items()}, name=time)
+
+    @property
+    def inputs(self) -> dict[str, Schedule]:
+        """The schedules as inputs of `rw.simulate`."""
+        return {f"{name}.speed": schedule for name, schedule in self.schedules.items()}
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path."""
+        self.frame.to_csv(path)
+        return Path(path)
+
+    def plot(self) -> Figure:
+        """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""
+        from ropeway.systems.studies.schedule_plot import plan_figure
+
+        return plan_figure(self)
+
+
+def active_table(active: list[Active], size: float, objective: float) -> pd.DataFrame:
+    """The limits that bind and matter: to give way by the whole limit would change the objective by a thousandth.
+    `size`: of the objective in the problem's one."""
+    rows = pd.DataFrame(
+        [(a.limit, a.component.split(".")[0], a.time, a.bound, a.multiplier * size) for a in active],
+        columns=["limit", "component", "time", "bound", "cost"],
+    )
+    table = rows.groupby(["limit", "component"]).agg(
+        times=("time", "nunique"), first=("time", "min"), bound=("bound", "first"), cost=("cost", "sum")
+    )
+    table = table[table["cost"] * table["bound"].abs() > 1e-3 * abs(objective)]
+    return table.sort_values("cost", ascending=False)
+
+
+def peaks_above(frame: pd.DataFrame, values: np.ndarray, bound: float) -> list[float]:
+    """Times [s] of the highest of `values` over a frame's times, in each stretch in which they are above a bound."""
+    above = np.flatnonzero(values > bound)
+    stretches = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
+    return [float(frame.index[s[np.argmax(values[s])]]) for s in stretches if len(s)]

@@ -1,0 +1,207 @@
+"""The response of a line's control sheaves, tuned by simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import differential_evolution
+
+from ropeway.components import check
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.response import Response, check_precedence
+from ropeway.systems.progress import bar
+from ropeway.systems.simulation import simulate
+from ropeway.systems.studies.objectives import objective_of
+from ropeway.systems.studies.sweep import rows_of
+from ropeway.systems.studies.workers import Workers, crew
+from ropeway.systems.system import System
+
+
+@dataclass(frozen=True, eq=False)
+class TunedResponse:
+    """The best `response` and `precedence` found, the `line` with them, and their `objective`; `baseline` is the
+    objective of the response that it began with, inf where that run failed.
+
+    history: a row for each simulation: what was tuned, `objective`, and `error` and `message` of one that failed
+    (its objective is inf).
+    """
+
+    line: System
+    response: Response
+    precedence: str
+    objective: float
+    baseline: float
+    history: pd.DataFrame
+
+
+def with_response(line: System, response: Response, precedence: str) -> System:
+    """The line with one response at all its control sheaves. Raises InputError if it has none."""
+    other = line.copy()
+    other.precedence = precedence
+    sheaves = [c for c in line.components.values() if isinstance(c, ControlSheave)]
+    if not sheaves:
+        raise InputError(f"{line.name} has no control sheave", "Put a ControlSheave into the line")
+    other.components.update({sheave.name: replace(sheave, response=response) for sheave in sheaves})
+    return other
+
+
+def tune_response(
+    line: System,
+    response: Response,
+    *,
+    over: Mapping[str, tuple[float, float] | Sequence[str]],
+    minimise: str,
+    until: float,
+    after: float = 0.0,
+    target: float | None = None,
+    every: float = 1.0,
+    generations: int = 10,
+    population: int = 6,
+    seed: int = 0,
+    workers: Workers = None,
+    progress: bool | None = None,
+) -> TunedResponse:
+    """Tunes a response by simulating the line with it, by differential evolution: repeatable for a seed.
+
+    over: what may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of
+    "precedence" the names to choose from. minimise: "peak tension", "tension deviation" (from `target` [N]) or
+    "energy", of each run until `until`, from `after` on [s]; every: interval of the records [s].
+    generations, population: rounds, and simulations in a round for each quantity tuned. workers: as for
+    `sweep`. The response as it is given counts too: what comes out is never worse.
+
+    Raises InputError; SimulationError where every run has failed.
+    """
+    check.positive(until, "tune_response", "until", "s")
+    if not 0.0 <= after < until:
+        raise InputError(f"after is {after!r} s of a run of {until:g} s", "Choose it within the run")
+    trial = _Trial(line, response, minimise, until, after, target, every)
+    space = _Space(over)
+    space.check(response)
+    given = {name: getattr(response, name, line.precedence) for name in over}
+    history: list[dict[str, Any]] = [{**given, "objective": trial.baseline(), "error": "", "message": ""}]
+    members = max(5, population * len(over))
+    with bar("tune", 1 + (generations + 1) * members, progress) as advance, crew(workers) as share_out:
+
+        def judge(values: np.ndarray) -> np.ndarray:
+            """Objectives of a generation, its members in columns."""
+            cases = [space.case(member) for member in values.T]
+            rows: list[dict[str, Any]] = [{**case, "objective": np.inf} for case in cases]
+            for done, (i, (found,)) in enumerate(share_out(partial(rows_of, trial), [[case] for case in cases]), 1):
+                rows[i].update(found)
+                advance(len(history) + done)
+            history.extend(rows)
+            return np.array([row["objective"] for row in rows])
+
+        differential_evolution(
+            judge,
+            space.bounds,
+            x0=space.place(given),
+            maxiter=generations,
+            popsize=population,
+            tol=1e-3,
+            rng=np.random.default_rng(seed),
+            polish=False,
+            integrality=space.whole,
+            updating="deferred",
+            vectorized=True,
+        )
+    table = pd.DataFrame(history).rename_axis("run")
+    best = history[int(table["objective"].to_numpy().argmin())]
+    if not np.isfinite(best["objective"]):
+        raise SimulationError("Every run of the line has failed", f"The first said: {history[1]['message']}")
+    chosen, precedence = trial.variant({name: best[name] for name in over})
+    return TunedResponse(
+        with_response(line, chosen, precedence), chosen, precedence, best["objective"], history[0]["objective"], table
+    )
+
+
+@dataclass(frozen=True)
+class _Space:
+    """What is tuned, as numbers: ranges as they are, precedences by their place."""
+
+    over: Mapping[str, Sequence[Any]]
+
+    def check(self, response: Response) -> None:
+        """Raises InputError."""
+        known = [f.name for f in fields(response)]
+        if not self.over:
+            raise InputError("tune_response has nothing to tune", f"Give ranges over {', '.join(known)} or precedence")
+        for name, values in self.over.items():
+            if name == "precedence":
+                for precedence in values:
+                    check_precedence(str(precedence))
+            elif name not in known:
+                raise InputError(f"A {type(response).__name__} has no {name!r}", f"It has {', '.join(known)}")
+            else:
+                for end in values:
+                    check.number(end, "tune_response", f"an end of {name}")
+            if len(set(values)) < 2 or (name != "precedence" and (len(values) != 2 or values[0] > values[1])):
+                raise InputError(f"{name} is tuned over {values!r}", "Give (low, high), or two precedences or more")
+
+    @property
+    def whole(self) -> list[bool]:
+        """Which numbers are whole."""
+        return [name == "precedence" for name in self.over]
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Least and largest numbers."""
+        return [
+            (0, len(values) - 1) if name == "precedence" else (float(values[0]), float(values[1]))
+            for name, values in self.over.items()
+        ]
+
+    def case(self, numbers: np.ndarray) -> dict[str, Any]:
+        """What the numbers mean."""
+        return {
+            name: values[round(number)] if name == "precedence" else float(number)
+            for (name, values), number in zip(self.over.items(), numbers, strict=True)
+        }
+
+    def place(self, case: Mapping[str, Any]) -> list[float] | None:
+        """The numbers of a case; None where it is outside."""
+        numbers = []
+        for (name, values), (low, high) in zip(self.over.items(), self.bounds, strict=True):
+            value = case[name]
+            if name == "precedence":
+                value = list(values).index(value) if value in values else None
+            if value is None or not low <= value <= high:
+                return None
+            numbers.append(float(value))
+        return numbers
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A run of the line with changes of the response, and its objective."""
+
+    line: System
+    response: Response
+    minimise: str
+    until: float
+    after: float
+    target: float | None
+    every: float
+
+    def __call__(self, **changes: Any) -> dict[str, float]:
+        judged = objective_of(self.minimise)
+        result = simulate(with_response(self.line, *self.variant(changes)), self.until, every=self.every)
+        return {"objective": judged(result, self.after, self.target)}
+
+    def variant(self, changes: Mapping[str, Any]) -> tuple[Response, str]:
+        """The response and the precedence with changes."""
+        own = {name: value for name, value in changes.items() if name != "precedence"}
+        return replace(self.response, **own), changes.get("precedence", self.line.precedence)
+
+    def baseline(self) -> float:
+        """The objective without changes, inf where the line cannot run so."""
+        try:
+            return self()["objective"]
+        except (EquilibriumError, SimulationError):
+            return np.inf

@@ -1,0 +1,116 @@
+"""A tuned response beats the one it began with, by simulations that anyone can repeat."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropeway as rw
+from ropeway.components.response import PRECEDENCES
+from ropeway.systems.studies.objectives import objective_of
+from ropeway.systems.studies.tune_response import with_response
+
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+KINDS = ("drum", "idler", "control", "idler", "control", "idler", "drum")
+SUPPORTS = pd.DataFrame(
+    [(f"s{k}", 90.0 * k, 0.0, 3.0 * (k % 2), kind) for k, kind in enumerate(KINDS)],
+    columns=["name", "x", "y", "z", "kind"],
+)
+COARSE = rw.ThresholdResponse(low=44e3, high=48e3, increment=0.05, delay=2.0)
+OVER: dict[str, Any] = {"increment": (0.002, 0.05), "initiation": (-1500.0, 1000.0), "precedence": PRECEDENCES}
+
+
+def line(speed: float | rw.Schedule = 1.0) -> rw.System:
+    masses = (500.0, 100.0, 300.0, 0.0, 450.0)
+    return rw.monocable(ROPE, SUPPORTS, tension=45e3, speed=speed, load_mass=masses, load_spacing=60.0)
+
+
+def tune(**settings: Any) -> rw.TunedResponse:
+    request: dict[str, Any] = {"over": OVER, "minimise": "tension deviation", "target": 46e3, "until": 40.0}
+    return rw.tune_response(line(), COARSE, **{**request, "generations": 2, "population": 3, "workers": 1, **settings})
+
+
+@pytest.fixture(scope="module")
+def tuned() -> rw.TunedResponse:
+    return tune()
+
+
+def test_it_beats_the_response_it_began_with(tuned: rw.TunedResponse) -> None:
+    assert tuned.objective < 0.8 * tuned.baseline
+    assert tuned.objective == tuned.history["objective"].min()
+    assert tuned.history["objective"][0] == tuned.baseline
+    assert tuned.history["error"].eq("").all()
+    assert isinstance(tuned.response, rw.ThresholdResponse)
+    assert 0.002 <= tuned.response.increment <= 0.05
+    assert tuned.response.delay == 2.0
+    assert set(tuned.history["precedence"]) == set(PRECEDENCES)
+
+
+def test_its_objective_is_that_of_its_line(tuned: rw.TunedResponse) -> None:
+    for system, expected in (
+        (tuned.line, tuned.objective),
+        (with_response(line(), COARSE, "all at once"), tuned.baseline),
+    ):
+        again = objective_of("tension deviation")(rw.simulate(system, 40.0), 0.0, 46e3)
+        assert again == pytest.approx(expected, rel=1e-12)
+    assert tuned.line.precedence == tuned.precedence
+
+
+def test_processes_and_seed_do_not_change_it(tuned: rw.TunedResponse) -> None:
+    pd.testing.assert_frame_equal(tune(workers=2).history, tuned.history, check_exact=True)
+    assert not tune(seed=1, generations=1).history.equals(tune(seed=0, generations=1).history)
+
+
+def test_runs_that_fail_count_as_infinite() -> None:
+    found = tune(over={"initiation": (-4000.0, 1000.0)}, generations=1, population=8)
+    failed = found.history["error"].ne("")
+    assert 0 < failed.sum() < len(found.history)
+    assert np.isinf(found.history.loc[failed, "objective"]).all()
+    assert found.history.loc[failed, "message"].str.contains("leaves nothing of the range").all()
+    assert np.isfinite(found.objective)
+
+
+def test_a_response_outside_the_ranges_counts_too() -> None:
+    good = replace(COARSE, increment=0.005, delay=0.0, initiation=-500.0)
+    found = rw.tune_response(
+        line(),
+        good,
+        over={"delay": (4.0, 5.0), "precedence": PRECEDENCES[:2]},
+        minimise="tension deviation",
+        target=46e3,
+        until=20.0,
+        generations=1,
+        population=3,
+        workers=1,
+    )
+    assert found.response == good
+    assert found.objective == found.baseline == found.history["objective"].min()
+
+
+def test_wrong_input() -> None:
+    for over, message in (
+        ({}, "nothing to tune"),
+        ({"gain": (0.1, 0.2)}, "has no 'gain'"),
+        ({"increment": (0.2, 0.1)}, "increment is tuned over"),
+        ({"increment": (0.1, 0.1)}, "increment is tuned over"),
+        ({"increment": (0.1, np.inf)}, "finite number"),
+        ({"precedence": ("all at once",)}, "precedence is tuned over"),
+        ({"precedence": ("all at once", "loudest first")}, "loudest first"),
+    ):
+        with pytest.raises(rw.InputError, match=message):
+            tune(over=over)
+    for settings, message in (
+        ({"minimise": "sag"}, "minimise is 'sag'"),
+        ({"target": None}, "no target"),
+        ({"after": 40.0}, "after is 40.0"),
+        ({"until": 0.0}, "until"),
+    ):
+        with pytest.raises(rw.InputError, match=message):
+            tune(**settings)
+    with pytest.raises(rw.InputError, match="no control sheave"):
+        rw.tune_response(rw.System("empty"), COARSE, over=OVER, minimise="energy", until=10.0)
+    short = line(rw.Schedule((0.0, 5.0), (1.0, 1.0)))
+    with pytest.raises(rw.InputError, match="ends at 5 s"):
+        rw.tune_response(short, COARSE, over=OVER, minimise="energy", until=10.0)
