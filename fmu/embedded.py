@@ -79,7 +79,7 @@ def component(
     CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
     ignore_events says that its equations are the same on both sides of them (those that this library exports for a
     system without loads that cross supports, say), and one that announces a time event too. Such FMUs are for
-    `CoSimulation`. A system with an FMU cannot be exported, and runs slower than one without.
+    `CoSimulation`. A system with an FMU cannot be exported, and runs several times slower than one without.
 
     Raises InputError, FmuImportError, FmuVariableError, FmuRunError.
     """

@@ -139,6 +139,7 @@ def _join(
     kinds = ComponentFunctions()
     results: dict[str, Sequence[ca.MX]] = {}
     force_on: dict[tuple[str, str], ca.MX] = {}
+    outside: dict[ca.MX, ca.MX] = {}
 
     def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
         return [t, gravity, *(parts[kind][component.name] for kind in SYMBOLS), signals, *ports]
@@ -157,7 +158,11 @@ def _join(
         f = kinds.get(component, sites[component.name], variables[component.name])
         # A function of one output, as that of a part without ports, returns it bare.
         out: Sequence[ca.MX] = f.call(inputs(component, signals, ports))
-        return out
+        if not component.external:
+            return out
+        stand_ins = [ca.MX.sym(f"{component.name}_{i}", result.shape) for i, result in enumerate(out)]
+        outside.update(zip(stand_ins, out, strict=True))
+        return stand_ins
 
     def forces(component: Component) -> list[ca.MX]:
         found = []
@@ -197,6 +202,9 @@ def _join(
         *(part for c in variables for part in (results[c][1], *differences(system, c, variables[c], quantity))),
     )
     arguments = [t, *(whole[kind] for kind in SYMBOLS)]
+    if outside:  # all the rest as one scalar graph
+        rest = ca.Function("rest", [*arguments, *outside], [ode, alg, y]).expand()
+        ode, alg, y = rest(*arguments, *outside.values())
     names = ["t", "x", "z", "u", "p", "d"]
     return (
         ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"]),

@@ -106,9 +106,10 @@ class Equilibrium:
         name = run.spans[k].name
         read, p = self.outputs, self.model.p.index
         count = int(beyond[k] - beyond[k + 1])
-        at = [float(read[self.model.y.index[f"{name}.slot_distance[{j + 1}]"]]) for j in range(count)]
-        mass = [float(run.loads.mass[beyond[k] - 1 - j]) for j in range(count)]
         gravity, length = float(self.point.p[0]), self[f"{name}.length"]
+        at = [float(read[self.model.y.index[f"{name}.slot_distance[{j + 1}]"]]) for j in range(count)]
+        at = [min(max(distance, 0.0), length) for distance in at]  # a load that crosses is there but for rounding
+        mass = [float(run.loads.mass[beyond[k] - 1 - j]) for j in range(count)]
         spread = np.linspace(0.0, length, stations) if isinstance(stations, int) else np.asarray(stations, float)
         if isinstance(stations, int):
             spread = np.union1d(spread, at)

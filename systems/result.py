@@ -155,8 +155,14 @@ class Result:
         return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
 
     def summary(self) -> Summary:
-        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held."""
+        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held. Raises
+        InputError without a rope."""
+        self._require_rope()
         return summary(self)
+
+    def _require_rope(self) -> None:
+        if not self.runs:
+            raise InputError(f"System {self.model.name!r} has no rope", "Look at its frame")
 
     def power(self) -> pd.DataFrame:
         """Mean and highest power [W], energy pulled and recovered [J] of each control sheave and the line."""
@@ -193,6 +199,7 @@ class Result:
         """Tensions over time at the control sheaves, or at `components`, with SWL and MBL."""
         from ropeway.systems.plot import tensions_over_time
 
+        self._require_rope()
         return tensions_over_time(self, components)
 
     def plot_power(self) -> Figure:
@@ -205,4 +212,5 @@ class Result:
         """The line at a time [s], by default the last: profile, loads, supports, tensions."""
         from ropeway.systems.plot import line_profile
 
+        self._require_rope()
         return line_profile(self.at(self.times[-1] if time is None else time))

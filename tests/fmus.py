@@ -100,6 +100,9 @@ def fed_line(unit: Component, prefix: str = "") -> rw.System:
     return s
 
 
+WEAK_UNIT = rw.DieselHydraulicUnit(
+    "unit", rated_power=20e3, rated_speed=200.0, inertia=1.0, displacement=25e-6, relief_pressure=350e5
+)
 RESPONSE = rw.ThresholdResponse(low=44e3, high=46e3, increment=0.02, period=1.0, delay=1.4)
 
 

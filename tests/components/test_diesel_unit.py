@@ -66,6 +66,13 @@ def test_a_lugged_engine_loses_its_pressure_and_says_so() -> None:
     assert last["unit.given_power"] < 55e3
 
 
+def test_a_system_without_a_rope_has_no_report() -> None:
+    result = run(0.0, until=1.0)
+    for ask in (result.summary, result.plot, result.plot_line):
+        with pytest.raises(rw.InputError, match="'power' has no rope"):
+            ask()
+
+
 @pytest.mark.parametrize(
     ("name", "value", "word"),
     [

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fmus import HYDRAULIC, fed_line, open_line, short_line
+from fmus import HYDRAULIC, WEAK_UNIT, fed_line, open_line, short_line
 
 import ropeway as rw
 from ropeway.components.component import Port
@@ -48,14 +48,18 @@ def test_a_strong_unit_is_constant_flow_and_pressure() -> None:
 
 
 def test_a_weak_unit_slows_the_line() -> None:
-    weak = rw.DieselHydraulicUnit(
-        "unit", rated_power=20e3, rated_speed=200.0, inertia=1.0, displacement=25e-6, relief_pressure=350e5
-    )
-    frame = rw.simulate(fed_line(weak), 20.0, inputs={"c1.speed": 1.5}).frame
+    frame = rw.simulate(fed_line(WEAK_UNIT), 20.0, inputs={"c1.speed": 1.5}).frame
     volume = 1e-4 * 20.0 / 0.5
     top = 0.95 * frame["unit.flow"].iloc[-1] / volume
     assert frame["c1.rope_speed"].iloc[-1] == pytest.approx(top, rel=1e-3)
     assert top < 1.3
+
+
+def test_a_report_of_a_run_with_crossings() -> None:
+    """A load that stands on a support to rounding is on its span."""
+    lost = rw.Intervention(1.0, "pressure lost", "c1")
+    spans = rw.simulate(fed_line(WEAK_UNIT), 5.0, interventions=[lost]).summary().spans
+    assert (spans["largest_sag"] > 0.5).all()
 
 
 def test_what_cannot_be_joined() -> None:
