@@ -63,13 +63,11 @@ def load_path(
     its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
-    over the ground [m]. At the own station of a support that is a point the carriage hangs 2 cm before
-    it; on one with a radius it rolls over the shoe. Raises InputError,
+    over the ground [m]; with a log, which follows, the carriage. At the own station of a support that is a point
+    the carriage hangs 2 cm before it; on one with a radius it rolls over the shoe. Raises InputError,
     EquilibriumError.
     """
     check.not_negative(payload, rig.name, "payload", "kg")
-    if height is not None and rig.turn is not None:
-        raise InputError(f"{rig.name} carries a log on a dropline", "Its height follows: leave height out")
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)

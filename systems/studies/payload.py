@@ -78,7 +78,7 @@ def payload(
     rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
     stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
     running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
-    itself needs. Raises InputError.
+    itself needs; not with a log, which hangs as its dropline lets it. Raises InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -94,7 +94,8 @@ def payload(
     for x in where:
         check.number(float(x), rig.name, "a station", "m")
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
-    search = _Search(rig, margins, clearance if rig.kind is not Kind.STANDING else None, rope_clearance)
+    lowered = rig.kind is not Kind.STANDING and rig.turn is None
+    search = _Search(rig, margins, clearance if lowered else None, rope_clearance)
     rows = []
     for x in where:
         rows.append(search.at(float(x)))
@@ -127,7 +128,7 @@ def margins_of(
     if block is not None and block.capacity is not None:
         found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
     of_load, of_rope = clearances
-    if of_load is not None and rig.kind is Kind.STANDING:
+    if of_load is not None and (rig.kind is Kind.STANDING or rig.turn is not None):
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:
