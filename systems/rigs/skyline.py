@@ -74,7 +74,8 @@ def on_ground(log: Log, ground: Ground | None, x: float) -> Log:
     if ground is None:
         return log
     *vertex, room = ground.vertex_at(x)
-    return replace(log, **dict(zip(GROUND, (*vertex, min(log.rounding, room)), strict=True)))
+    known: dict[str, Any] = dict(zip(GROUND, (*vertex, min(log.rounding, room)), strict=True))
+    return replace(log, **known)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
