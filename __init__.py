@@ -97,6 +97,9 @@ if TYPE_CHECKING:
         InputError as InputError,
     )
     from ropeway.components.errors import (
+        OutOfReachError as OutOfReachError,
+    )
+    from ropeway.components.errors import (
         RopewayError as RopewayError,
     )
     from ropeway.components.errors import (
@@ -198,7 +201,8 @@ _HOMES = {
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InputError RopewayError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
+        "EquilibriumError InputError OutOfReachError RopewayError SimulationError SlackRopeError "
+        "UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",
