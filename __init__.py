@@ -103,6 +103,9 @@ if TYPE_CHECKING:
         InputError as InputError,
     )
     from ropeway.components.errors import (
+        OutOfReachError as OutOfReachError,
+    )
+    from ropeway.components.errors import (
         RopewayError as RopewayError,
     )
     from ropeway.components.errors import (
@@ -210,14 +213,14 @@ if TYPE_CHECKING:
 _HOMES = {
     "ropeway.components": (
         "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic "
-        "GuyedSpar Guyline "
-        "HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log ProportionalResponse Rope "
-        "Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn ThresholdResponse"
+        "GuyedSpar Guyline HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log "
+        "ProportionalResponse Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn "
+        "ThresholdResponse"
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InfeasibleScheduleError InputError RopewayError ScheduleError SimulationError SlackRopeError "
-        "UnbalancedSystemError UnknownNameError"
+        "EquilibriumError InfeasibleScheduleError InputError OutOfReachError RopewayError ScheduleError "
+        "SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",

@@ -37,6 +37,14 @@ class EquilibriumError(RopewayError):
         super().__init__(cause, remedy)
 
 
+class OutOfReachError(EquilibriumError):
+    """A place where the carriage cannot be: `limit` says in two words what keeps it from there."""
+
+    def __init__(self, cause: str, remedy: str, component: str, limit: str) -> None:
+        self.limit = limit
+        super().__init__(cause, remedy, component)
+
+
 class SimulationError(RopewayError):
     """A simulation stopped before its end. `result` holds everything up to `time` [s]."""
 

@@ -18,10 +18,12 @@ _FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in m
 class Log(Node):
     """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).
 
-    Partial suspension: its rear drags on a plane through (ground_x, ground_z) with a `slope` (rise over run),
-    with Coulomb `friction` against its motion; `moving` is the sign of its way in x (-1 towards smaller x,
-    0 at rest without friction). Full suspension: it hangs free. Which of both follows from the contact law,
-    normal force * gap = 0, both not negative, written as Fischer and Burmeister's function; `smoothing` [m]
+    Partial suspension: its rear drags on ground with a `slope` (rise over run) up to a vertex (ground_x, ground_z)
+    and `slope_after` beyond it (None: the same); within `rounding` [m] of the vertex the ground is a parabola that
+    goes from one segment into the other, so that there is one normal everywhere. Coulomb `friction` acts against
+    its motion; `moving` is the sign of its way in x (-1 towards smaller x, 0 at rest without friction). Full
+    suspension: it hangs free. Which of both follows from the contact law, normal force * gap = 0, both not
+    negative, written as Fischer and Burmeister's function; `smoothing` [m]
     rounds its corner: normal force / 1e4 N * gap = smoothing^2 / 2. With friction a log just about to come off
     the ground can be at rest in both ways, dragging on a line that slopes or hanging on a plumb one: which of
     them is found depends on where the search starts.
@@ -36,8 +38,10 @@ class Log(Node):
     friction: float = 0.6
     centre: float = 0.5
     slope: float = 0.0
+    slope_after: float | None = None
     ground_x: float = 0.0
     ground_z: float = -1e3
+    rounding: float = 1.0
     moving: float = -1.0
     smoothing: float = 1e-8
 
@@ -47,12 +51,19 @@ class Log(Node):
         check.positive(self.length, self.label, "length", "m")
         check.not_negative(self.friction, self.label, "friction")
         check.positive(self.smoothing, self.label, "smoothing", "m")
+        check.positive(self.rounding, self.label, "rounding", "m")
         for field in ("slope", "ground_x", "ground_z"):
             check.number(getattr(self, field), self.label, field)
+        check.number(self.after, self.label, "slope_after")
         if not 0.0 < self.centre < 1.0:
             raise InputError(f"{self.label}: centre is {self.centre!r}", "Give the part of the length from the front")
         if self.moving not in (-1.0, 0.0, 1.0):
             raise InputError(f"{self.label}: moving is {self.moving!r}", "Give -1, 0 or 1")
+
+    @property
+    def after(self) -> float:
+        """Slope of the ground beyond the vertex."""
+        return self.slope if self.slope_after is None else self.slope_after
 
     @property
     def front(self) -> Seat:
@@ -76,9 +87,11 @@ class Log(Node):
             Variable("length", par, "m", "length of the log", self.length, 10.0, positive=True),
             Variable("centre", par, "1", "centre of gravity from the front over length", self.centre),
             Variable("friction", par, "1", "friction of the log on the ground", self.friction),
-            Variable("slope", par, "1", "slope of the ground under the rear", self.slope),
-            Variable("ground_x", par, "m", "x of a point of the ground", self.ground_x, 100.0),
-            Variable("ground_z", par, "m", "z of a point of the ground", self.ground_z, 100.0),
+            Variable("slope", par, "1", "slope of the ground up to its vertex", self.slope),
+            Variable("slope_after", par, "1", "slope of the ground beyond its vertex", self.after),
+            Variable("rounding", par, "m", "half the width in which the vertex is rounded", self.rounding),
+            Variable("ground_x", par, "m", "x of the ground's vertex", self.ground_x, 100.0),
+            Variable("ground_z", par, "m", "z of the ground's vertex", self.ground_z, 100.0),
             Variable("moving", par, "1", "sign of the log's way in x", self.moving),
             Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3),
             Variable("x", alg, "m", "x of the front", x, 100.0),
@@ -92,6 +105,7 @@ class Log(Node):
             Variable("rigid", res, "m", "the log keeps its length", 0.0, 10.0),
             Variable("contact", res, "m", "normal force or gap is zero"),
             Variable("gap", out, "m", "height of the rear over the ground, normal to it"),
+            Variable("ground_slope", out, "1", "slope of the ground under the rear"),
             Variable("ground_force", out, "N", "force of the ground on the log, normal to it", nominal=weight),
             Variable("line_pull", out, "N", "tension of the line at the front", nominal=weight),
             Variable("inclination", out, "rad", "of the log from its rear up to its front"),
@@ -100,26 +114,28 @@ class Log(Node):
     def rear_start(self) -> tuple[float, float, float]:
         """Where the rear is about, and the normal force: on the ground behind the front, or below the front."""
         x, _, z = self.at
-        trailing = -self.moving or (-1.0 if self.slope > 0.0 else 1.0)  # at rest it lies downhill
-        over = z - self.ground_z - self.slope * (x - self.ground_x)
+        trailing = -self.moving or (-1.0 if self.slope + self.after > 0.0 else 1.0)  # at rest it lies downhill
+        slope = self.slope if x < self.ground_x else self.after
+        over = z - self.ground_z - slope * (x - self.ground_x)
         if over >= self.length:
             return x + 1e-3 * trailing * self.length, z - self.length, 0.0
         over = max(over, 0.0)
         # On the plane: (x + d, ground + slope d) at the log's length from the front.
-        a, b, c = 1.0 + self.slope**2, -2.0 * over * self.slope, over**2 - self.length**2
+        a, b, c = 1.0 + slope**2, -2.0 * over * slope, over**2 - self.length**2
         d = (-b + trailing * (b * b - 4.0 * a * c) ** 0.5) / (2.0 * a)
-        return x + d, z - over + self.slope * d, 4.0 * self.mass
+        return x + d, z - over + slope * d, 4.0 * self.mass
 
     def equations(self, v: Any) -> Equations:
         pull = v.front.force
-        unit = (1.0 + v.slope**2) ** 0.5
-        across, up = -v.slope / unit, 1.0 / unit  # normal of the ground; its tangent is (up, -across)
+        ground, slope = _rounded(v)
+        unit = (1.0 + slope**2) ** 0.5
+        across, up = -slope / unit, 1.0 / unit  # normal of the ground; its tangent is (up, -across)
         drag = -v.moving * v.friction
         ground_x = v.normal * (across + drag * up)
         ground_z = v.normal * (up - drag * across)
         dx, dz = v.rear_x - v.x, v.rear_z - v.z
         weight = v.mass * v.gravity
-        gap = (v.rear_x - v.ground_x) * across + (v.rear_z - v.ground_z) * up
+        gap = (v.rear_z - ground) * up
         pressed = v.normal / _FORCE
         return Equations(
             residuals={
@@ -132,11 +148,22 @@ class Log(Node):
             },
             outputs={
                 "gap": gap,
+                "ground_slope": slope,
                 "ground_force": v.normal,
                 "line_pull": (pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2) ** 0.5,
                 "inclination": _angle(-dz, (dx * dx + 1e-30) ** 0.5),
             },
         )
+
+
+def _rounded(v: Any) -> tuple[Any, Any]:
+    """Height and slope of the ground under the rear."""
+    xp = namespace(v.rear_x)
+    x, r = v.rear_x - v.ground_x, v.rounding
+    near = xp.fmin(xp.fmax(x / r, -1.0), 1.0)
+    size = r * (near * near + 1.0) / 2.0 + xp.fmax(x - r, 0.0) + xp.fmax(-x - r, 0.0)  # |x|, rounded
+    mean, half = (v.slope + v.slope_after) / 2.0, (v.slope_after - v.slope) / 2.0
+    return v.ground_z + mean * x + half * size, mean + half * near
 
 
 def _angle(rise: Any, run: Any) -> Any:

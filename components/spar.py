@@ -23,8 +23,9 @@ class Ground(Protocol):
         """Raises InputError outside the terrain."""
         ...
 
-    def plane_at(self, station: float) -> tuple[float, float, float]:
-        """Slope (rise over run) of the ground at a station, and a point of it: station and elevation [m]."""
+    def vertex_at(self, station: float) -> tuple[float, float, float, float, float]:
+        """The vertex of the ground nearest to a station: its station and elevation [m], the slopes (rise over
+        run) before and after it, and half the shorter of its two segments [m]."""
         ...
 
 

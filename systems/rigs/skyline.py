@@ -65,12 +65,17 @@ LEAST = 1.0
 """A log's least mass [kg]: a payload of nothing is one of this."""
 
 
+GROUND = ("ground_x", "ground_z", "slope", "slope_after", "rounding")
+"""What a log knows of the ground, as `Ground.vertex_at` gives it."""
+
+
 def on_ground(log: Log, ground: Ground | None, x: float) -> Log:
-    """A log with the plane of the ground under a point x; far below where there is none."""
+    """A log with the ground under a point x; far below where there is none."""
     if ground is None:
         return log
-    slope, at, z = ground.plane_at(x)
-    return replace(log, slope=slope, ground_x=at, ground_z=z)
+    *vertex, room = ground.vertex_at(x)
+    known: dict[str, Any] = dict(zip(GROUND, (*vertex, min(log.rounding, room)), strict=True))
+    return replace(log, **known)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,6 +22,7 @@ from ropeway.systems.state import LineState
 from ropeway.systems.studies.load_path import row, units_of
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.stations import SIDE, Stations
+from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,8 +82,8 @@ def inhaul(
     check.not_negative(payload, rig.name, "payload", "kg")
     if rig.mainline is None or rig.carriage.clamped:
         raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")
-    if rig.turn is not None:
-        raise InputError(f"{rig.name} drags a log", "Take it as a payload of the carriage: turn=None")
+    if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
+        raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")
@@ -266,14 +267,27 @@ class _Run:
             self.record(at, eq, speed)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
-        """IDAS for some seconds; rows on the grid of the whole run."""
+        """Some seconds on; a log takes the ground under it in pieces, each before it comes to the next vertex."""
+        ground = self.rig.terrain
+        if at.log is None or not isinstance(ground, Profile):
+            return self.integrate_smooth(at, eq, duration, speed)
+        # Both vertices of a segment say the same of its middle: half of the shortest one on each side is free.
+        most = 0.25 * float(np.diff(ground.station).min()) / abs(speed)
+        for part in np.full(max(1, int(np.ceil(duration / most))), duration / max(1, int(np.ceil(duration / most)))):
+            point = eq.point.copy()
+            at.ground_under(point)
+            eq = self.integrate_smooth(at, self.rest(at, point), float(part), speed)
+        return eq
+
+    def integrate_smooth(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
+        """Some seconds on equations that do not change; rows on the grid of the whole run."""
         if duration < 1e-9:
             return eq
         first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
         result = simulate(
             at.model,
             until=duration,
-            every=min(self.every, duration if at.on is None else duration / 40.0),  # the balance turns fast on a shoe
+            every=min(self.every, duration, self.pace(at, duration, speed)),
             inputs={"mainline.speed": -speed},
             start=eq,
             tolerance=self.tolerance,
@@ -283,6 +297,12 @@ class _Run:
             self.record(at, result.at(min(t - self.time, duration)), speed, float(t))
         self.time += duration
         return self.rest(at, result.at(duration).point)
+
+    def pace(self, at: SpanModel, duration: float, speed: float) -> float:
+        """Longest step [s]: the balance turns fast on a shoe, and where a log drags over a vertex of the ground."""
+        if at.log is not None:
+            return 0.1 / abs(speed)
+        return duration / 40.0 if at.on is not None else duration
 
     def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, way: int, speed: float) -> Equilibrium:
         """Over to the next place: at once where the mainline is long or short enough for it, else after the drum has

@@ -53,23 +53,21 @@ def load_path(
     One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
     the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
     (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
-    the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its drum;
-    sag below its span's chord and deflection in percent of the span; clearance of the load over the ground and
-    rope_clearance, the least one of all ropes; for each support `NAME_force`, upward on the rope, negative where
-    it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on
-    the skyline) or holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar
-    tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension` at the top.
-    A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance that of its
-    lower end, of its front where the rear drags.
+    the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its
+    drum; sag below its span's chord and deflection in percent of the span; clearance of the load over the ground
+    and rope_clearance, the least one of all ropes; for each support `NAME_force`, upward on the rope, negative
+    where it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held
+    on the skyline) or holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar
+    tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension` at the top. A log adds its
+    suspension (partial or full), ground_force and dropline_tension, and as clearance that of its lower end, of
+    its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
-    over the ground [m]. At the own station of a support that is a point the carriage hangs 2 cm before
-    it; on one with a radius it rolls over the shoe. Raises InputError,
+    over the ground [m]; with a log, which follows, the carriage. At the own station of a support that is a point
+    the carriage hangs 2 cm before it; on one with a radius it rolls over the shoe. Raises InputError,
     EquilibriumError.
     """
     check.not_negative(payload, rig.name, "payload", "kg")
-    if height is not None and rig.turn is not None:
-        raise InputError(f"{rig.name} carries a log on a dropline", "Its height follows: leave height out")
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)

@@ -12,7 +12,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
-from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
@@ -35,7 +35,8 @@ MOST = 1e7
 class PayloadStudy:
     """The largest payload by station. `frame` has one row a station: station [m], payload [kg], limited_by,
     and the columns of `load_path` under that payload. A payload of 0 with limited_by is an answer: not even
-    the empty carriage keeps that limit."""
+    the empty carriage keeps that limit. "rest point": a running skyline's carriage would run back from there; "haulback
+    tension": it carries no more however deep it hangs."""
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -78,7 +79,7 @@ def payload(
     rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
     stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
     running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
-    itself needs. Raises InputError.
+    itself needs; not with a log, which hangs as its dropline lets it. Raises InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -94,7 +95,8 @@ def payload(
     for x in where:
         check.number(float(x), rig.name, "a station", "m")
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
-    search = _Search(rig, margins, clearance if rig.kind is not Kind.STANDING else None, rope_clearance)
+    lowered = rig.kind is not Kind.STANDING and rig.turn is None
+    search = _Search(rig, margins, clearance if lowered else None, rope_clearance)
     rows = []
     for x in where:
         rows.append(search.at(float(x)))
@@ -127,7 +129,7 @@ def margins_of(
     if block is not None and block.capacity is not None:
         found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
     of_load, of_rope = clearances
-    if of_load is not None and rig.kind is Kind.STANDING:
+    if of_load is not None and (rig.kind is Kind.STANDING or rig.turn is not None):
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:
@@ -219,7 +221,9 @@ class _Search:
         while least(high) == -1.0 and high - low > 1e-3:  # no equilibrium so far up: come down to where there is
             middle = 0.5 * (low + high)
             low, high = (middle, high) if least(middle) >= 0.0 else (low, middle)
-        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13)) if least(high) != -1.0 else low
+        if least(high) == -1.0:
+            return self._answer(station, low, (0.0, tried[high][1], tried[low][2]))
+        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
         least(mass)
         return self._answer(station, mass, tried[mass])
 
@@ -227,6 +231,8 @@ class _Search:
         """Smallest margin, its name, and the row; -1 where there is no equilibrium."""
         try:
             solved = self.solver.solve(station, mass, height)
+        except OutOfReachError as error:
+            return -1.0, error.limit, None
         except EquilibriumError:
             return -1.0, "no equilibrium", None
         values = row(solved, station)

@@ -17,7 +17,7 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, outputs_of
 from ropeway.systems.rigs import carriage_start
-from ropeway.systems.rigs.skyline import LEAST, Kind, SkylineRig, Turn
+from ropeway.systems.rigs.skyline import GROUND, LEAST, Kind, SkylineRig, Turn
 from ropeway.systems.run import Run
 from ropeway.systems.state import LineState
 
@@ -199,8 +199,8 @@ class SpanModel:
         x, y, at = (float(v) for v in here)
         log = turn.under(x, y, at, payload, self.rig.terrain)
         rear_x, rear_z, normal = log.rear_start()
-        for field in ("slope", "ground_x", "ground_z"):
-            point.p[p[f"{name}.{field}"]] = getattr(log, field)
+        for field in GROUND:
+            point.p[p[f"{name}.{field}"]] = getattr(log, "after" if field == "slope_after" else field)
         found = {"x": log.at[0], "y": log.at[1], "z": log.at[2], "rear_x": rear_x, "rear_z": rear_z, "normal": normal}
         for field, value in found.items():
             point.z[z[f"{name}.{field}"]] = value
@@ -247,26 +247,24 @@ class SpanModel:
             None if last is None else last.component,
         )
 
-    def _on_ground(self, point: Point, target: np.ndarray) -> None:
-        """Solves again until the rear of the log lies over the ground it was taken to. Where it changes to and
-        fro it lies at a vertex of the profile: the plane half-way between both sides through it."""
-        if self.log is None or self.rig.terrain is None:
-            return
+    def ground_under(self, point: Point) -> bool:
+        """Gives the log the ground under its rear; whether it had another."""
+        turn, ground = self.rig.turn, self.rig.terrain
+        if turn is None or ground is None:
+            return False
         p, rear = self.model.p.index, self.model.z.index[f"{self.log}.rear_x"]
-        entries = [p[f"{self.log}.{field}"] for field in ("slope", "ground_x", "ground_z")]
-        seen: list[tuple[float, float, float]] = []
+        entries = [p[f"{self.log}.{field}"] for field in GROUND]
+        *known, room = ground.vertex_at(float(point.z[rear]))
+        vertex = (*known, min(turn.log.rounding, room))
+        changed = vertex != tuple(point.p[entries])
+        point.p[entries] = vertex
+        return changed
+
+    def _on_ground(self, point: Point, target: np.ndarray) -> None:
+        """Solves again until the rear of the log lies over the ground it was taken to."""
         for _ in range(12):
-            plane = self.rig.terrain.plane_at(float(point.z[rear]))
-            if plane == tuple(point.p[entries]):
+            if not self.ground_under(point):
                 return
-            if plane in seen:
-                other = tuple(point.p[entries])
-                vertex = max((plane, other), key=lambda side: side[1])
-                point.p[entries] = (0.5 * (plane[0] + other[0]), vertex[1], vertex[2])
-                self.newton.solve(point, target=target, iterations=80)
-                return
-            seen.append(plane)
-            point.p[entries] = plane
             self.newton.solve(point, target=target, iterations=80)
 
     def _by_degrees(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropeway.components.errors import EquilibriumError
+from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
@@ -110,11 +110,12 @@ class Stations:
             held = held or self._solve(clamped_twin(rig), place, x, payload, height, clamp=True)
             if held[f"{rig.carriage.name}.holding"] <= own:
                 if rig.kind is Kind.RUNNING:
-                    raise EquilibriumError(
+                    raise OutOfReachError(
                         f"At station {station:g} m the carriage of {rig.name!r} is beyond its rest point with "
                         f"{payload:g} kg: the mainline would have to push",
                         "Raise the haulback's tension, or stay nearer to the headspar",
                         rig.carriage.name,
+                        "rest point",
                     ) from None
                 self._was_clamped[place] = True
                 return held
@@ -131,11 +132,12 @@ class Stations:
         ropes = 0.99 * self.rig.skyline.mass_per_length * (tail[0] - head[0])
         load = (payload + self.rig.carriage.mass + ropes) * self.rig.gravity
         if load >= most:
-            raise EquilibriumError(
+            raise OutOfReachError(
                 f"A haulback tension of {self.rig.tension:g} N carries less than {most:.6g} N at station {x:g} m, "
                 f"load and ropes of {self.rig.name!r} weigh {load:.6g} N",
                 "Raise the haulback's tension",
                 self.rig.carriage.name,
+                "haulback tension",
             )
 
     def _own_pull(self, span: int, x: float) -> float:

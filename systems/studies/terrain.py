@@ -130,12 +130,15 @@ class Profile:
         k = min(int(np.searchsorted(self.station, station, side="right")) - 1, len(self.station) - 2)
         return float(np.diff(self.elevation[k : k + 2])[0] / np.diff(self.station[k : k + 2])[0])
 
-    def plane_at(self, station: float) -> tuple[float, float, float]:
-        """Slope of the segment under a station, and its first point (station, elevation); beyond the profile's
-        ends that of its outermost segments."""
-        k = int(np.clip(np.searchsorted(self.station, station, side="right") - 1, 0, len(self.station) - 2))
-        rise, run = self.elevation[k + 1] - self.elevation[k], self.station[k + 1] - self.station[k]
-        return float(rise / run), float(self.station[k]), float(self.elevation[k])
+    def vertex_at(self, station: float) -> tuple[float, float, float, float, float]:
+        """The vertex nearest to a station (station, elevation), the slopes before and after it, beyond the profile's
+        ends those of its outermost segments, and half the shorter of its two segments [m]."""
+        k = int(np.argmin(np.abs(self.station - station)))
+        last = len(self.station) - 2
+        around = [max(k - 1, 0), min(k, last)]
+        runs = np.diff(self.station)[around]
+        before, after = np.diff(self.elevation)[around] / runs
+        return float(self.station[k]), float(self.elevation[k]), float(before), float(after), 0.5 * float(runs.min())
 
     def chord_slope(self, start: float, end: float) -> float:
         """Slope of the straight line between the ground at two stations (rise over run)."""

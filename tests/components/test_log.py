@@ -40,6 +40,32 @@ def test_partial_suspension_is_the_rigid_log(drop: float, slope: float, moving: 
     assert eq["carriage_log.tension_b"] == pytest.approx(np.linalg.norm(pull), rel=1e-9)
 
 
+@pytest.mark.parametrize("after", [-0.1, 0.5])
+def test_over_a_vertex_of_the_ground(after: float) -> None:
+    """A hollow or a ridge moved past the rear: away from it the plane's answer, between both no jump."""
+    slope, drop = 0.2, 6.0
+
+    def forces(step: float) -> np.ndarray:
+        log = rw.Log("log", at=(0.2 * drop, 10.0 - 0.98 * drop), mass=1200.0, length=9.0, slope=slope, ground_z=0.0)
+        s = rw.System("vertex")
+        s.string(LINE, rw.Anchor("carriage", at=(0.0, 10.0)), log, length=drop)
+        eq = rw.equilibrium(s)
+        found = []
+        for x in np.arange(12.0, 4.0, -step):
+            vertex = {"log.ground_x": x, "log.ground_z": slope * x, "log.slope_after": after}
+            eq = rw.equilibrium(eq.model, parameters=vertex, start=eq)
+            found.append((x, eq["log.rear_x"], eq["log.rear_z"], eq["log.normal"], eq["log.line_pull"]))
+        return np.array(found)
+
+    coarse, fine = forces(0.1), forces(0.025)
+    assert coarse[0, 1] < coarse[0, 0] - 1.0  # the rear lies before the vertex at first,
+    assert coarse[-1, 1] > coarse[-1, 0] + 1.0  # beyond it in the end
+    assert coarse[0, 3] == pytest.approx(hang(drop)["log.normal"], rel=1e-9)
+    assert coarse[-1, 2] == pytest.approx(slope * coarse[-1, 0] + after * (coarse[-1, 1] - coarse[-1, 0]), abs=1e-8)
+    for column in (1, 2, 3, 4):
+        assert np.abs(np.diff(fine[:, column])).max() < 0.3 * np.abs(np.diff(coarse[:, column])).max()
+
+
 def test_full_suspension_hangs_below_its_front() -> None:
     eq = hang(0.5)
     assert eq["log.normal"] == pytest.approx(0.0, abs=1e-6)
@@ -68,6 +94,13 @@ def test_a_dragging_log_comes_off_the_ground() -> None:
 
 
 def test_bad_logs_are_refused() -> None:
-    for how in ({"mass": 0.0}, {"length": -1.0}, {"centre": 1.0}, {"moving": 0.5}, {"friction": -0.1}):
+    for how in (
+        {"mass": 0.0},
+        {"length": -1.0},
+        {"centre": 1.0},
+        {"moving": 0.5},
+        {"friction": -0.1},
+        {"rounding": 0.0},
+    ):
         with pytest.raises(rw.InputError):
             rw.Log("log", **{"mass": 100.0, "length": 5.0, **how})

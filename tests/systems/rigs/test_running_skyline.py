@@ -1,5 +1,7 @@
 """The running skyline: its weightless closed form, and the balance of its carriage."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import root
@@ -69,9 +71,19 @@ def test_beyond_its_rest_point_is_a_typed_error() -> None:
         tension=30e3,
         carriage=rw.Carriage("carriage", mass=500.0),
     )
-    with pytest.raises(rw.EquilibriumError, match="beyond its rest point") as error:
+    with pytest.raises(rw.OutOfReachError, match="beyond its rest point") as error:
         rw.load_path(uphill, 4000.0, [160.0])
     assert "haulback" in error.value.remedy
+    # For a payload that is an answer: so much and no more, because the carriage would run back from there.
+    row = rw.payload(uphill, stations=[160.0]).limiting
+    assert row.limited_by == "rest point"
+    assert 0.0 < row.payload < 4000.0
+    rw.load_path(uphill, row.payload, [160.0])
+    with pytest.raises(rw.OutOfReachError):
+        rw.load_path(uphill, 1.01 * row.payload + 1.0, [160.0])
+    heavy = replace(uphill, carriage=rw.Carriage("carriage", mass=4500.0))
+    row = rw.payload(heavy, stations=[160.0]).limiting
+    assert (row.payload, row.limited_by) == (0.0, "rest point")
 
 
 def test_a_clamped_carriage_is_refused() -> None:
@@ -91,4 +103,7 @@ def test_a_clamped_carriage_is_refused() -> None:
 def test_a_haulback_too_weak_for_the_load_is_a_typed_error() -> None:
     with pytest.raises(rw.EquilibriumError, match="carries less than") as error:
         rw.load_path(rig(1.4, tension=8e3), 4000.0, [110.0])
+    heavy = replace(rig(1.4, tension=8e3), carriage=rw.Carriage("carriage", mass=4500.0))
+    row = rw.payload(heavy, stations=[110.0]).limiting
+    assert (row.payload, row.limited_by) == (0.0, "haulback tension")
     assert "Raise" in error.value.remedy

@@ -62,7 +62,8 @@ def test_the_rear_lies_on_the_ground_and_the_log_is_in_balance(station: float) -
     front = np.array([found["log.x"], found["log.z"]])
     assert rear[1] == pytest.approx(CORRIDOR.elevation_at(float(rear[0])), abs=1e-7)
     assert np.linalg.norm(rear - front) == pytest.approx(10.0, rel=1e-9)
-    slope = found["log.slope"]
+    slope = CORRIDOR.slope_at(float(rear[0]))
+    assert found["log.ground_slope"] == pytest.approx(slope, rel=1e-9)
     reaction = found["log.normal"] * (np.array([-slope, 1.0]) + 0.6 * np.array([1.0, slope])) / np.hypot(1.0, slope)
     pull = np.array([0.0, 2500.0 * G]) - reaction
     assert found["log.line_pull"] == pytest.approx(np.linalg.norm(pull), rel=1e-8)
@@ -74,6 +75,35 @@ def test_the_rear_lies_on_the_ground_and_the_log_is_in_balance(station: float) -
 def test_a_friction_free_log_pulls_less() -> None:
     rough, smooth = (rw.load_path(rig(7.0, friction=f), 2500.0, [100.0]).iloc[0] for f in (0.6, 0.0))
     assert rough.mainline_pull > smooth.mainline_pull + 1000.0
+
+
+def rig_over(ground: rw.Profile) -> rw.SkylineRig:
+    return rw.live_skyline(
+        ground,
+        headspar=rw.HeadSpar("head", station=0.0, height=20.0),
+        tailspar=rw.TailSpar("tail", station=400.0, height=25.0),
+        skyline=ROPE,
+        tension=90e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        turn=rw.Turn(rw.Log("log", mass=2500.0, length=10.0), dropline=MAIN, length=8.0),
+    )
+
+
+def test_a_live_skyline_keeps_the_carriage_over_a_log_at_a_height() -> None:
+    ground = rw.Profile([-50.0, 160.0, 500.0], [0.0, -63.0, -100.0])
+    path = rw.load_path(rig_over(ground), 2500.0, [100.0, 150.0, 250.0], height=14.0)
+    np.testing.assert_allclose(path.carriage_z, ground.elevations(path.carriage_x) + 14.0, atol=1e-9)
+    assert (path.suspension == "partial").all()
+
+
+def test_a_log_pulled_in_is_the_load_path() -> None:
+    """Over vertices of the ground, and over the jack."""
+    run = rw.inhaul(rig(7.0), payload=2500.0, start=400.0, end=180.0, speed=4.0, every=3.0)
+    path = rw.load_path(rig(7.0), 2500.0, run.frame.carriage_x.to_numpy())
+    assert len(run.frame) > 15
+    for column in ("carriage_z", "skyline_tension", "mainline_pull", "ground_force"):
+        np.testing.assert_allclose(run.frame[column], path[column], rtol=1e-6)
 
 
 def test_payload_study_with_a_log() -> None:
@@ -95,7 +125,7 @@ def test_what_a_log_does_not_go_with() -> None:
             carriage=rw.Carriage("carriage", mass=100.0),
             turn=rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=3.0),
         )
-    with pytest.raises(rw.InputError, match="drags a log"):
-        rw.inhaul(rig(3.0), payload=1000.0, start=200.0, end=100.0)
+    with pytest.raises(rw.InputError, match="the other way"):
+        rw.inhaul(rig(3.0), payload=1000.0, start=100.0, end=200.0)
     with pytest.raises(rw.InputError, match="length"):
         rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=0.0)
