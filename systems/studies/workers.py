@@ -58,7 +58,8 @@ def crew(workers: Workers) -> Iterator[Crew]:
         except BrokenExecutor as error:
             raise RopewayError(
                 "A worker process has died",
-                "Call the study under `if __name__ == '__main__':`, or use fewer workers if memory is short",
+                "Call it under `if __name__ == '__main__':`, define functions in a module that a new process can "
+                "import, use fewer workers if memory is short",
             ) from error
 
     try:
