@@ -282,8 +282,9 @@ def test_wrong_input_comes_before_the_first_case() -> None:
         rw.sweep(area, {"width": 1.0})
     with pytest.raises(rw.InputError, match="no cases"):
         rw.sweep(area, {"width": []})
-    with pytest.raises(rw.InputError, match="workers is 0"):
-        rw.sweep(area, {"width": [1.0]}, workers=0)
+    for workers in (0, "2"):
+        with pytest.raises(rw.InputError, match=f"workers is {workers!r}"):
+            rw.sweep(area, {"width": [1.0]}, workers=workers)  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="worker process cannot be given"):
         rw.sweep(lambda width: width, {"width": [1.0]}, workers=2)
     with pytest.raises(rw.InputError, match="numbers and text"):
