@@ -60,7 +60,8 @@ def test_its_objective_is_that_of_its_line(tuned: rw.TunedResponse) -> None:
 
 def test_processes_and_seed_do_not_change_it(tuned: rw.TunedResponse) -> None:
     pd.testing.assert_frame_equal(tune(workers=2).history, tuned.history, check_exact=True)
-    assert not tune(seed=1, generations=1).history.equals(tune(seed=0, generations=1).history)
+    first = tune(seed=1, generations=0).history
+    assert not first.equals(tuned.history.head(len(first)))
 
 
 def test_runs_that_fail_count_as_infinite() -> None:
