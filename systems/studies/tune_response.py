@@ -17,6 +17,7 @@ from ropeway.components.errors import EquilibriumError, InputError, SimulationEr
 from ropeway.components.response import Response, check_precedence
 from ropeway.systems.progress import bar
 from ropeway.systems.simulation import simulate
+from ropeway.systems.studies.journal import Row
 from ropeway.systems.studies.objectives import objective_of
 from ropeway.systems.studies.sweep import rows_of
 from ropeway.systems.studies.workers import Workers, crew
@@ -84,7 +85,7 @@ def tune_response(
     space = _Space(over)
     space.check(response)
     given = {name: getattr(response, name, line.precedence) for name in over}
-    history: list[dict[str, Any]] = [{**given, "objective": trial.baseline(), "error": "", "message": ""}]
+    history: list[dict[str, Any]] = [{**given, **trial.baseline()}]
     members = max(5, population * len(over))
     with bar("tune", 1 + (generations + 1) * members, progress) as advance, crew(workers) as share_out:
 
@@ -114,7 +115,7 @@ def tune_response(
     table = pd.DataFrame(history).rename_axis("run")
     best = history[int(table["objective"].to_numpy().argmin())]
     if not np.isfinite(best["objective"]):
-        raise SimulationError("Every run of the line has failed", f"The first said: {history[1]['message']}")
+        raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
     chosen, precedence = trial.variant({name: best[name] for name in over})
     return TunedResponse(
         with_response(line, chosen, precedence), chosen, precedence, best["objective"], history[0]["objective"], table
@@ -199,9 +200,9 @@ class _Trial:
         own = {name: value for name, value in changes.items() if name != "precedence"}
         return replace(self.response, **own), changes.get("precedence", self.line.precedence)
 
-    def baseline(self) -> float:
-        """The objective without changes, inf where the line cannot run so."""
+    def baseline(self) -> Row:
+        """The objective without changes, or why the line cannot run so. Raises InputError."""
         try:
-            return self()["objective"]
-        except (EquilibriumError, SimulationError):
-            return np.inf
+            return {**self(), "error": "", "message": ""}
+        except (EquilibriumError, SimulationError) as error:
+            return {"objective": np.inf, "error": type(error).__name__, "message": str(error)}

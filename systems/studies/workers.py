@@ -34,8 +34,9 @@ def crew(workers: Workers) -> Iterator[Crew]:
 
     Raises InputError, and RopewayError when a process dies.
     """
-    if isinstance(workers, int) and workers < 1:
-        raise InputError(f"workers is {workers}", "Give the number of processes, or a Dask client")
+    known = workers is None or hasattr(workers, "get_executor")
+    if not known and not (isinstance(workers, int) and workers >= 1):
+        raise InputError(f"workers is {workers!r}", "Give the number of processes, or a Dask client")
     count = (os.cpu_count() or 1) if workers is None else workers
     if count == 1:
         yield _here
@@ -50,15 +51,16 @@ def crew(workers: Workers) -> Iterator[Crew]:
     def share_out(function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
         if isinstance(count, int):
             _require_sendable(function)
-        begun[:] = [executor.submit(function, task) for task in tasks]
-        number = {future: i for i, future in enumerate(begun)}
         try:
+            begun[:] = [executor.submit(function, task) for task in tasks]
+            number = {future: i for i, future in enumerate(begun)}
             for future in as_completed(begun):
                 yield number[future], future.result()
         except BrokenExecutor as error:
             raise RopewayError(
                 "A worker process has died",
-                "Call the study under `if __name__ == '__main__':`, or use fewer workers if memory is short",
+                "Call it under `if __name__ == '__main__':`, define functions in a module that a new process can "
+                "import, use fewer workers if memory is short",
             ) from error
 
     try:
