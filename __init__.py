@@ -197,6 +197,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
     from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
     from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
+    from ropeway.systems.studies.schedule_robustness import Disturbance as Disturbance
     from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
@@ -241,6 +242,7 @@ _HOMES = {
     "ropeway.systems.studies.schedule": "optimise_schedule",
     "ropeway.systems.studies.schedule_limits": "ScheduleLimits",
     "ropeway.systems.studies.schedule_plan": "SchedulePlan",
+    "ropeway.systems.studies.schedule_robustness": "Disturbance",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",

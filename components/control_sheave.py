@@ -80,7 +80,7 @@ class ControlSheave(Wheel):
 
     def structure(self, site: Site) -> Hashable:
         drive = None if self.hydraulic is None else self.hydraulic.structure
-        return (ControlSheave, drive, None if self.response is None else (type(self.response), self.response.waiting))
+        return (ControlSheave, drive, None if self.response is None else self.response.structure)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, out = Kind.PARAMETER, Kind.OUTPUT

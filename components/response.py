@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -21,6 +21,7 @@ import casadi as ca
 from ropeway.components import check
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
+from ropeway.components.schedule import Schedule
 
 PRECEDENCES = ("all at once", "upstream first", "downstream first", "worst first", "neighbours locked out")
 """Who may act when several sheaves want to at one sample: all of them; the first or the last one along the
@@ -67,6 +68,11 @@ class Response(ABC):
         """Time from a sample to when the oldest waiting one takes effect [s]; 0 without delay."""
         return self.delay - (self.waiting - 1) * self.period if self.waiting else 0.0
 
+    @property
+    def structure(self) -> Hashable:
+        """What shapes the variables."""
+        return (type(self), self.waiting)
+
     @abstractmethod
     def own_variables(self) -> tuple[Variable, ...]:
         """Parameters and discrete variables of the rule."""
@@ -87,7 +93,7 @@ class Response(ABC):
 
     @abstractmethod
     def decide(self, v: Any) -> Decision:
-        """The rule on symbols: `v` has tension_in, tension_out and the variables."""
+        """The rule on symbols: `v` has time, tension_in, tension_out and the variables."""
 
     def queued(self, v: Any, target: Any) -> dict[str, Any]:
         """Discrete variables after a decision: at once, or behind those that wait."""
@@ -172,34 +178,67 @@ class ThresholdResponse(Response):
 class ProportionalResponse(Response):
     """Corrects in proportion to the tension going out less that coming in, or less a target.
 
-    gain [m/s per N]; target of the tension going out [N], None: the tension coming in; limit and rate of the
-    correction [m/s, m/s2]. Raises InputError.
+    gain [m/s per N]; target of the tension going out [N], None: the tension coming in; difference: what the tension
+    going out is to be above the one coming in where there is no target [N], as a Schedule whose values are newtons
+    when it is planned in advance; limit and rate of the correction [m/s, m/s2]. Raises InputError.
     """
 
     gain: float
     target: float | None = None
+    difference: float | Schedule = 0.0
     rate: float = 0.05
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.gain, "ProportionalResponse", "gain", "m/s per N")
-        check.positive(self.rate, "ProportionalResponse", "rate", "m/s2")
+        owner = "ProportionalResponse"
+        check.positive(self.gain, owner, "gain", "m/s per N")
+        check.positive(self.rate, owner, "rate", "m/s2")
+        if not isinstance(self.difference, Schedule):
+            check.number(self.difference, owner, "difference", "N")
         if self.target is not None:
-            check.positive(self.target, "ProportionalResponse", "target", "N")
+            check.positive(self.target, owner, "target", "N")
+            if self.difference != 0.0:
+                raise InputError(f"{owner} has a target and a difference", "Give one of them")
+
+    @property
+    def structure(self) -> Hashable:
+        planned = self.difference if isinstance(self.difference, Schedule) else None
+        return (*super().structure, 0 if planned is None else len(planned.times))
 
     def own_variables(self) -> tuple[Variable, ...]:
-        par = Kind.PARAMETER
-        aim = 0.0 if self.target is None else self.target
+        par, plan = Kind.PARAMETER, self.difference
+        if isinstance(plan, Schedule):
+            n = len(plan.times)
+            aims = (
+                Variable("response_times", par, "s", "times of the planned difference", plan.times, 1.0, n),
+                Variable("response_planned", par, "N", "planned difference of tension", plan.speeds, 1e3, n),
+            )
+        else:
+            aim = plan if self.target is None else self.target
+            aims = (Variable("response_aim", par, "N", "tension, or difference of tension, aimed at", aim, 1e4),)
         return (
             Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5),
-            Variable("response_aim", par, "N", "tension aimed at", aim, 1e4),
+            *aims,
             Variable("response_rate", par, "m/s2", "largest rate of the correction", self.rate, 0.01),
         )
 
     def decide(self, v: Any) -> Decision:
-        error = v.tension_out - (v.tension_in if self.target is None else v.response_aim)
+        if isinstance(self.difference, Schedule):
+            aim = _between(v.time, v.response_times, v.response_planned)
+        else:
+            aim = v.response_aim
+        error = v.tension_out - (v.tension_in if self.target is None else 0.0) - aim
         wish = ca.fmin(ca.fmax(v.response_gain * error, -v.response_limit), v.response_limit)
         step = v.response_rate * self.period
         move = ca.fmin(ca.fmax(wish - v.response_target, -step), step)
         target = v.response_target
         return Decision(ca.fabs(move) > 1e-12, ca.fabs(error), self.queued(v, target + move), self.queued(v, target))
+
+
+def _between(time: Any, times: Any, values: Any) -> Any:
+    """A piecewise linear quantity at a time, constant before and after."""
+    found = values[0]
+    for k in range(times.numel() - 1):
+        share = (time - times[k]) / (times[k + 1] - times[k])
+        found = found + ca.fmin(ca.fmax(share, 0.0), 1.0) * (values[k + 1] - values[k])
+    return found

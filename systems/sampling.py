@@ -121,7 +121,7 @@ class _Names:
 def _rule(sheave: ControlSheave) -> tuple[ca.Function, _Names]:
     """A response's rule as a function: inputs -> wants, need, values if granted..., values if refused..."""
     response = _response(sheave)
-    inputs = (("tension_in", 1), ("tension_out", 1), *((v.name, v.size) for v in response.variables()))
+    inputs = (("time", 1), ("tension_in", 1), ("tension_out", 1), *((v.name, v.size) for v in response.variables()))
     symbols = [ca.SX.sym(name, size) for name, size in inputs]
     decision = response.decide(SimpleNamespace(**dict(zip((n for n, _ in inputs), symbols, strict=True))))
     outputs = tuple((name, ca.SX(value).numel()) for name, value in decision.granted.items())
@@ -166,6 +166,8 @@ def _places(name: str, size: int, index: Mapping[str, int]) -> list[int]:
 
 
 def _read(name: str, point: Sequence[ca.MX], y: ca.MX, index: Any) -> ca.MX:
+    if name.endswith(".time"):
+        return point[0]
     for kind, vector in ((Kind.OUTPUT, y), (Kind.PARAMETER, point[4]), (Kind.DISCRETE, point[5])):
         if name in index[kind]:
             return vector[index[kind][name]]

@@ -13,7 +13,7 @@ from ropeway.components import check
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError, UnknownNameError
-from ropeway.components.response import Response
+from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import component_of, nearest
@@ -63,6 +63,7 @@ def optimise_schedule(
     settle: float | None = None,
     lead: str | None = None,
     start: Equilibrium | None = None,
+    trim: ProportionalResponse | None = None,
     warm_start: SchedulePlan | Mapping[str, Schedule] | None = None,
     progress: bool | None = None,
 ) -> SchedulePlan:
@@ -73,7 +74,8 @@ def optimise_schedule(
     mean at the control sheaves when they balance their tensions. settle: from when limits on tensions and drives, and
     the objective, count [s], as a schedule cannot change what the line starts with; by default 10 s or a quarter of
     the time. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
-    start: an equilibrium to start from; warm_start: an earlier plan, or schedules.
+    start: an equilibrium to start from; trim: how the sheaves of `SchedulePlan.trimmed` correct towards the plan, by
+    default with a gain that suits the line; warm_start: an earlier plan, or schedules.
 
     The optimum is simulated, and planned anew around the simulation until both agree. Raises InputError,
     InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
@@ -88,7 +90,7 @@ def optimise_schedule(
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
-    study = _Study(line, until, intervals, bounds, settled, target, lead, start)
+    study = _Study(line, until, intervals, bounds, settled, target, lead, start, trim)
     with bar("optimise", 1.0, progress) as advance:
         schedules = study.first(warm_start)
         return study.optimise(weights, schedules, advance, begin)
@@ -107,6 +109,7 @@ class _Study:
         target: float | None,
         lead: str | None,
         start: Equilibrium | None,
+        trim: ProportionalResponse | None,
     ) -> None:
         self.line, self.until, self.limits, self.settle = line, until, limits, settle
         self.names = control_sheaves(line)
@@ -116,6 +119,7 @@ class _Study:
         self.grid = np.linspace(0.0, until, intervals + 1)
         self.lead = self._lead(lead)
         response = balancing(self.start, 1.0)
+        self.trim = response if trim is None else trim
         rule = {name: None if name == self.lead else response for name in self.names}
         self.balanced = self.run({}, rule)
         frame = self.balanced.full_frame
@@ -270,6 +274,10 @@ class _Study:
                 gap=gap,
                 active=active_table(planned.active, size, objective),
                 report=report,
+                line=self.line,
+                start=self.start,
+                lead=self.lead,
+                trim=self.trim,
             )
             advance(1.0 - 0.5 ** (number + 1))
             broken = self.broken(task, after)

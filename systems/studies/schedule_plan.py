@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,13 +12,18 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import InputError
+from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
+from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.result import Result
 from ropeway.systems.studies.schedule_limits import ScheduleLimits
 from ropeway.systems.studies.schedule_solution import Active
+from ropeway.systems.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from ropeway.systems.studies.schedule_robustness import Disturbance
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,8 @@ class SchedulePlan:
     that it looks at (NaN for sections that it does not look at then); result: the simulation; objectives: those of
     the simulation from `settle` [s] on, by name, balanced: those of the run whose sheaves balance their tensions; gap
     between plan and simulation; active: limits that bind, a row for each limit and component, with how often, when
-    first [s], the bound, and the `cost`: by how much the objective would fall per unit of the limit; report.
+    first [s], the bound, and the `cost`: by how much the objective would fall per unit of the limit; report. lead: the
+    support that keeps the line's speed; trim: how the others correct towards the plan.
     """
 
     schedules: Mapping[str, Schedule]
@@ -88,6 +94,10 @@ class SchedulePlan:
     gap: Gap
     active: pd.DataFrame
     report: Report
+    line: System
+    start: Equilibrium
+    lead: str
+    trim: ProportionalResponse
 
     @property
     def until(self) -> float:
@@ -118,6 +128,25 @@ class SchedulePlan:
     def inputs(self) -> dict[str, Schedule]:
         """The schedules as inputs of `rw.simulate`."""
         return {f"{name}.speed": schedule for name, schedule in self.schedules.items()}
+
+    @property
+    def free(self) -> list[str]:
+        """Control sheaves whose speed was planned."""
+        return [name for name in self.schedules if name != self.lead]
+
+    @property
+    def trimmed(self) -> System:
+        """The line with trims that correct towards the plan: feed-forward plus trim is
+        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs)`."""
+        from ropeway.systems.studies.schedule_robustness import trimmed_line
+
+        return trimmed_line(self, self.trim)
+
+    def robustness(self, disturbances: Sequence[Disturbance] | None = None) -> pd.DataFrame:
+        """The plan when the line is not as planned, open loop and trimmed: see `schedule_robustness.robustness`."""
+        from ropeway.systems.studies.schedule_robustness import robustness
+
+        return robustness(self, disturbances)
 
     def to_csv(self, path: str | Path) -> Path:
         """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path."""

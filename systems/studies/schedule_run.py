@@ -46,7 +46,7 @@ def balancing(start: Equilibrium, period: float) -> ProportionalResponse:
             newton_of(start.model).solve(point)
             force.append(np.array(start.model.outputs(*point.arguments)).ravel()[index])
         stiffness.append(abs(force[1] - force[0]) / 0.1)
-    return ProportionalResponse(gain=0.3 / (max(stiffness) * period), period=period, limit=0.15, rate=0.05)
+    return ProportionalResponse(gain=0.5 / (max(stiffness) * period), period=period, limit=0.15, rate=0.05)
 
 
 def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str, Schedule]:

@@ -60,6 +60,16 @@ def test_proportional_is_limited_in_size_and_rate() -> None:
     assert decide(aimed, 10e3, 60e3)[1] == pytest.approx(0.005)
 
 
+def test_proportional_follows_a_planned_difference() -> None:
+    planned = rw.Schedule((0.0, 10.0, 20.0), (0.0, 1e3, -1e3))
+    rule = rw.ProportionalResponse(gain=1e-5, difference=planned)
+    for time, difference in ((-1.0, 0.0), (5.0, 500.0), (10.0, 1e3), (12.5, 500.0), (30.0, -1e3)):
+        assert decide(rule, 50e3, 50.2e3, time=time)[1] == pytest.approx(1e-5 * (200.0 - difference))
+    assert decide(rw.ProportionalResponse(gain=1e-5, difference=150.0), 50e3, 50.2e3)[1] == pytest.approx(5e-4)
+    with pytest.raises(rw.InputError, match="a target and a difference"):
+        rw.ProportionalResponse(gain=1e-5, target=50e3, difference=planned)
+
+
 def test_delay_waits_in_a_queue() -> None:
     rule = rw.ThresholdResponse(low=40e3, high=60e3, increment=0.01, period=2.0, delay=5.0)
     assert rule.waiting == 3

@@ -1,0 +1,129 @@
+"""What a plan is worth when the line is not as planned: open loop, and as feed-forward with a tension trim."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.errors import InputError, RopewayError
+from ropeway.components.response import ProportionalResponse
+from ropeway.components.schedule import Schedule
+from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.newton import newton_of
+from ropeway.systems.simulation import simulate
+from ropeway.systems.state import LineState
+from ropeway.systems.studies.schedule_run import carried_over, measured, with_responses
+from ropeway.systems.system import System
+
+if TYPE_CHECKING:
+    from ropeway.systems.studies.schedule_plan import SchedulePlan
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What is not as planned: all masses times `mass`, the speed of `sheave` times `speed` and its schedule `delay`
+    [s] late, the load nearest to `missing` (0 to 1 along the line) not there. Raises InputError."""
+
+    name: str
+    mass: float = 1.0
+    speed: float = 1.0
+    delay: float = 0.0
+    sheave: str | None = None
+    missing: float | None = None
+
+    def __post_init__(self) -> None:
+        owner = f"Disturbance {self.name!r}"
+        check.positive(self.mass, owner, "mass")
+        check.positive(self.speed, owner, "speed")
+        check.not_negative(self.delay, owner, "delay", "s")
+        if (self.speed != 1.0 or self.delay) and self.sheave is None:
+            raise InputError(f"{owner} has no sheave", "Name the one whose speed differs")
+        if self.missing is not None and not 0.0 <= self.missing <= 1.0:
+            raise InputError(f"{owner}: missing is {self.missing!r}", "Give a place along the line from 0 to 1")
+
+    def schedules(self, planned: Mapping[str, Schedule]) -> dict[str, Schedule]:
+        """The schedules as the drives then follow them."""
+        found = dict(planned)
+        if self.sheave is not None:
+            own = planned[self.sheave]
+            times = [0.0, *(t + self.delay for t in own.times)] if self.delay else list(own.times)
+            speeds = [own.speeds[0], *own.speeds] if self.delay else list(own.speeds)
+            found[self.sheave] = Schedule(times, [v * self.speed for v in speeds])
+        return found
+
+    def start(self, planned: Equilibrium) -> Equilibrium:
+        """The start with other masses, the rope as it was."""
+        runs = []
+        for run, passed in zip(planned.runs, planned.passed, strict=True):
+            mass, feed = run.loads.mass * self.mass, run.feed
+            if feed is not None:
+                feed = replace(feed, masses=tuple(m * self.mass for m in feed.masses))
+            if self.missing is not None:
+                on_line = range(int(passed[-1]), int(passed[0]))
+                mass[on_line[round((1.0 - self.missing) * (len(on_line) - 1))]] = 0.0
+            runs.append(replace(run, loads=replace(run.loads, mass=mass), feed=feed))
+        state = LineState(planned.model, planned.point.copy(), runs, planned.passed)
+        state.write_slots()
+        newton_of(state.model).solve(state.point)
+        while not state.settle():
+            newton_of(state.model).solve(state.point)
+        return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), planned.held)
+
+
+def usual_disturbances(sheave: str) -> tuple[Disturbance, ...]:
+    """Masses 10 % up and down, speed of a sheave 0.1 % up and down, a missing load, a drive 1 s late."""
+    return (
+        Disturbance("as planned"),
+        Disturbance("masses +10 %", mass=1.1),
+        Disturbance("masses -10 %", mass=0.9),
+        Disturbance(f"speed of {sheave} +0.1 %", speed=1.001, sheave=sheave),
+        Disturbance(f"speed of {sheave} -0.1 %", speed=0.999, sheave=sheave),
+        Disturbance("a missing load", missing=0.5),
+        Disturbance(f"drive of {sheave} 1 s late", delay=1.0, sheave=sheave),
+    )
+
+
+def trimmed_line(plan: SchedulePlan, trim: ProportionalResponse) -> System:
+    """The line with trims that correct towards the difference of tension that a plan has at each of their samples;
+    the sheave that keeps the line's speed has none."""
+    frame = plan.result.full_frame
+    frame = frame[~frame.index.duplicated(keep="last")]
+    times = np.arange(trim.period, plan.until + 1e-9, trim.period)
+    responses = {}
+    for name in plan.schedules:
+        difference = np.interp(times, frame.index, frame[f"{name}.differential_tension"])
+        if name != plan.lead:
+            responses[name] = replace(trim, target=None, difference=Schedule(times.tolist(), difference.tolist()))
+    return with_responses(plan.line, {**dict.fromkeys(plan.schedules), **responses})
+
+
+def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None) -> pd.DataFrame:
+    """Objectives of a plan under disturbances, a row each: columns open loop and trimmed over highest tension [N],
+    over plan [1] (that tension over the planned one, less 1), deviation [N] and energy [J]; NaN where the line could
+    not go on."""
+    cases = usual_disturbances(plan.free[0]) if disturbances is None else disturbances
+    lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
+    starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
+    names = list(plan.schedules)
+    rows = {}
+    for case in cases:
+        inputs = {f"{name}.speed": schedule for name, schedule in case.schedules(plan.schedules).items()}
+        row: dict[tuple[str, str], float] = {}
+        for kind, start in starts.items():
+            try:
+                begin = case.start(start)
+                result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
+                found = measured(result, names, plan.settle, plan.target)
+            except RopewayError:
+                found = dict.fromkeys(plan.objectives, np.nan)
+            row[kind, "peak tension"] = found["peak tension"]
+            row[kind, "over plan"] = found["peak tension"] / plan.objectives["peak tension"] - 1.0
+            row[kind, "tension deviation"] = found["tension deviation"]
+            row[kind, "energy"] = found["energy"]
+        rows[case.name] = row
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("case")
