@@ -19,7 +19,7 @@ from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
 from ropeway.systems.stability import condensed_pivots
-from ropeway.systems.state import LineState, find
+from ropeway.systems.state import LineState, find, support_points
 from ropeway.systems.system import System
 
 _LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
@@ -88,6 +88,10 @@ class Equilibrium:
                         continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
         return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
+
+    def points(self, r: int) -> np.ndarray:
+        """Places of the supports of a run, shape (supports, 3) [m]."""
+        return support_points(self.model, r, self.point)
 
     def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
         """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its

@@ -130,8 +130,8 @@ def line_profile(line: Equilibrium) -> Figure:
 
     figure = Figure(figsize=(11.0, 8.0), layout="constrained")
     elevation, tension, plan = figure.subplots(3, 1, sharex=True, height_ratios=[2.2, 1.3, 0.9])
-    for run in line.runs:
-        points = run.points
+    for r, run in enumerate(line.runs):
+        points = line.points(r)
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points[:, :2], axis=0).T))])
         rope = run.rope
         curves = []

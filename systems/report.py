@@ -188,7 +188,7 @@ def _run_energy(result: Result, run: Run) -> dict[str, np.ndarray]:
             continue
         moved = np.diff(frame[f"{node.name}.travel"])
         if k in (0, last) and not run.closed:
-            _, _, height = node.at
+            height = result.parameters[result.model.p.index[f"{node.name}.z"]]
             carried = strain.potential(frame[f"{node.name}.rope_tension"].to_numpy()) - weight * height
             parts["ends"] = parts["ends"] + (1.0 if k else -1.0) * mean(carried) * moved
             continue
@@ -220,7 +220,7 @@ def _load_work(result: Result, run: Run) -> np.ndarray:
         r = result.runs.index(run)
         passed = np.array([record.passed[r][k] for record in result.records])
         total = np.concatenate([[0.0], np.cumsum(loads.mass)])
-        _, _, height = run.nodes[k].at
+        height = result.parameters[result.model.p.index[f"{run.nodes[k].name}.z"]]
         work += sign * np.diff(total[passed]) * gravity * height
     return work
 

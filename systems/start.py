@@ -28,15 +28,21 @@ class RunStart:
 
 
 def run_start(
-    run: Run, gravity: float, lengths: np.ndarray | None = None, travel: np.ndarray | None = None
+    run: Run,
+    gravity: float,
+    lengths: np.ndarray | None = None,
+    travel: np.ndarray | None = None,
+    points: np.ndarray | None = None,
 ) -> RunStart:
-    """Starting values of a run; `lengths` (spans,) at zero travel, by default those of its spans [m], and
-    `travel` (supports,), by default none [m], which counts where a support does not let the rope run."""
+    """Starting values of a run; `lengths` (spans,) at zero travel, by default those of its spans [m], `travel`
+    (supports,), by default none [m], which counts where a support does not let the rope run, and `points`
+    (supports, 3), by default where the supports were declared [m]."""
+    points = run.points if points is None else points
     weight, strain = run.rope.mass_per_length * gravity, run.rope.strain
     length = np.array([s.length for s in run.spans]) if lengths is None else lengths
     start = np.concatenate([[0.0], np.cumsum(length)])
     rope = start - (np.zeros(len(start)) if travel is None else travel)
-    chords = parabola.Chords.between(run.points)
+    chords = parabola.Chords.between(points)
     free = np.array([n.drive_speed is None and s.travel is not None for n, s in zip(run.nodes, run.seats, strict=True)])
     held = np.flatnonzero(~free)
     # Consecutive spans that can pass rope to each other form a group.
@@ -48,7 +54,7 @@ def run_start(
     kept = np.full(count, np.nan)
     for node, k in ((run.nodes[0], 0), (run.nodes[-1], -1)):
         if node.kept_tension is not None:
-            kept[group[k]] = node.kept_tension - weight * (run.points[k, 2] - run.points[0, 2])
+            kept[group[k]] = node.kept_tension - weight * (points[k, 2] - points[0, 2])
     closed = np.isnan(kept)
     for _ in range(3 if np.any(free) else 1):
         beyond = loads_passed(run, rope)
@@ -60,7 +66,7 @@ def run_start(
         length = length * np.where(closed, total / np.bincount(group, length, minlength=count), 1.0)[group]
         rope = _rope_at_supports(length, rope, held)
     cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
-    direction = np.diff(run.points, axis=0) / chords.length[:, None]
+    direction = np.diff(points, axis=0) / chords.length[:, None]
     force = tension[:, None] * direction
     force[:, 2] = tension * sine - beam.reaction
     force[:, :2] += np.where(cosine < 1e-9, 1e-9 * tension, 0.0)[:, None]

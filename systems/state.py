@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -66,7 +67,7 @@ class LineState:
         """Starting values from geometry for the present lengths and loads."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
             travel = layout.travel.read(self.point.x, np.zeros_like(self.point.z))
-            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel)
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel, self.points(r))
             for axis in range(3):
                 self.point.z[layout.force + axis] = start.force[:, axis]
             layout.travel.write(start.travel, self.point.x, self.point.z)
@@ -80,8 +81,7 @@ class LineState:
 
     def points(self, r: int) -> np.ndarray:
         """Places of the supports of a run as they are now, shape (supports, 3) [m]."""
-        slots = [[self.find(f"{node.name}.{axis}") for axis in "xyz"] for node in self.runs[r].nodes]
-        return np.array([[self.point.vector(kind)[k] for kind, k in row] for row in slots])
+        return support_points(self.model, r, self.point)
 
     def write_slots(self) -> None:
         """Puts the loads into the slots of their spans; assembles anew where a span has too few."""
@@ -245,6 +245,19 @@ class LineState:
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
         ]
+
+
+def support_points(model: Model, r: int, point: Point) -> np.ndarray:
+    """Places of the supports of a run, shape (supports, 3) [m]: parameters, or variables where ropes hold them."""
+    return np.concatenate([point.vector(kind) for kind in VECTORS])[_coordinates(model, r)]
+
+
+@lru_cache(maxsize=64)
+def _coordinates(model: Model, r: int) -> np.ndarray:
+    """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
+    names = [name for kind in VECTORS for name in model.tables[kind].names]
+    index = {name: i for i, name in enumerate(names)}
+    return np.array([[index[f"{node.name}.{axis}"] for axis in "xyz"] for node in model.runs[r].nodes])
 
 
 def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:

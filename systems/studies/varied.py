@@ -83,7 +83,7 @@ class Varied:
 def _pretension(line: Equilibrium, support: str) -> np.ndarray:
     """Rates of the parameters with the tension of the empty rope at its first support, shape (np,)."""
     m, rates = line.model, np.zeros(len(line.model.p))
-    for run, layout in zip(line.runs, m.layouts, strict=True):
+    for r, (run, layout) in enumerate(zip(line.runs, m.layouts, strict=True)):
         if run.nodes[0].name != support:
             continue
         # A carriage has no place of its own: the empty rope passes it by.
@@ -93,9 +93,9 @@ def _pretension(line: Equilibrium, support: str) -> np.ndarray:
         declared = m.tables[Kind.PARAMETER].values
         lengths = (declared if keeping else line.point.p)[layout.length_start]
         weight = run.rope.mass_per_length * float(line.point.p[0])
-        at = [[line[f"{run.nodes[i].name}.{axis}"] for axis in "xyz"] for i in fixed]
+        at = line.points(r)[fixed]
         names = [run.spans[i].name for i in fixed[:-1]]
-        found = pretension(at, weight, run.rope.strain, float(lengths.sum()), names)
+        found = pretension(at.tolist(), weight, run.rope.strain, float(lengths.sum()), names)
         for i, rate in zip(fixed[:-1], found.length, strict=True):
             rates[layout.length_start[i]] = rate
         for i in keeping:

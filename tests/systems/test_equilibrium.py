@@ -207,3 +207,14 @@ def test_a_rope_too_slack_for_its_idlers() -> None:
         rw.equilibrium(s)
     assert info.value.remedy
     assert info.value.component is not None
+
+
+def test_a_moved_support_is_where_it_was_moved_to() -> None:
+    """Pictures and starts take supports from the parameters, not from the declarations."""
+    s = rw.System("moved")
+    nodes = [rw.Anchor("a", at=(0.0, 0.0)), rw.Sheave("s", at=(100.0, 5.0)), rw.Anchor("b", at=(200.0, 0.0))]
+    s.string(ROPE, *nodes, length=204.0)
+    eq = rw.equilibrium(s, parameters={"s.z": 9.0, "s.x": 90.0})
+    np.testing.assert_allclose(eq.points(0), [[0, 0, 0], [90, 0, 9], [200, 0, 0]])
+    at_sheave = eq.profile("s_b", [0.0])
+    assert (at_sheave["x"][0], at_sheave["z"][0]) == (90.0, 9.0)
