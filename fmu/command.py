@@ -81,7 +81,7 @@ def run(
     out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
     start: Annotated[list[str] | None, typer.Option(help="A start value, name=value; can be repeated.")] = None,
 ) -> None:
-    """Run an FMU for Co-Simulation; write its outputs as a table."""
+    """Run an FMU, for Co-Simulation or Model Exchange; write its outputs as a table."""
     from ropeway.components.errors import InputError
     from ropeway.fmu.cosimulation import CoSimulation
 

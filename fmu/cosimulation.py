@@ -67,12 +67,12 @@ class CoSimulation:
         name: str,
         participant: System | Fmu | str | Path,
         *,
-        kind: Literal["CoSimulation", "ModelExchange"] = "CoSimulation",
+        kind: Literal["CoSimulation", "ModelExchange"] | None = None,
         start: Mapping[str, float] | None = None,
     ) -> Fmu:
         """Adds an FMU, or a system, which is exported first; returns the FMU. kind: how it is moved on, "ModelExchange"
-        by an integrator here. start: values of its parameters and inputs. Raises InputError, FmuImportError,
-        FmuVariableError."""
+        by an integrator here; by default "CoSimulation" where the FMU is for it. start: values of its parameters and
+        inputs. Raises InputError, FmuImportError, FmuVariableError."""
         check.name(name, "slave")
         if name in self._participants:
             raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
@@ -83,6 +83,8 @@ class CoSimulation:
         for key, value in values.items():
             fmu.variable(key)
             check.number(value, f"Slave {name!r}", key)
+        if kind is None:
+            kind = "CoSimulation" if "CoSimulation" in fmu.kinds else "ModelExchange"
         self._participants[name] = _Participant(fmu, kind, values)
         return fmu
 

@@ -25,19 +25,27 @@ _PARAMETERS = {
 }
 
 
-def mass_fmu(path: Path, *, keeps_states: bool = True, differentiates: bool = True, interpolates: bool = True) -> Path:
+def mass_fmu(
+    path: Path,
+    *,
+    keeps_states: bool = True,
+    differentiates: bool = True,
+    interpolates: bool = True,
+    co_simulates: bool = True,
+) -> Path:
     """Compiles it and writes its description, with abilities as asked for."""
     source, library = Path(__file__).with_name("fmu") / "mass.c", path.with_suffix(".so")
     flags = ["-O2", "-std=c99", "-shared", "-fPIC", f"-I{Path(fmpy.__file__).with_name('c-code')}"]
     command = [*compiler.command(compiler.host()), *flags, str(source), "-o", str(library), "-lm"]
     subprocess.run(command, check=True)
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(keeps_states, differentiates, interpolates))
+        description = _description(keeps_states, differentiates, interpolates, co_simulates)
+        archive.writestr("modelDescription.xml", description)
         archive.write(library, "binaries/linux64/mass.so")
     return path
 
 
-def _description(keeps_states: bool, differentiates: bool, interpolates: bool) -> str:
+def _description(keeps_states: bool, differentiates: bool, interpolates: bool, co_simulates: bool) -> str:
     variables, names = [], (*_OUTPUTS, *_INPUTS, *_PARAMETERS)
     for i, name in enumerate(names):
         kind, real = 'causality="output"', ""
@@ -53,11 +61,13 @@ def _description(keeps_states: bool, differentiates: bool, interpolates: bool) -
         variables.append(f'<ScalarVariable name="{name}" valueReference="{i}" {kind}><Real {real}/></ScalarVariable>')
     states, slopes, linear = (str(v).lower() for v in (keeps_states, differentiates, interpolates))
     abilities = f'modelIdentifier="mass" canGetAndSetFMUstate="{states}" providesDirectionalDerivative="{slopes}"'
+    steps = f'canInterpolateInputs="{linear}" canHandleVariableCommunicationStepSize="true"'
+    co_simulation = f"<CoSimulation {abilities} {steps}/>" if co_simulates else ""
     unknowns = [i + 1 for i, n in enumerate(_OUTPUTS) if n != "der(x)"]
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="mass" guid="mass" numberOfEventIndicators="1">
 <ModelExchange {abilities}/>
-<CoSimulation {abilities} canInterpolateInputs="{linear}" canHandleVariableCommunicationStepSize="true"/>
+{co_simulation}
 <ModelVariables>{"".join(variables)}</ModelVariables>
 <ModelStructure>
 <Outputs>{"".join(f'<Unknown index="{i}"/>' for i in unknowns)}</Outputs>

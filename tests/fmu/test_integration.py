@@ -53,6 +53,13 @@ def test_without_events_as_in_co_simulation(mass: Path) -> None:
     assert by_us.to_numpy() == pytest.approx(by_it.to_numpy(), abs=1e-8)
 
 
+def test_an_fmu_for_model_exchange_only(mass: Path, tmp_path: Path) -> None:
+    path = mass_fmu(tmp_path / "mass.fmu", co_simulates=False)
+    together = CoSimulation(0.1)
+    assert together.add("one", path, start=BALL).kinds == ("ModelExchange",)
+    assert together.run(3.1).equals(run(mass, 0.1, 3.1, BALL))
+
+
 @pytest.mark.parametrize("keeps_states", [True, False])
 def test_back_over_an_event(tmp_path: Path, keeps_states: bool) -> None:
     path = mass_fmu(tmp_path / "mass.fmu", keeps_states=keeps_states)
