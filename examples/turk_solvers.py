@@ -76,7 +76,7 @@ def _draw(folder: Path) -> Path:
                         label=label,
                     )
             panel.axhline(1e-6, color="0.6", lw=1.0)
-            panel.annotate("solved", (104.0, 1e-6), xytext=(0, 3), textcoords="offset points", ha="right", color="0.4")
+            panel.annotate("solved", (80.0, 1e-6), xytext=(0, -12), textcoords="offset points", ha="right", color="0.4")
             panel.set(yscale="log", ylim=(1e-8, 300.0), xlim=(-2.0, 106.0))
             panel.grid(alpha=0.25)
             panel.spines[["top", "right"]].set_visible(False)
