@@ -99,6 +99,7 @@ def _draw(table: pd.DataFrame, folder: Path) -> Path:
     figure.suptitle(
         "Payload of a 200 m span, deflection 12.5 %, 28.6 mm rope at 19,600 kgf, carriage at mid-span", fontsize=12
     )
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "harvey_payload.png"
     figure.savefig(path, dpi=130)
     return path

@@ -58,7 +58,7 @@ def _draw(folder: Path) -> Path:
             whole = rows["utilisation"] <= 1.0
             style = "-" if case.possible else ":"
             for panel in (axes, zoom):
-                label = f"case {number}: {word}" + ("" if case.possible else " (no rope)")
+                label = f"case {number}: {word}" + ("" if case.possible else " (no such rope)")
                 panel.plot(
                     rows["phi"][whole], 100 * (rows["ratio"][whole] - 1), style, color=colour, label=label, lw=1.8
                 )
@@ -75,10 +75,20 @@ def _draw(folder: Path) -> Path:
     axes.text(0.23, 1.0, "tension at A half of MBL", color="0.35", fontsize=9)
     axes.annotate("breaks (x)", (12.4, 4.02), (2.6, 4.05), color="0.25", fontsize=9, va="center",
                   arrowprops={"arrowstyle": "-", "color": "0.6"})  # fmt: skip
-    axes.set(xscale="log", xlim=(0.2, 100), ylim=(-0.1, 4.4), xlabel=r"$\phi = V_A/W$")
+    axes.set(
+        xscale="log",
+        xlim=(0.2, 100),
+        ylim=(-0.1, 4.4),
+        xlabel=r"vertical force at A over the rope's weight, $\phi = V_A/W$",
+    )
     axes.set_ylabel("average-tension length above the exact one  [%]")
     axes.set_title("Up to the breaking load", loc="left", fontsize=11)
-    zoom.set(xscale="log", xlim=(0.2, 100), ylim=(-0.02, 0.6), xlabel=r"$\phi = V_A/W$")
+    zoom.set(
+        xscale="log",
+        xlim=(0.2, 100),
+        ylim=(-0.02, 0.6),
+        xlabel=r"vertical force at A over the rope's weight, $\phi = V_A/W$",
+    )
     zoom.set_title("Up to a third of it: 0.44 to 0.46 %", loc="left", fontsize=11)
     for panel in (axes, zoom):
         panel.grid(alpha=0.25)
@@ -87,6 +97,7 @@ def _draw(folder: Path) -> Path:
     figure.suptitle(
         "A new rope's unstretched length without its construction stretch (Lyons 2008, Figure 2)", fontsize=12
     )
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "lyons_stretch.png"
     figure.savefig(path, dpi=130)
     return path

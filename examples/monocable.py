@@ -7,6 +7,7 @@ import ropeway as rw
 
 
 def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
     supports = Path(__file__).with_name("line.csv")
     line = rw.monocable(rope, supports=supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)

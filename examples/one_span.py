@@ -9,6 +9,7 @@ import ropeway as rw
 
 
 def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
     s = rw.System("one span")
     (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(400.0, -60.0)), length=408.0)
@@ -25,19 +26,26 @@ def main(folder: Path) -> None:
         f"{taut['a_b.tension_a'] / 1e3:.0f} kN"
     )
 
-    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    figure = Figure(figsize=(9.0, 3.0), layout="constrained")
     axis = figure.subplots()
-    for eq, label in (
-        (loaded, "6000 kg, 408 m"),
-        (limit, f"{limit['turn.mass']:.0f} kg, 408 m"),
-        (taut, f"6000 kg, {taut['a_b.length']:.1f} m"),
+    for eq, label, style in (
+        (loaded, "6000 kg on 408 m of rope", "-"),
+        (limit, f"{limit['turn.mass']:.0f} kg on 408 m (safe working load)", "--"),
+        (taut, f"6000 kg on {taut['a_b.length']:.1f} m", "-"),
     ):
         curve = eq.profile("a_b")
-        (drawn,) = axis.plot(curve["x"], curve["z"], label=f"{label}: {eq['a_b.tension_a'] / 1e3:.0f} kN")
+        (drawn,) = axis.plot(curve["x"], curve["z"], style, label=f"{label}: {eq['a_b.tension_a'] / 1e3:.0f} kN")
         axis.plot(eq["turn.x"], eq["turn.z"], "v", color=drawn.get_color(), ms=8)
     axis.plot([0.0, 400.0], [0.0, -60.0], "^", color="0.3", ms=9)
-    axis.set(xlabel="x [m]", ylabel="z [m]", title="One span, one turn: load, tension at a", aspect="equal")
-    axis.legend()
+    axis.set(
+        xlabel="x [m]",
+        ylabel="z [m]",
+        title="One span with a turn: load, rope, and tension at the upper end a",
+        aspect="equal",
+    )
+    for name, x, z in (("a", 0.0, 0.0), ("b", 400.0, -60.0)):
+        axis.annotate(name, (x, z), xytext=(8, 4), textcoords="offset points")
+    axis.legend(fontsize="small")
     axis.grid(alpha=0.3)
     figure.savefig(folder / "one_span.png", dpi=110)
 

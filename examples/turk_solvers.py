@@ -76,6 +76,7 @@ def _draw(folder: Path) -> Path:
                         label=label,
                     )
             panel.axhline(1e-6, color="0.6", lw=1.0)
+            panel.annotate("solved", (80.0, 1e-6), xytext=(0, -12), textcoords="offset points", ha="right", color="0.4")
             panel.set(yscale="log", ylim=(1e-8, 300.0), xlim=(-2.0, 106.0))
             panel.grid(alpha=0.25)
             panel.spines[["top", "right"]].set_visible(False)
@@ -89,6 +90,7 @@ def _draw(folder: Path) -> Path:
     figure.suptitle(
         "One foot of rope more: a 1001.01 ft chord, loaded, after Turk (1988, chapter 3; own data)", fontsize=12
     )
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / "turk_solvers.png"
     figure.savefig(path, dpi=130)
     return path

@@ -123,8 +123,7 @@ class Equilibrium:
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        start = np.array([self[f"{run.nodes[k].name}.{axis}"] for axis in "xyz"])
-        place = start + curve.reach
+        place = run.start(k, self.__getitem__) + curve.reach
         return pd.DataFrame(
             {
                 "station": curve.station,

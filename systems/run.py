@@ -7,7 +7,7 @@ nearest to its end a. A crossing adds or takes away one; no load can be lost or 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -65,6 +65,15 @@ class Run:
     def points(self) -> np.ndarray:
         """Positions of the supports, shape (n + 1, 3) [m]."""
         return np.array([node.at for node in self.nodes])
+
+    def start(self, k: int, read: Callable[[str], float]) -> np.ndarray:
+        """Where span k starts, (x, y, z) [m], from a function that reads a variable."""
+        node = self.nodes[k]
+        seat = self.seats[0] if k == 0 else node.through(self.seats[k]) or self.seats[k]
+        place = np.array([read(f"{node.name}.{axis}") for axis in "xyz"])
+        if seat.offset is not None:
+            place += (read(f"{node.name}.{seat.offset}_x"), 0.0, read(f"{node.name}.{seat.offset}_z"))
+        return place
 
     @property
     def closed(self) -> bool:

@@ -50,6 +50,11 @@ class PayloadStudy:
         return self.frame.loc[self.frame["payload"].idxmin()]
 
     @property
+    def lowered(self) -> bool:
+        """Whether the yarder lowers the skyline at each station to the clearance."""
+        return self.clearance is not None and is_lowered(self.rig)
+
+    @property
     def payload(self) -> float:
         """Largest payload that can be brought along all stations [kg]."""
         return float(self.limiting["payload"])
@@ -60,6 +65,11 @@ class PayloadStudy:
         from ropeway.systems.studies.skyline_plot import payload_figure
 
         return payload_figure(self)
+
+
+def is_lowered(rig: SkylineRig) -> bool:
+    """Whether a clearance sets the skyline's height: not a standing one's, and not under a log, which follows."""
+    return rig.kind is not Kind.STANDING and rig.turn is None
 
 
 def payload(
@@ -95,8 +105,7 @@ def payload(
     for x in where:
         check.number(float(x), rig.name, "a station", "m")
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
-    lowered = rig.kind is not Kind.STANDING and rig.turn is None
-    search = _Search(rig, margins, clearance if lowered else None, rope_clearance)
+    search = _Search(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
     rows = []
     for x in where:
         rows.append(search.at(float(x)))
@@ -129,7 +138,7 @@ def margins_of(
     if block is not None and block.capacity is not None:
         found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
     of_load, of_rope = clearances
-    if of_load is not None and (rig.kind is Kind.STANDING or rig.turn is not None):
+    if of_load is not None and not is_lowered(rig):
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:

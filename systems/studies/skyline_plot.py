@@ -82,7 +82,7 @@ def _ropes(axis: Axes, shown: Solved) -> None:
     rig, model = shown.at.rig, shown.at.model
     for r, run in enumerate(model.runs):
         sky = r == shown.at.skyline
-        colour, width = ("black", 1.5) if sky else ("tab:red", 1.0)
+        colour, width = ("black", 2.2) if sky else ("tab:red", 1.0)
         first = True
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
@@ -132,7 +132,7 @@ def payload_figure(study: PayloadStudy) -> Figure:
 def _ways(study: PayloadStudy) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
     found = []
-    height = study.clearance if study.rig.kind is not Kind.STANDING else None
+    height = study.clearance if study.lowered else None
     masses = [(0.0, "tab:cyan", "way of the empty carriage")] if height is None else []
     masses.append((study.payload, "tab:blue", f"way of the carriage with {study.payload / 1000.0:.2f} t"))
     for mass, colour, label in masses:
@@ -147,10 +147,9 @@ def _ways(study: PayloadStudy) -> list[Way]:
 def _shown(study: PayloadStudy) -> Solved | None:
     """The rig at its limiting station."""
     worst = study.limiting
-    by_height = study.clearance is not None and study.rig.kind is not Kind.STANDING
-    height = float(worst["carriage_z"]) if by_height and "carriage_z" in study.frame else None
+    height = float(worst["carriage_z"]) if study.lowered and "carriage_z" in study.frame else None
     try:
-        return Stations(study.rig, by_height=by_height).solve(float(worst["station"]), study.payload, height)
+        return Stations(study.rig, by_height=study.lowered).solve(float(worst["station"]), study.payload, height)
     except EquilibriumError:
         return None
 
@@ -176,7 +175,7 @@ def _payloads(axis: Axes, study: PayloadStudy) -> None:
     axis.set_ylim(0.0, max(float(np.quantile(mass, 0.9)) * 1.25, study.payload / 1000.0 * 1.5, 0.1))
     axis.set_ylabel("largest payload [t]")
     axis.grid(alpha=0.3)
-    axis.legend(loc="upper center", ncols=3, fontsize="small", framealpha=0.9)
+    axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
 
 
 def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
@@ -188,14 +187,15 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
         if column in frame and float(frame[column].max()) > 0.0:
             axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=label)
     axis.axhline(limit, color="black", ls="--", lw=1.0)
+    same = rig.mainline is rig.skyline and study.safety_factor == study.mainline_safety_factor
     axis.annotate(
-        f"SWL {sky} {limit:.0f} kN (MBL / {study.safety_factor:g})",
+        f"SWL {sky}{' and mainline' if same else ''} {limit:.0f} kN (MBL / {study.safety_factor:g})",
         (float(frame["station"].iloc[0]), limit),
         xytext=(4, 3),
         textcoords="offset points",
         fontsize="small",
     )
-    if rig.mainline is not None and rig.mainline is not rig.skyline:
+    if rig.mainline is not None and not same:
         main = rig.mainline.breaking_load / study.mainline_safety_factor / 1e3
         axis.axhline(main, color="tab:red", ls="--", lw=1.0)
         axis.annotate(

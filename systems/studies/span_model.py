@@ -349,13 +349,7 @@ class Solved:
 
     def start(self, r: int, k: int) -> np.ndarray:
         """Where span k of run r starts, (x, y, z) [m]."""
-        run = self.at.model.runs[r]
-        node = run.nodes[k]
-        seat = run.seats[0] if k == 0 else node.through(run.seats[k]) or run.seats[k]
-        place = np.array([self[f"{node.name}.{axis}"] for axis in "xyz"])
-        if seat.offset is not None:
-            place += (self[f"{node.name}.{seat.offset}_x"], 0.0, self[f"{node.name}.{seat.offset}_z"])
-        return place
+        return self.at.model.runs[r].start(k, self.__getitem__)
 
 
 @lru_cache(maxsize=256)

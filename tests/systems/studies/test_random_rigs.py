@@ -1,9 +1,12 @@
 """Random rigs of all kinds, each solved from cold at one station: solved and in balance, or a typed error."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import ropeway as rw
+from ropeway.systems.rigs.joining import with_supports
 
 G = 9.80665
 
@@ -84,6 +87,36 @@ def test_random_rigs() -> None:
     failed = {seed: reason for seed in range(120) if (reason := solve(seed))}
     assert len(failed) <= 1, failed
     assert all("rest point" in reason or "carries less" in reason for reason in failed.values()), failed
+
+
+def near_a_shoe(seed: int) -> str | None:
+    """A random rig with shoes, its carriage on one or beside it; None for a rig without supports."""
+    rig, _, payload = random_rig(seed)
+    if not rig.supports:
+        return None
+    rng = np.random.default_rng(10_000 + seed)
+    radius = float(rng.choice([0.1, 0.5, 1.5]))
+    shod = with_supports(rig, [replace(support, radius=radius, slope=None) for support in rig.supports])
+    station = shod.supports[int(rng.integers(len(shod.supports)))].at[0] + rng.uniform(-1.0, 1.0) * radius
+    try:
+        row = rw.load_path(shod, payload, [station]).iloc[0]
+    except (rw.EquilibriumError, rw.SlackRopeError) as error:
+        return f"{error.cause}: {error.remedy}"
+    assert row.carriage_x == pytest.approx(station, abs=0.021)
+    return ""
+
+
+def test_random_rigs_on_and_beside_their_shoes() -> None:
+    found = [reason for seed in range(60) if (reason := near_a_shoe(seed)) is not None]
+    assert len(found) > 25
+    assert not any(found), found
+
+
+@pytest.mark.slow
+def test_five_hundred_random_rigs_on_and_beside_their_shoes() -> None:
+    found = [reason for seed in range(1000, 2000) if (reason := near_a_shoe(seed)) is not None]
+    assert len(found) > 500
+    assert sum(map(bool, found)) <= 0.005 * len(found), [reason for reason in found if reason]
 
 
 @pytest.mark.slow

@@ -103,6 +103,8 @@ def test_a_rope_over_a_shoe_against_direct_integration() -> None:
     on, last = CABLE.run(np.zeros(2), force, eq["a_jack.length"])
     assert np.hypot(*(on - centre)) == pytest.approx(2.0, abs=1e-10)
     assert (on - centre) @ last == pytest.approx(0.0, abs=1e-5)
+    shape = eq.profile("jack_b", [0.0, eq["jack_b.length"]])
+    np.testing.assert_allclose(shape[["x", "z"]].iloc[-1], [200.0, -5.0], atol=1e-9)
     tension = np.hypot(*last)
     way = -np.array([eq["jack_b.horizontal"], eq["jack_b.vertical_b"]])  # from b backwards
     back, first = CABLE.run(np.array([-200.0, -5.0]), np.array([-way[0], way[1]]), eq["jack_b.length"])
