@@ -209,7 +209,7 @@ class ProportionalResponse(Response):
         par, plan = Kind.PARAMETER, self.difference
         if isinstance(plan, Schedule):
             n = len(plan.times)
-            aims = (
+            aims: tuple[Variable, ...] = (
                 Variable("response_times", par, "s", "times of the planned difference", plan.times, 1.0, n),
                 Variable("response_planned", par, "N", "planned difference of tension", plan.speeds, 1e3, n),
             )

@@ -17,7 +17,7 @@ from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.newton import newton_of
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
-from ropeway.systems.studies.schedule_run import carried_over, measured, with_responses
+from ropeway.systems.studies.schedule_run import carried_over, objectives, with_responses
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
@@ -109,7 +109,6 @@ def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = 
     cases = usual_disturbances(plan.free[0]) if disturbances is None else disturbances
     lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
     starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
-    names = list(plan.schedules)
     rows = {}
     for case in cases:
         inputs = {f"{name}.speed": schedule for name, schedule in case.schedules(plan.schedules).items()}
@@ -118,7 +117,7 @@ def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = 
             try:
                 begin = case.start(start)
                 result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
-                found = measured(result, names, plan.settle, plan.target)
+                found = objectives(result, settle=plan.settle, target=plan.target)
             except RopewayError:
                 found = dict.fromkeys(plan.objectives, np.nan)
             row[kind, "peak tension"] = found["peak tension"]
