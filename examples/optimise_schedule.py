@@ -3,7 +3,7 @@
     python examples/optimise_schedule.py [folder]
 
 The line is `line.csv` (24 spans, 4 control sheaves) with loads of 100 to 500 kg every 51 m, and starts with its control
-sheaves in balance. Two minutes at 1 m/s: at constant speed, with a threshold response, and with schedules for each of
+sheaves in balance. A minute at 1 m/s: at constant speed, with a threshold response, and with schedules for each of
 the three objectives, within 3 kN and 3 kW at each drive. Prints what each comes to, which limits bind, and what the
 schedules are worth when the line is not as planned, open loop and with a trim; draws `optimise_schedule.png`.
 """
@@ -28,7 +28,7 @@ MASSES = tuple(np.random.default_rng(7).uniform(100.0, 500.0, 60).round())
 LIMITS = rw.ScheduleLimits(force=3e3, power=3e3)
 THRESHOLD = rw.ThresholdResponse(low=40e3, high=48e3, increment=0.015, hold=0.0, limit=0.15)
 OBJECTIVES = ("peak tension", "tension deviation", "energy")
-UNTIL, SETTLE = 120.0, 20.0
+UNTIL, SETTLE, RECOVERED = 60.0, 10.0, 20.0
 
 
 def line(response: rw.ThresholdResponse | None = None) -> rw.System:
@@ -47,7 +47,7 @@ def plans() -> dict[str, rw.SchedulePlan]:
     """The best schedule for each objective."""
     start = rw.balanced(line())
     return {
-        name: rw.optimise_schedule(line(), UNTIL, minimise=name, limits=LIMITS, start=start, settle=SETTLE)
+        name: rw.optimise_schedule(line(), UNTIL, minimise=name, limits=LIMITS, intervals=30, start=start)
         for name in OBJECTIVES
     }
 
@@ -82,8 +82,8 @@ def main(folder: Path = Path("ropeway-schedule")) -> pd.DataFrame:
             f"simulation and plan {1e3 * gap.crossing_time:.2g} ms (crossings), {gap.peak_tension:.2g} N (peak) apart"
         )
         print(plan.active.head(4).round(3).to_string() if len(plan.active) else "No limit costs anything")
-    robust = best["peak tension"].robustness()
-    print("\nHighest tension over the plan's, when the line is not as planned [%]")
+    robust = best["peak tension"].robustness(settle=RECOVERED)
+    print(f"\nHighest tension over the plan's from {RECOVERED:.0f} s on, when the line is not as planned [%]")
     over = robust.xs("over plan", axis=1, level=1) * 100.0
     print(over.round(2).to_string())
     folder.mkdir(parents=True, exist_ok=True)
@@ -109,7 +109,7 @@ def picture(runs: dict[str, rw.Result], best: dict[str, rw.SchedulePlan], over: 
         power.plot(frame.index, given / 1e3, lw=1.2, label=name)
     tension.set(ylabel="highest tension\nof all spans [kN]", title="Simulated")
     tension.legend(fontsize="small", ncols=3)
-    power.set(ylabel="power given by\nthe drives [kW]", xlabel="time [s]", yscale="symlog")
+    power.set(ylabel="power given by\nthe drives [kW]", xlabel="time [s]")
     power.set_ylim(bottom=0.0)
     schedules = [figure.add_subplot(grid[2, k]) for k in range(3)]
     for axis, (name, plan) in zip(schedules, best.items(), strict=True):

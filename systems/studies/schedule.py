@@ -46,7 +46,7 @@ _SIZE = 10.0
 """What the objective is scaled to: with less the solver's barrier outweighs it."""
 _GIVE = 1e-4
 """Share of a limit below which a relaxation is none."""
-_SPARE = 0.02
+_SPARE = 5e-3
 """Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
 _ALIKE = 1e-3
 """Share of an objective in which two rounds are alike."""

@@ -102,10 +102,12 @@ def trimmed_line(plan: SchedulePlan, trim: ProportionalResponse) -> System:
     return with_responses(plan.line, {**dict.fromkeys(plan.schedules), **responses})
 
 
-def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None) -> pd.DataFrame:
-    """Objectives of a plan under disturbances, a row each: columns open loop and trimmed over highest tension [N],
-    over plan [1] (that tension over the planned one, less 1), deviation [N] and energy [J]; NaN where the line could
-    not go on."""
+def robustness(
+    plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None, settle: float | None = None
+) -> pd.DataFrame:
+    """See `SchedulePlan.robustness`."""
+    late = plan.settle if settle is None else settle
+    known = objectives(plan.result, settle=late, target=plan.target)
     cases = usual_disturbances(plan.free[0]) if disturbances is None else disturbances
     lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
     starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
@@ -117,11 +119,11 @@ def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = 
             try:
                 begin = case.start(start)
                 result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
-                found = objectives(result, settle=plan.settle, target=plan.target)
+                found = objectives(result, settle=late, target=plan.target)
             except RopewayError:
-                found = dict.fromkeys(plan.objectives, np.nan)
+                found = dict.fromkeys(known, np.nan)
             row[kind, "peak tension"] = found["peak tension"]
-            row[kind, "over plan"] = found["peak tension"] / plan.objectives["peak tension"] - 1.0
+            row[kind, "over plan"] = found["peak tension"] / known["peak tension"] - 1.0
             row[kind, "tension deviation"] = found["tension deviation"]
             row[kind, "energy"] = found["energy"]
         rows[case.name] = row

@@ -18,6 +18,7 @@ def driven() -> rw.RecedingHorizon:
     )
 
 
+@pytest.mark.slow
 def test_each_plan_begins_where_the_line_is(driven: rw.RecedingHorizon) -> None:
     assert driven.begins == (0.0, 20.0, 40.0)
     for begin, plan in zip(driven.begins, driven.plans, strict=True):
@@ -29,6 +30,7 @@ def test_each_plan_begins_where_the_line_is(driven: rw.RecedingHorizon) -> None:
             assert driven.result.at(begin)[travel] == pytest.approx(planned, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_line_keeps_its_limits_all_the_way(driven: rw.RecedingHorizon) -> None:
     frame = driven.result.full_frame.loc[10.0:]
     for name in ("c1", "c2", "c3"):
@@ -38,6 +40,7 @@ def test_the_line_keeps_its_limits_all_the_way(driven: rw.RecedingHorizon) -> No
     assert len(driven.report) == 3
 
 
+@pytest.mark.slow
 def test_it_does_better_than_constant_speed(driven: rw.RecedingHorizon) -> None:
     constant = rw.simulate(schedule_lines.line(), UNTIL, every=0.5, start=rw.balanced(schedule_lines.line()))
     found, other = (rw.objectives(r, settle=10.0) for r in (driven.result, constant))
