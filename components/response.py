@@ -203,7 +203,7 @@ class ProportionalResponse(Response):
     @property
     def structure(self) -> Hashable:
         planned = self.difference if isinstance(self.difference, Schedule) else None
-        return (*super().structure, 0 if planned is None else len(planned.times))
+        return (super().structure, 0 if planned is None else len(planned.times))
 
     def own_variables(self) -> tuple[Variable, ...]:
         par, plan = Kind.PARAMETER, self.difference
