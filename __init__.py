@@ -194,10 +194,14 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.payload_methods import (
         tension_for_payload as tension_for_payload,
     )
+    from ropeway.systems.studies.receding_horizon import RecedingHorizon as RecedingHorizon
+    from ropeway.systems.studies.receding_horizon import receding_horizon as receding_horizon
     from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
     from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
     from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
     from ropeway.systems.studies.schedule_robustness import Disturbance as Disturbance
+    from ropeway.systems.studies.schedule_run import balanced as balanced
+    from ropeway.systems.studies.schedule_run import objectives as objectives
     from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
@@ -239,10 +243,12 @@ _HOMES = {
     "ropeway.systems.studies.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.load_path": "load_path",
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
+    "ropeway.systems.studies.receding_horizon": "RecedingHorizon receding_horizon",
     "ropeway.systems.studies.schedule": "optimise_schedule",
     "ropeway.systems.studies.schedule_limits": "ScheduleLimits",
     "ropeway.systems.studies.schedule_plan": "SchedulePlan",
     "ropeway.systems.studies.schedule_robustness": "Disturbance",
+    "ropeway.systems.studies.schedule_run": "balanced objectives",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",

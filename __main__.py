@@ -1,4 +1,4 @@
-"""The command line: demo, simulate a line, payload of a corridor, FMUs, ropes."""
+"""The command line: demo, simulate a line, optimise its schedules, payload of a corridor, FMUs, ropes."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ropeway.systems.result import Result
+    from ropeway.systems.studies.schedule_plan import SchedulePlan
 
 app = typer.Typer(
     help="Cable logging systems and material ropeways: statics and simulation.",
@@ -79,6 +80,34 @@ def simulate(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
         )
         _report(rw.simulate(system, until=until, every=every), out)
+
+
+@app.command()
+def optimise(
+    line: Annotated[Path, typer.Argument(help="Supports, as for `simulate`, with at least two control sheaves.")],
+    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
+    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    speed: Annotated[float, typer.Option(help="Rope speed [m/s].")] = 1.0,
+    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
+    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+    until: Annotated[float, typer.Option(help="Length of the schedule [s].")] = 120.0,
+    intervals: Annotated[int, typer.Option(help="Pieces of the schedule.")] = 60,
+    minimise: Annotated[str, typer.Option(help="peak tension, tension deviation or energy.")] = "peak tension",
+    force: Annotated[float, typer.Option(help="Largest force of a drive [N].")] = float("inf"),
+    power: Annotated[float, typer.Option(help="Largest power of a drive [W].")] = float("inf"),
+    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    out: Out = Path("ropeway-schedule"),
+) -> None:
+    """Optimise how the control sheaves of a mono-cable line move: schedules, limits that bind, robustness."""
+    import ropeway as rw
+
+    with _errors_on_one_line():
+        chosen = rw.Rope.named(rope, safety_factor=safety_factor)
+        system = rw.monocable(
+            chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
+        )
+        limits = rw.ScheduleLimits(force=force, power=power)
+        _report_plan(rw.optimise_schedule(system, until, minimise=minimise, limits=limits, intervals=intervals), out)
 
 
 @app.command()
@@ -177,6 +206,39 @@ def _report(result: Result, out: Path) -> None:
     result.plot().savefig(out / "tensions.png", dpi=130)
     result.plot_line(time=float(result.times[-1]) / 2.0).savefig(out / "line.png", dpi=130)
     typer.echo(f"Written to {out.resolve()}: tensions.csv, events.csv, tensions.png, line.png")
+
+
+def _report_plan(plan: SchedulePlan, out: Path) -> None:
+    """Prints what a plan brings; writes schedules, limits, robustness and a picture."""
+    out.mkdir(parents=True, exist_ok=True)
+    units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
+    rows = [
+        [f"{name} [{unit}]", f"{plan.balanced[name] / scale:.2f}", f"{plan.objectives[name] / scale:.2f}"]
+        for name, (unit, scale) in units.items()
+    ]
+    _table(f"From {plan.settle:g} s on, simulated", ["", "sheaves in balance", "optimised"], rows)
+    gap = plan.gap
+    typer.echo(
+        f"{len(plan.report.rounds)} rounds, {plan.report.seconds:.0f} s; plan and simulation are "
+        f"{1e3 * gap.crossing_time:.2g} ms (crossings) and {gap.peak_tension:.2g} N (peak) apart"
+    )
+    limits = [
+        [*key, f"{r.bound:g}", f"{r.cost:.3g}"]
+        for key, r in zip(plan.active.index, plan.active.itertuples(), strict=True)
+    ]
+    _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", "cost"], limits)
+    robust = plan.robustness()
+    over = robust.xs("over plan", axis=1, level=1) * 100.0
+    _table(
+        "Highest tension over the plan's, when the line is not as planned [%]",
+        ["", *over.columns],
+        [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
+    )
+    plan.to_csv(out / "schedule.csv")
+    plan.active.to_csv(out / "limits.csv")
+    robust.to_csv(out / "robustness.csv")
+    plan.plot().savefig(out / "schedule.png", dpi=130)
+    typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
 
 
 def _with_units(frame: pd.DataFrame, result: Result) -> pd.DataFrame:

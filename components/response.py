@@ -203,13 +203,13 @@ class ProportionalResponse(Response):
     @property
     def structure(self) -> Hashable:
         planned = self.difference if isinstance(self.difference, Schedule) else None
-        return (*super().structure, 0 if planned is None else len(planned.times))
+        return (super().structure, 0 if planned is None else len(planned.times))
 
     def own_variables(self) -> tuple[Variable, ...]:
         par, plan = Kind.PARAMETER, self.difference
         if isinstance(plan, Schedule):
             n = len(plan.times)
-            aims = (
+            aims: tuple[Variable, ...] = (
                 Variable("response_times", par, "s", "times of the planned difference", plan.times, 1.0, n),
                 Variable("response_planned", par, "N", "planned difference of tension", plan.speeds, 1e3, n),
             )

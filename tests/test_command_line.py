@@ -76,3 +76,17 @@ def test_payload(tmp_path: Path) -> None:
     wrong = ropeway("payload", corridor, "--support", "260", cwd=tmp_path)
     assert wrong.returncode == 1
     assert "STATION:HEIGHT" in wrong.stderr
+
+
+def test_optimise(tmp_path: Path) -> None:
+    line = str(EXAMPLES / "line.csv")
+    done = ropeway("optimise", line, "--until", "12", "--intervals", "6", "--out", "o", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "optimised" in done.stdout
+    assert "masses +10 %" in done.stdout
+    table = pd.read_csv(tmp_path / "o" / "schedule.csv", index_col=0)
+    assert list(table.columns) == [f"c{k}.speed" for k in range(1, 5)]
+    assert (tmp_path / "o" / "schedule.png").stat().st_size > 5000
+    wrong = ropeway("optimise", line, "--minimise", "comfort", cwd=tmp_path)
+    assert wrong.returncode == 1
+    assert "peak tension" in wrong.stderr

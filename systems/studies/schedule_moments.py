@@ -84,10 +84,10 @@ def moments(
 
 def _last(times: np.ndarray, t: float) -> int:
     """The record at a time, after an event at that time."""
-    i = int(np.searchsorted(times, t + 1e-9, side="right")) - 1
-    if abs(times[i] - t) > 1e-6:
+    at = np.flatnonzero(np.abs(times - t) < 1e-6)
+    if not len(at):
         raise InputError(f"The run has no record at {t:g} s", "Simulate with a finer interval")
-    return i
+    return int(at[-1])
 
 
 def _share(one: int, other: int, sections: Sequence[tuple[int, int]]) -> bool:

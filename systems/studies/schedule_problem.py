@@ -18,7 +18,7 @@ from ropeway.systems.studies.schedule_equations import FORCE, LineEquations, Par
 from ropeway.systems.studies.schedule_moments import Moment
 from ropeway.systems.studies.schedule_parts import MOTION, SMOOTH, Parts, Task, bounds_of, motion
 
-STEADINESS = 0.005
+STEADINESS = 0.02
 """Weight of the squared changes of speed [s2/m2] in an objective of about one: it decides where nothing else does."""
 
 

@@ -17,7 +17,7 @@ from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.newton import newton_of
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
-from ropeway.systems.studies.schedule_run import carried_over, measured, with_responses
+from ropeway.systems.studies.schedule_run import carried_over, objectives, with_responses
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
@@ -102,14 +102,15 @@ def trimmed_line(plan: SchedulePlan, trim: ProportionalResponse) -> System:
     return with_responses(plan.line, {**dict.fromkeys(plan.schedules), **responses})
 
 
-def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None) -> pd.DataFrame:
-    """Objectives of a plan under disturbances, a row each: columns open loop and trimmed over highest tension [N],
-    over plan [1] (that tension over the planned one, less 1), deviation [N] and energy [J]; NaN where the line could
-    not go on."""
+def robustness(
+    plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None, settle: float | None = None
+) -> pd.DataFrame:
+    """See `SchedulePlan.robustness`."""
+    late = plan.settle if settle is None else settle
+    known = objectives(plan.result, settle=late, target=plan.target)
     cases = usual_disturbances(plan.free[0]) if disturbances is None else disturbances
     lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
     starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
-    names = list(plan.schedules)
     rows = {}
     for case in cases:
         inputs = {f"{name}.speed": schedule for name, schedule in case.schedules(plan.schedules).items()}
@@ -118,11 +119,11 @@ def robustness(plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = 
             try:
                 begin = case.start(start)
                 result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
-                found = measured(result, names, plan.settle, plan.target)
+                found = objectives(result, settle=late, target=plan.target)
             except RopewayError:
-                found = dict.fromkeys(plan.objectives, np.nan)
+                found = dict.fromkeys(known, np.nan)
             row[kind, "peak tension"] = found["peak tension"]
-            row[kind, "over plan"] = found["peak tension"] / plan.objectives["peak tension"] - 1.0
+            row[kind, "over plan"] = found["peak tension"] / known["peak tension"] - 1.0
             row[kind, "tension deviation"] = found["tension deviation"]
             row[kind, "energy"] = found["energy"]
         rows[case.name] = row

@@ -7,15 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from ropeway.components import check
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
-from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.newton import VECTORS, Point, newton_of
 from ropeway.systems.result import Result
 from ropeway.systems.state import LineState
 from ropeway.systems.system import System
+
+_TRIALS, _BALANCE = 20, 1.0
+"""Trials for an even share, and how near to it is near enough [N]."""
 
 
 def with_responses(line: System, responses: Mapping[str, Response | None]) -> System:
@@ -34,10 +39,38 @@ def control_sheaves(line: System) -> list[str]:
     return [name for name, c in line.components.items() if isinstance(c, ControlSheave)]
 
 
+def balanced(line: System) -> Equilibrium:
+    """The line at rest with so much rope in each section that all control sheaves have the same difference of tension
+    between their sides: they share evenly what the line as a whole pulls. Raises InputError, EquilibriumError.
+    """
+    names = control_sheaves(line)
+    if not names:
+        raise InputError(f"{line.name!r} has no control sheave", "Only control sheaves can balance")
+    first, *others = (f"{name}.differential_tension" for name in names)
+    travels = [f"{name}.travel" for name in names[1:]]
+
+    def excess(share: float) -> tuple[Equilibrium, float]:
+        found = equilibrium(line, given=dict.fromkeys(others, share), solve_for=travels)
+        return found, found[first] - share
+
+    share, (rest, left) = 0.0, excess(0.0)
+    step = left / len(names)
+    for _ in range(_TRIALS):
+        if abs(left) < _BALANCE:
+            return rest
+        share, before = share + step, left
+        rest, left = excess(share)
+        step *= left / (before - left)
+    raise EquilibriumError(
+        f"The control sheaves of {line.name!r} do not come into balance", "Start from rw.equilibrium(line) instead"
+    )
+
+
 def balancing(start: Equilibrium, period: float) -> ProportionalResponse:
-    """A response that brings the tensions on both sides of a sheave together within a few of its periods [s]."""
-    stiffness = []
-    for name in control_sheaves(start.model.system):
+    """A response that brings all sheaves to one difference of tension within a few of its periods [s]."""
+    stiffness, names = [], control_sheaves(start.model.system)
+    share = float(np.mean([start[f"{name}.differential_tension"] for name in names]))
+    for name in names:
         place, index = start.model.x.index[f"{name}.travel"], start.model.y.index[f"{name}.differential_tension"]
         force = []
         for way in (-0.05, 0.05):
@@ -46,7 +79,7 @@ def balancing(start: Equilibrium, period: float) -> ProportionalResponse:
             newton_of(start.model).solve(point)
             force.append(np.array(start.model.outputs(*point.arguments)).ravel()[index])
         stiffness.append(abs(force[1] - force[0]) / 0.1)
-    return ProportionalResponse(gain=0.5 / (max(stiffness) * period), period=period, limit=0.15, rate=0.05)
+    return ProportionalResponse(gain=0.5 / (max(stiffness) * period), period=period, difference=share, limit=0.15)
 
 
 def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str, Schedule]:
@@ -62,15 +95,23 @@ def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str
     return found
 
 
-def measured(result: Result, names: Sequence[str], settle: float, target: float) -> dict[str, float]:
-    """The objectives of a run from `settle` [s] on, by their names."""
-    frame = result.full_frame
+def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
+    """What `optimise_schedule` minimises, of any run from `settle` [s] on: "peak tension" of all spans [N], "tension
+    deviation" of the control sheaves' tensions, on both sides, from a target [N], by default their mean, and "energy"
+    that their drives give, not less what they recover [J]. Raises InputError."""
+    check.not_negative(settle, "objectives", "settle", "s")
+    frame, names = result.full_frame, control_sheaves(result.model.system)
+    if settle >= result.times[-1]:
+        raise InputError(f"The run ends at {result.times[-1]:g} s", f"Choose settle below, not {settle:g} s")
+    if not names:
+        raise InputError(f"{result.model.name!r} has no control sheave", "Only lines with control sheaves have these")
     counts = frame.index.to_numpy() >= settle - 1e-9
     times = frame.index.to_numpy()[counts]
     ends = frame.filter(regex=r"\.tension_[ab]$").to_numpy()[counts]
     span = times[-1] - times[0]
     sides = [frame[f"{n}.tension_{side}"].to_numpy()[counts] for n in names for side in ("in", "out")]
-    square = np.mean([np.trapezoid((t - target) ** 2, times) / span for t in sides])
+    aim = np.mean([np.trapezoid(t, times) / span for t in sides]) if target is None else target
+    square = np.mean([np.trapezoid((t - aim) ** 2, times) / span for t in sides])
     power = [np.maximum(frame[f"{n}.power"].to_numpy()[counts], 0.0) for n in names]
     return {
         "peak tension": float(ends.max()),

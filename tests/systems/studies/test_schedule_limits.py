@@ -37,6 +37,7 @@ def test_the_relaxation_is_what_the_best_peak_needs() -> None:
     assert given["tension_high"] < 105.0
 
 
+@pytest.mark.slow
 def test_drives_are_kept_within_what_they_have() -> None:
     drive = rw.HydraulicDrive(
         displacement=127e-6,
