@@ -1,6 +1,6 @@
 """Ten thousand variants of a mono-cable line: other loads, supports not quite where they were drawn.
 
-    python examples/sweep.py [folder]
+    python examples/sweep.py [folder] [variants]
 
 The line is `line.csv` (24 spans), its rope strung at 45 kN and full of loads every 50 m. In each variant every load has
 a mass of its own between 100 and 500 kg, and every idler stands up to 0.5 m higher or lower, the rope as long as it was
@@ -21,7 +21,7 @@ SUPPORTS = Path(__file__).with_name("line.csv")
 VARIANTS = 10_000
 
 
-def main(folder: Path) -> None:
+def main(folder: Path, variants: int) -> None:
     supports = pd.read_csv(SUPPORTS)
     line = rw.monocable(ROPE, supports, tension=45e3, load_mass=300.0, load_spacing=50.0)
     drawn = rw.equilibrium(line)
@@ -30,7 +30,7 @@ def main(folder: Path) -> None:
     bounds |= {f"{s.name}.z": (s.z - 0.5, s.z + 0.5) for s in idlers.itertuples(index=False)}
     spans = [span.name for span in drawn.runs[0].spans]
     names = [f"{span}.tension_{end}" for span in spans for end in "ab"]
-    cases = rw.latin_hypercube(bounds, VARIANTS)
+    cases = rw.latin_hypercube(bounds, variants)
     table = rw.sweep(line, cases, outputs=names)
     failed = table["error"].ne("")
     print(f"{len(table):,} variants of {len(bounds)} parameters, {failed.sum()} without an equilibrium")
@@ -80,4 +80,5 @@ def _draw(path: Path, shares: pd.DataFrame, supports: pd.DataFrame, drawn: pd.Se
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path.cwd())
+    folder, variants = (*sys.argv[1:3], *(".", str(VARIANTS))[len(sys.argv) - 1 :])
+    main(Path(folder), int(variants))

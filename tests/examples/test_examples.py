@@ -11,6 +11,8 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
 NETWORK = {"fmu_foreign.py"}
 """Examples that download something."""
+SMALLER = {"sweep.py": ["500"]}
+"""Arguments that make an example's work less."""
 
 
 @pytest.mark.parametrize(
@@ -21,7 +23,7 @@ NETWORK = {"fmu_foreign.py"}
     ],
 )
 def test_example(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", [script, str(tmp_path)])
+    monkeypatch.setattr(sys, "argv", [script, str(tmp_path), *SMALLER.get(script, [])])
     runpy.run_path(str(EXAMPLES / script), run_name="__main__")
     pictures = list(tmp_path.glob("*.png"))
     assert pictures
