@@ -132,7 +132,7 @@ def main(
         )
     loads = int(rest.passed[0][0] - rest.passed[0][-1])
     crossings = int(constant.events["event"].str.startswith("crossing").sum())
-    console = Console()
+    console = Console(width=130, markup=False)
     console.print(f"{spans} spans, {loads} loads, {until:g} s, {crossings} crossings; simulated from {SETTLE:g} s on")
     console.print(table)
     console.print(checks)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.component import Node
@@ -20,11 +19,19 @@ from ropeway.systems.model import component_of, nearest
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
+from ropeway.systems.studies.schedule_agreement import (
+    PEAK_GAP,
+    Simulated,
+    agreed,
+    broken_limits,
+    gap_between,
+    peaks_beyond,
+)
 from ropeway.systems.studies.schedule_equations import LineEquations, Row, drive_parameters
 from ropeway.systems.studies.schedule_limits import HYDRAULIC, UNITS, ScheduleLimits, objective_weights
-from ropeway.systems.studies.schedule_moments import Moment, moments
+from ropeway.systems.studies.schedule_moments import moments
 from ropeway.systems.studies.schedule_parts import Parts, Task
-from ropeway.systems.studies.schedule_plan import Gap, Report, Round, SchedulePlan, active_table, peaks_above
+from ropeway.systems.studies.schedule_plan import Report, Round, SchedulePlan, active_table
 from ropeway.systems.studies.schedule_problem import ScheduleProblem
 from ropeway.systems.studies.schedule_run import (
     balancing,
@@ -38,16 +45,11 @@ from ropeway.systems.studies.schedule_solution import Planned
 from ropeway.systems.studies.schedule_solution import planned as solved
 from ropeway.systems.system import System
 
-CROSSING_GAP, PEAK_GAP = 5e-3, 20.0
-"""A plan and its simulation agree when times of crossings [s] and the highest tension [N] differ by less."""
-
 _ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6
 _SIZE = 10.0
 """What the objective is scaled to: with less the solver's barrier outweighs it."""
 _GIVE = 1e-4
 """Share of a limit below which a relaxation is none."""
-_SPARE = 5e-3
-"""Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
 _ALIKE = 1e-3
 """Share of an objective in which two rounds are alike."""
 _SAMPLES = 4
@@ -256,7 +258,7 @@ class _Study:
                 },
                 around.equations,
             )
-            gap = self.gap(problem.moments, planned, after)
+            gap = gap_between(problem.moments, task, planned, after)
             objective = sum(w * after.objectives[name] for name, w in weights.items())
             told = planned.solution
             expected = told.objective * size + weights.get("tension deviation", 0.0) * deviation / 2.0
@@ -282,14 +284,14 @@ class _Study:
                 trim=self.trim,
             )
             advance(1.0 - 0.5 ** (number + 1))
-            broken = self.broken(task, after)
+            broken = broken_limits(task, after)
             # Where crossings can come at several times alike, rounds differ in them but not in what they reach.
             near = gap.moved < float(self.grid[1]) / 8.0 or (
                 number > 0 and abs(objective - rounds[-2].simulated) < _ALIKE * abs(objective)
             )
-            if told.converged and not planned.relaxation and self.agreed(gap) and near and not broken:
+            if told.converged and not planned.relaxation and agreed(gap) and near and not broken:
                 return plan
-            for times in (self.peaks(planned.frame, after.result), *broken.values()):
+            for times in (peaks_beyond(task, planned, after), *broken.values()):
                 more.update(np.round(np.array(times) / record) * record)
             around = after
         raise ScheduleError(
@@ -299,16 +301,16 @@ class _Study:
             plan,
         )
 
-    def around(self, schedules: Mapping[str, Schedule], equations: LineEquations | None = None) -> _Simulated:
+    def around(self, schedules: Mapping[str, Schedule], equations: LineEquations | None = None) -> Simulated:
         """The simulation of schedules, to plan around; equations: those of an earlier one, if they still hold."""
         begin = clock.perf_counter()
         result = self.run(schedules, {})
         if equations is None or equations.model is not result.model:
             equations = LineEquations(result.model, result.parameters)
         reached = objectives(result, settle=self.settle, target=self.target)
-        return _Simulated(schedules, result, reached, equations, clock.perf_counter() - begin)
+        return Simulated(schedules, result, reached, equations, clock.perf_counter() - begin)
 
-    def problem(self, task: Task, around: _Simulated, more: Sequence[float]) -> ScheduleProblem:
+    def problem(self, task: Task, around: Simulated, more: Sequence[float]) -> ScheduleProblem:
         """The problem around a simulation."""
         key = (around.equations, task.relaxed)
         if key not in self._parts:
@@ -317,7 +319,7 @@ class _Study:
         speeds = self.speeds(around.equations, around.schedules)
         return ScheduleProblem(around.equations, self._parts[key], task, around.result, places, speeds)
 
-    def relaxed(self, task: Task, around: _Simulated, more: Sequence[float], *, again: bool) -> Planned:
+    def relaxed(self, task: Task, around: Simulated, more: Sequence[float], *, again: bool) -> Planned:
         """The schedule that gives way least; again: another round may follow.
 
         Raises InfeasibleScheduleError when it has to give way, ScheduleError."""
@@ -344,47 +346,6 @@ class _Study:
             table,
         )
 
-    def gap(self, places: Sequence[Moment], planned: Planned, after: _Simulated) -> Gap:
-        """How far a plan is from its simulation."""
-        found = moments(after.result, self.grid, (), after.equations.sections())
-        expected = {key: float(t) for m, t in zip(places, planned.times, strict=True) for key in m.keys}
-        came = {key: m.time for m in found for key in m.keys}
-        # A load that comes to a support just at the end may be late.
-        near_end = self.until - float(self.grid[1])
-        lone = [key for key in expected.keys() ^ came.keys() if {**expected, **came}[key] < near_end]
-        both = expected.keys() & came.keys()
-        moved = [abs(t - m.time) for m, t in zip(places, planned.times, strict=True)]
-        return Gap(
-            max((abs(expected[key] - came[key]) for key in both), default=0.0),
-            abs(_peak(planned.frame, self.settle) - after.objectives["peak tension"]),
-            len(lone),
-            float(max(moved)),
-        )
-
-    def peaks(self, planned: pd.DataFrame, result: Result) -> list[float]:
-        """Times [s] at which a simulation's highest tension has a peak above a plan's."""
-        frame = result.full_frame[result.full_frame.index >= self.settle]
-        highest = frame.filter(regex=r"\.tension_[ab]$").max(axis=1).to_numpy()
-        return peaks_above(frame, highest, _peak(planned, self.settle) + PEAK_GAP / 4.0)
-
-    def agreed(self, gap: Gap) -> bool:
-        """Whether plan and simulation are one."""
-        return gap.crossing_time < CROSSING_GAP and gap.peak_tension < PEAK_GAP and not gap.crossings_in_one_only
-
-    def broken(self, task: Task, after: _Simulated) -> dict[str, list[float]]:
-        """Limits that the simulation does not keep, with the times of the worst [s]."""
-        frame, equations = after.result.full_frame, after.equations
-        ends = frame.filter(regex=r"\.tension_[ab]$")
-        low, high = self.tension
-        excess = {"tension": np.maximum(low - ends.min(axis=1), ends.max(axis=1) - high).to_numpy() - PEAK_GAP}
-        for row in (row for rows in task.rows for row in rows):
-            values = frame[row.output].to_numpy() / equations.y_unit[equations.model.y.index[row.output]]
-            spare = _SPARE * max(abs(bound) for bound in (row.low, row.high) if np.isfinite(bound))
-            excess[row.output] = np.maximum(row.low - values, values - row.high) - spare
-        counts = frame.index.to_numpy() >= self.settle
-        found = {name: peaks_above(frame, np.where(counts, value, -1.0), 0.0) for name, value in excess.items()}
-        return {name: times for name, times in found.items() if times}
-
     def speeds(self, equations: LineEquations, schedules: Mapping[str, Schedule]) -> np.ndarray:
         """Speeds of the driven supports at grid times, shape (driven, grid)."""
         found = []
@@ -396,23 +357,6 @@ class _Study:
         return np.array(found, dtype=float)
 
 
-def _peak(frame: pd.DataFrame, settle: float) -> float:
-    """Highest tension of all spans from `settle` [s] on."""
-    ends = frame[frame.index >= settle - 1e-9].filter(regex=r"\.tension_[ab]$")
-    return float(np.nanmax(ends.to_numpy()))
-
-
 def _and(broken: Mapping[str, Sequence[float]]) -> str:
     places = [f"{name} at {times[0]:.1f} s" for name, times in broken.items()]
     return f"; the simulation passes the limit of {', '.join(places)}" if places else ""
-
-
-@dataclass(frozen=True)
-class _Simulated:
-    """Schedules, their simulation with its objectives, its equations, and the time it took [s]."""
-
-    schedules: Mapping[str, Schedule]
-    result: Result
-    objectives: Mapping[str, float]
-    equations: LineEquations
-    seconds: float

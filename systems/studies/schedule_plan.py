@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import InputError
@@ -178,10 +177,3 @@ def active_table(active: list[Active], size: float, objective: float) -> pd.Data
     )
     table = table[table["cost"] * table["bound"].abs() > 1e-3 * abs(objective)]
     return table.sort_values("cost", ascending=False)
-
-
-def peaks_above(frame: pd.DataFrame, values: np.ndarray, bound: float) -> list[float]:
-    """Times [s] of the highest of `values` over a frame's times, in each stretch in which they are above a bound."""
-    above = np.flatnonzero(values > bound)
-    stretches = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
-    return [float(frame.index[s[np.argmax(values[s])]]) for s in stretches if len(s)]

@@ -4,7 +4,6 @@ own equations at grid times and on both sides of each crossing, whose time is fr
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 
 import casadi as ca
@@ -14,45 +13,13 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.systems.newton import Point
 from ropeway.systems.result import Result
 from ropeway.systems.studies.nonlinear_program import Linear, Solution, Term, Uses, solve
-from ropeway.systems.studies.schedule_equations import FORCE, LineEquations, Part, Row
+from ropeway.systems.studies.schedule_equations import FORCE, LineEquations, Part
 from ropeway.systems.studies.schedule_moments import Moment
+from ropeway.systems.studies.schedule_numbers import Label, Numbers, Sample
 from ropeway.systems.studies.schedule_parts import MOTION, SMOOTH, Parts, Task, bounds_of, motion
 
 STEADINESS = 0.02
 """Weight of the squared changes of speed [s2/m2] in an objective of about one: it decides where nothing else does."""
-
-
-@dataclass
-class _Numbers:
-    """Numbers of the problem's variables, given in order, with start and bounds."""
-
-    start: list[float] = field(default_factory=list)
-    low: list[float] = field(default_factory=list)
-    high: list[float] = field(default_factory=list)
-
-    def add(self, start: np.ndarray | float, low: np.ndarray | float = -np.inf, high: np.ndarray | float = np.inf):
-        values = np.atleast_1d(np.asarray(start, dtype=float))
-        first = len(self.start)
-        for to, what in ((self.start, values), (self.low, low), (self.high, high)):
-            to += np.broadcast_to(np.asarray(what, dtype=float), values.shape).tolist()
-        return first + np.arange(len(values))
-
-
-@dataclass(frozen=True)
-class _Sample:
-    """A section at a moment: the numbers of its algebraic variables, and the record they start from."""
-
-    moment: int
-    record: int
-    numbers: np.ndarray
-
-
-@dataclass(frozen=True)
-class _Label:
-    """Of each place of a term: the moment; and the rows after its equations."""
-
-    moments: tuple[int, ...]
-    rows: tuple[Row, ...]
 
 
 class ScheduleProblem:
@@ -66,10 +33,10 @@ class ScheduleProblem:
         self.parts = parts
         self.sections = equations.sections()
         self.step = float(task.grid[1] - task.grid[0])
-        self.numbers = _Numbers()
+        self.numbers = Numbers()
         self.points: dict[int, Point] = {}
         self.uses: list[Uses] = []
-        self.labels: list[_Label] = []
+        self.labels: list[Label] = []
         self.rows: tuple[list, list, list, list] = ([], [], [], [])
         self._drives(speeds)
         self._moments(speeds)
@@ -193,7 +160,7 @@ class ScheduleProblem:
                 np.zeros((2, len(columns))),
             )
         )
-        self.labels.append(_Label((), ()))
+        self.labels.append(Label((), ()))
         for section in self.sections:
             own = [m for m, moment in enumerate(self.moments) if moment.touches(section)]
             for a, b in pairwise(own):
@@ -224,7 +191,7 @@ class ScheduleProblem:
 
     def _samples(self) -> None:
         """Algebraic variables of each section at its moments, before and after its own crossings."""
-        self.samples: list[list[_Sample]] = [[] for _ in self.sections]
+        self.samples: list[list[Sample]] = [[] for _ in self.sections]
         self.sides: list[dict[int, tuple[int, int]]] = [{} for _ in self.sections]
         for m, moment in enumerate(self.moments):
             for s in self._sampled(moment):
@@ -235,7 +202,7 @@ class ScheduleProblem:
                 first = len(self.samples[s])
                 for record in records:
                     z = self.point(record).z[columns] / self.equations.z_unit[columns]
-                    self.samples[s].append(_Sample(m, record, self.numbers.add(z)))
+                    self.samples[s].append(Sample(m, record, self.numbers.add(z)))
                 self.sides[s][m] = (first, len(self.samples[s]) - 1)
                 crossing = moment.crossings[0] if moment.touches(self.sections[s]) else None
                 if crossing is not None and self.sections[s][0] <= crossing.support <= self.sections[s][1]:
@@ -331,7 +298,7 @@ class ScheduleProblem:
                     variables[r, c] = self.slack[kind.removeprefix("slack ")]
         low, high = bounds_of(part)
         self.uses.append(Uses(part.term, variables, parameters, np.tile(low, (n, 1)).T, np.tile(high, (n, 1)).T))
-        self.labels.append(_Label(tuple(m for m, _, _ in places), part.rows))
+        self.labels.append(Label(tuple(m for m, _, _ in places), part.rows))
         values = self._values(part.term, variables, parameters) if n else np.zeros((len(low), 0))
         for r, row in enumerate(part.rows, part.residuals):
             if row.peak and n:
@@ -399,7 +366,7 @@ class ScheduleProblem:
         n = variables.shape[1]
         given = np.zeros((0, n)) if parameters is None else parameters
         self.uses.append(Uses(term, variables, given, np.zeros((0, n)), np.zeros((0, n))))
-        self.labels.append(_Label((), ()))
+        self.labels.append(Label((), ()))
 
     def solve(self, iterations: int, tolerance: float) -> Solution:
         """The best schedule around the run."""
