@@ -174,6 +174,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.load_path import load_path as load_path
     from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
     from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
+    from ropeway.systems.studies.objectives import objectives as objectives
     from ropeway.systems.studies.optimise_supports import Candidate as Candidate
     from ropeway.systems.studies.optimise_supports import SupportPlan as SupportPlan
     from ropeway.systems.studies.optimise_supports import optimise_supports as optimise_supports
@@ -197,11 +198,10 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.receding_horizon import RecedingHorizon as RecedingHorizon
     from ropeway.systems.studies.receding_horizon import receding_horizon as receding_horizon
     from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
-    from ropeway.systems.studies.schedule_limits import ScheduleLimits as ScheduleLimits
-    from ropeway.systems.studies.schedule_plan import SchedulePlan as SchedulePlan
-    from ropeway.systems.studies.schedule_robustness import Disturbance as Disturbance
-    from ropeway.systems.studies.schedule_run import balanced as balanced
-    from ropeway.systems.studies.schedule_run import objectives as objectives
+    from ropeway.systems.studies.scheduling.limits import ScheduleLimits as ScheduleLimits
+    from ropeway.systems.studies.scheduling.plan import SchedulePlan as SchedulePlan
+    from ropeway.systems.studies.scheduling.robustness import Disturbance as Disturbance
+    from ropeway.systems.studies.scheduling.run import balanced as balanced
     from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.set_up import SetUp as SetUp
     from ropeway.systems.studies.set_up import set_up as set_up
@@ -245,10 +245,11 @@ _HOMES = {
     "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
     "ropeway.systems.studies.receding_horizon": "RecedingHorizon receding_horizon",
     "ropeway.systems.studies.schedule": "optimise_schedule",
-    "ropeway.systems.studies.schedule_limits": "ScheduleLimits",
-    "ropeway.systems.studies.schedule_plan": "SchedulePlan",
-    "ropeway.systems.studies.schedule_robustness": "Disturbance",
-    "ropeway.systems.studies.schedule_run": "balanced objectives",
+    "ropeway.systems.studies.scheduling.limits": "ScheduleLimits",
+    "ropeway.systems.studies.scheduling.plan": "SchedulePlan",
+    "ropeway.systems.studies.scheduling.robustness": "Disturbance",
+    "ropeway.systems.studies.objectives": "objectives",
+    "ropeway.systems.studies.scheduling.run": "balanced",
     "ropeway.systems.studies.payload": "PayloadStudy payload",
     "ropeway.systems.studies.sensitivities": "sensitivities",
     "ropeway.systems.studies.set_up": "SetUp set_up tension_history",

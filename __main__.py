@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ropeway.systems.result import Result
-    from ropeway.systems.studies.schedule_plan import SchedulePlan
+    from ropeway.systems.studies.scheduling.plan import SchedulePlan
 
 app = typer.Typer(
     help="Cable logging systems and material ropeways: statics and simulation.",

@@ -1,62 +1,50 @@
-"""What a run of a line is judged by: one number, the smaller the better."""
+"""What a run of a line is judged by: the smaller the better."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 
 import numpy as np
 
-from ropeway.components.control_sheave import ControlSheave
+from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.systems.result import Result
+from ropeway.systems.studies.responses import control_sheaves
 
-Objective = Callable[[Result, float, float | None], float]
-"""(result, from what time on [s], target tension [N]) -> value."""
-
-
-def peak_tension(result: Result, after: float = 0.0, target: float | None = None) -> float:
-    """Highest tension at the ends of all spans [N]."""
-    frame = result.full_frame.loc[after:]
-    return float(frame.filter(regex=r"\.tension_[ab]$").max(axis=None))
+OBJECTIVES = ("peak tension", "tension deviation", "energy")
+"""Highest tension of all spans [N]; root mean square of the control sheaves' tensions, on both sides, from a target
+[N]; energy that the control sheaves' drives give, not less what they recover [J]."""
 
 
-def tension_deviation(result: Result, after: float = 0.0, target: float | None = None) -> float:
-    """Root of the mean square over time of the differences from the target, on both sides of all control sheaves
-    [N]. Raises InputError without a target."""
-    if target is None:
-        raise InputError("The tension deviation has no target", "Give target= [N]")
-    frame = result.full_frame.loc[after:]
-    sides = [f"{name}.tension_{side}" for name in _control_sheaves(result) for side in ("in", "out")]
-    squares = ((frame[sides].to_numpy() - target) ** 2).mean(axis=1)
-    duration = float(frame.index[-1] - frame.index[0])
-    return float(np.sqrt(np.trapezoid(squares, frame.index) / duration))
+def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
+    """What `optimise_schedule` and `tune_response` minimise, of any run from `settle` [s] on: all of `OBJECTIVES` by
+    name. target: tension that the deviation counts from [N], by default the mean. Raises InputError."""
+    check.not_negative(settle, "objectives", "settle", "s")
+    frame, names = result.full_frame, control_sheaves(result.model.system)
+    if settle >= result.times[-1]:
+        raise InputError(f"The run ends at {result.times[-1]:g} s", f"Choose settle below, not {settle:g} s")
+    counts = frame.index.to_numpy() >= settle - 1e-9
+    times = frame.index.to_numpy()[counts]
+    ends = frame.filter(regex=r"\.tension_[ab]$").to_numpy()[counts]
+    span = times[-1] - times[0]
+    sides = [frame[f"{n}.tension_{side}"].to_numpy()[counts] for n in names for side in ("in", "out")]
+    aim = np.mean([np.trapezoid(t, times) / span for t in sides]) if target is None else target
+    square = np.mean([np.trapezoid((t - aim) ** 2, times) / span for t in sides])
+    power = [np.maximum(frame[f"{n}.power"].to_numpy()[counts], 0.0) for n in names]
+    return {
+        "peak tension": float(ends.max()),
+        "tension deviation": float(np.sqrt(square)),
+        "energy": float(sum(np.trapezoid(p, times) for p in power)),
+    }
 
 
-def energy(result: Result, after: float = 0.0, target: float | None = None) -> float:
-    """Energy that the control sheaves' drives give to the rope [J]; what one takes back at the same time or another
-    counts for nothing."""
-    frame = result.full_frame.loc[after:]
-    power = frame[[f"{name}.power" for name in _control_sheaves(result)]].clip(lower=0.0)
-    return float(np.trapezoid(power.sum(axis=1), frame.index))
-
-
-OBJECTIVES: dict[str, Objective] = {
-    "peak tension": peak_tension,
-    "tension deviation": tension_deviation,
-    "energy": energy,
-}
-
-
-def objective_of(name: str) -> Objective:
-    """The objective of a name. Raises InputError."""
-    if name not in OBJECTIVES:
-        raise InputError(f"minimise is {name!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}")
-    return OBJECTIVES[name]
-
-
-def _control_sheaves(result: Result) -> list[str]:
-    """Names of the control sheaves, in order. Raises InputError if there is none."""
-    names = [c.name for c in result.model.system.components.values() if isinstance(c, ControlSheave)]
-    if not names:
-        raise InputError(f"{result.model.name} has no control sheave", "Put a ControlSheave into the line")
-    return names
+def objective_weights(minimise: str | Mapping[str, float]) -> dict[str, float]:
+    """The weight of each objective that counts. Raises InputError."""
+    given = {minimise: 1.0} if isinstance(minimise, str) else dict(minimise)
+    for name, weight in given.items():
+        if name not in OBJECTIVES:
+            raise InputError(f"minimise is {name!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}")
+        check.not_negative(weight, "minimise", f"weight of {name!r}")
+    if not any(given.values()):
+        raise InputError("minimise has no weight above zero", "Give at least one")
+    return {name: float(weight) for name, weight in given.items() if weight}

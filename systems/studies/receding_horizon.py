@@ -15,10 +15,11 @@ from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
+from ropeway.systems.studies.responses import control_sheaves, with_responses
 from ropeway.systems.studies.schedule import optimise_schedule
-from ropeway.systems.studies.schedule_limits import ScheduleLimits
-from ropeway.systems.studies.schedule_plan import SchedulePlan
-from ropeway.systems.studies.schedule_run import carried_over, control_sheaves, with_responses
+from ropeway.systems.studies.scheduling.limits import ScheduleLimits
+from ropeway.systems.studies.scheduling.plan import SchedulePlan
+from ropeway.systems.studies.scheduling.run import carried_over
 from ropeway.systems.system import System
 
 

@@ -19,7 +19,9 @@ from ropeway.systems.model import component_of, nearest
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
-from ropeway.systems.studies.schedule_agreement import (
+from ropeway.systems.studies.objectives import objective_weights, objectives
+from ropeway.systems.studies.responses import control_sheaves, with_responses
+from ropeway.systems.studies.scheduling.agreement import (
     PEAK_GAP,
     Simulated,
     agreed,
@@ -27,22 +29,15 @@ from ropeway.systems.studies.schedule_agreement import (
     gap_between,
     peaks_beyond,
 )
-from ropeway.systems.studies.schedule_equations import LineEquations, Row, drive_parameters
-from ropeway.systems.studies.schedule_limits import HYDRAULIC, UNITS, ScheduleLimits, objective_weights
-from ropeway.systems.studies.schedule_moments import moments
-from ropeway.systems.studies.schedule_parts import Parts, Task
-from ropeway.systems.studies.schedule_plan import Report, Round, SchedulePlan, active_table
-from ropeway.systems.studies.schedule_problem import ScheduleProblem
-from ropeway.systems.studies.schedule_run import (
-    balancing,
-    carried_over,
-    control_sheaves,
-    objectives,
-    smoothed,
-    with_responses,
-)
-from ropeway.systems.studies.schedule_solution import Planned
-from ropeway.systems.studies.schedule_solution import planned as solved
+from ropeway.systems.studies.scheduling.equations import LineEquations, Row, drive_parameters
+from ropeway.systems.studies.scheduling.limits import HYDRAULIC, UNITS, ScheduleLimits
+from ropeway.systems.studies.scheduling.moments import moments
+from ropeway.systems.studies.scheduling.parts import Parts, Task
+from ropeway.systems.studies.scheduling.plan import Report, Round, SchedulePlan, active_table
+from ropeway.systems.studies.scheduling.problem import ScheduleProblem
+from ropeway.systems.studies.scheduling.run import balancing, carried_over, smoothed
+from ropeway.systems.studies.scheduling.solution import Planned
+from ropeway.systems.studies.scheduling.solution import planned as solved
 from ropeway.systems.system import System
 
 _ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6

@@ -12,13 +12,13 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from ropeway.components import check
-from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.response import Response, check_precedence
 from ropeway.systems.progress import bar
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.journal import Row
-from ropeway.systems.studies.objectives import objective_of
+from ropeway.systems.studies.objectives import objective_weights, objectives
+from ropeway.systems.studies.responses import control_sheaves, with_responses
 from ropeway.systems.studies.sweep import rows_of
 from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System
@@ -41,25 +41,14 @@ class TunedResponse:
     history: pd.DataFrame
 
 
-def with_response(line: System, response: Response, precedence: str) -> System:
-    """The line with one response at all its control sheaves. Raises InputError if it has none."""
-    other = line.copy()
-    other.precedence = precedence
-    sheaves = [c for c in line.components.values() if isinstance(c, ControlSheave)]
-    if not sheaves:
-        raise InputError(f"{line.name} has no control sheave", "Put a ControlSheave into the line")
-    other.components.update({sheave.name: replace(sheave, response=response) for sheave in sheaves})
-    return other
-
-
 def tune_response(
     line: System,
     response: Response,
     *,
     over: Mapping[str, tuple[float, float] | Sequence[str]],
-    minimise: str,
+    minimise: str | Mapping[str, float],
     until: float,
-    after: float = 0.0,
+    settle: float = 0.0,
     target: float | None = None,
     every: float = 1.0,
     generations: int = 10,
@@ -72,16 +61,20 @@ def tune_response(
 
     over: what may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of
     "precedence" the names to choose from. minimise: "peak tension", "tension deviation" (from `target` [N]) or
-    "energy", of each run until `until`, from `after` on [s]; every: interval of the records [s].
+    "energy", or a weight for each, of each run until `until`, from `settle` on [s]; every: interval of the records
+    [s].
     generations, population: rounds, and simulations in a round for each quantity tuned. workers: as for
     `sweep`. The response as it is given counts too: what comes out is never worse.
 
     Raises InputError; SimulationError where every run has failed.
     """
     check.positive(until, "tune_response", "until", "s")
-    if not 0.0 <= after < until:
-        raise InputError(f"after is {after!r} s of a run of {until:g} s", "Choose it within the run")
-    trial = _Trial(line, response, minimise, until, after, target, every)
+    if not 0.0 <= settle < until:
+        raise InputError(f"settle is {settle!r} s of a run of {until:g} s", "Choose it within the run")
+    weights = objective_weights(minimise)
+    if "tension deviation" in weights and target is None:
+        raise InputError("The tension deviation has no target", "Give target= [N]: runs count from the same tension")
+    trial = _Trial(line, response, control_sheaves(line), weights, until, settle, target, every)
     space = _Space(over)
     space.check(response)
     given = {name: getattr(response, name, line.precedence) for name in over}
@@ -118,7 +111,7 @@ def tune_response(
         raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
     chosen, precedence = trial.variant({name: best[name] for name in over})
     return TunedResponse(
-        with_response(line, chosen, precedence), chosen, precedence, best["objective"], history[0]["objective"], table
+        trial.line_with(chosen, precedence), chosen, precedence, best["objective"], history[0]["objective"], table
     )
 
 
@@ -184,16 +177,21 @@ class _Trial:
 
     line: System
     response: Response
-    minimise: str
+    sheaves: Sequence[str]
+    weights: Mapping[str, float]
     until: float
-    after: float
+    settle: float
     target: float | None
     every: float
 
     def __call__(self, **changes: Any) -> dict[str, float]:
-        judged = objective_of(self.minimise)
-        result = simulate(with_response(self.line, *self.variant(changes)), self.until, every=self.every)
-        return {"objective": judged(result, self.after, self.target)}
+        result = simulate(self.line_with(*self.variant(changes)), self.until, every=self.every)
+        found = objectives(result, settle=self.settle, target=self.target)
+        return {"objective": sum(weight * found[name] for name, weight in self.weights.items())}
+
+    def line_with(self, response: Response, precedence: str) -> System:
+        """The line with one response at all its control sheaves."""
+        return with_responses(self.line, dict.fromkeys(self.sheaves, response), precedence)
 
     def variant(self, changes: Mapping[str, Any]) -> tuple[Response, str]:
         """The response and the precedence with changes."""

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.systems.studies.objectives import OBJECTIVES, objective_of
+from ropeway.systems.studies.objectives import OBJECTIVES, objective_weights
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 SUPPORTS = pd.DataFrame(
@@ -31,23 +31,23 @@ def moving() -> rw.Result:
 
 
 def test_peak_is_the_highest_of_the_safety_report(moving: rw.Result) -> None:
-    assert objective_of("peak tension")(moving, 0.0, None) == moving.summary().spans["highest_tension"].max()
+    assert rw.objectives(moving)["peak tension"] == moving.summary().spans["highest_tension"].max()
 
 
 def test_energy_is_what_the_drives_pull(moving: rw.Result) -> None:
-    assert objective_of("energy")(moving, 0.0, None) == pytest.approx(moving.power()["pulled"]["c1"], rel=1e-12)
+    assert rw.objectives(moving)["energy"] == pytest.approx(moving.power()["pulled"]["c1"], rel=1e-12)
 
 
 def test_only_what_comes_after_counts(moving: rw.Result) -> None:
     for name in OBJECTIVES:
-        whole, late = (objective_of(name)(moving, after, 45e3) for after in (0.0, 30.0))
+        whole, late = (rw.objectives(moving, settle=settle, target=45e3)[name] for settle in (0.0, 30.0))
         assert late != whole
         if name != "tension deviation":
             assert late <= whole
 
 
 def test_deviation_is_a_root_of_a_mean_square(moving: rw.Result) -> None:
-    low, middle, high = (objective_of("tension deviation")(moving, 0.0, t) ** 2 for t in (40e3, 45e3, 50e3))
+    low, middle, high = (rw.objectives(moving, target=t)["tension deviation"] ** 2 for t in (40e3, 45e3, 50e3))
     assert low - 2.0 * middle + high == pytest.approx(2.0 * 5e3**2, rel=1e-9)
 
 
@@ -56,16 +56,18 @@ def test_deviation_of_a_line_at_rest() -> None:
     rest = rw.equilibrium(result.model)
     sides = np.array([rest["c1.tension_in"], rest["c1.tension_out"]])
     expected = np.sqrt(((sides - 44e3) ** 2).mean())
-    assert objective_of("tension deviation")(result, 0.0, 44e3) == pytest.approx(expected, rel=1e-9)
-    assert objective_of("energy")(result, 0.0, None) == 0.0
+    assert rw.objectives(result, target=44e3)["tension deviation"] == pytest.approx(expected, rel=1e-9)
+    assert rw.objectives(result)["energy"] == 0.0
 
 
 def test_wrong_requests(moving: rw.Result) -> None:
     with pytest.raises(rw.InputError, match="Choose from 'peak tension', 'tension deviation', 'energy'"):
-        objective_of("sag")
-    with pytest.raises(rw.InputError, match="no target"):
-        objective_of("tension deviation")(moving, 0.0, None)
+        objective_weights("sag")
+    with pytest.raises(rw.InputError, match="no weight above zero"):
+        objective_weights({"energy": 0.0})
+    with pytest.raises(rw.InputError, match="ends at 40 s"):
+        rw.objectives(moving, settle=40.0)
     idlers = SUPPORTS.assign(kind=SUPPORTS["kind"].replace("control", "idler"))
     still = rw.simulate(rw.monocable(ROPE, idlers, tension=45e3, speed=0.0), 1.0)
     with pytest.raises(rw.InputError, match="no control sheave"):
-        objective_of("energy")(still, 0.0, None)
+        rw.objectives(still)["energy"]

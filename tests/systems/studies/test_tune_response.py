@@ -9,8 +9,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.components.response import PRECEDENCES
-from ropeway.systems.studies.objectives import objective_of
-from ropeway.systems.studies.tune_response import with_response
+from ropeway.systems.studies.responses import with_responses
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 KINDS = ("drum", "idler", "control", "idler", "control", "idler", "drum")
@@ -51,10 +50,10 @@ def test_it_beats_the_response_it_began_with(tuned: rw.TunedResponse) -> None:
 def test_its_objective_is_that_of_its_line(tuned: rw.TunedResponse) -> None:
     for system, expected in (
         (tuned.line, tuned.objective),
-        (with_response(line(), COARSE, "all at once"), tuned.baseline),
+        (with_responses(line(), {"s2": COARSE, "s4": COARSE}), tuned.baseline),
     ):
-        again = objective_of("tension deviation")(rw.simulate(system, 40.0), 0.0, 46e3)
-        assert again == pytest.approx(expected, rel=1e-12)
+        again = rw.objectives(rw.simulate(system, 40.0), target=46e3)
+        assert again["tension deviation"] == pytest.approx(expected, rel=1e-12)
     assert tuned.line.precedence == tuned.precedence
 
 
@@ -113,7 +112,7 @@ def test_wrong_input() -> None:
     for settings, message in (
         ({"minimise": "sag"}, "minimise is 'sag'"),
         ({"target": None}, "no target"),
-        ({"after": 40.0}, "after is 40.0"),
+        ({"settle": 40.0}, "settle is 40.0"),
         ({"until": 0.0}, "until"),
     ):
         with pytest.raises(rw.InputError, match=message):

@@ -15,14 +15,14 @@ from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.result import Result
-from ropeway.systems.studies.schedule_limits import ScheduleLimits
-from ropeway.systems.studies.schedule_solution import Active
+from ropeway.systems.studies.scheduling.limits import ScheduleLimits
+from ropeway.systems.studies.scheduling.solution import Active
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ropeway.systems.studies.schedule_robustness import Disturbance
+    from ropeway.systems.studies.scheduling.robustness import Disturbance
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ class SchedulePlan:
     def trimmed(self) -> System:
         """The line with trims that correct towards the plan: feed-forward plus trim is
         `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs)`."""
-        from ropeway.systems.studies.schedule_robustness import trimmed_line
+        from ropeway.systems.studies.scheduling.robustness import trimmed_line
 
         return trimmed_line(self, self.trim)
 
@@ -149,7 +149,7 @@ class SchedulePlan:
         tension [N], "over plan" (that over the plan's, less 1), deviation [N], energy [J], from `settle` [s] on, by
         default the plan's; NaN where the line could not go on.
         """
-        from ropeway.systems.studies.schedule_robustness import robustness
+        from ropeway.systems.studies.scheduling.robustness import robustness
 
         return robustness(self, disturbances, settle)
 
@@ -160,7 +160,7 @@ class SchedulePlan:
 
     def plot(self) -> Figure:
         """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""
-        from ropeway.systems.studies.schedule_plot import plan_figure
+        from ropeway.systems.studies.scheduling.plot import plan_figure
 
         return plan_figure(self)
 

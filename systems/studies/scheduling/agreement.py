@@ -10,11 +10,11 @@ import pandas as pd
 
 from ropeway.components.schedule import Schedule
 from ropeway.systems.result import Result
-from ropeway.systems.studies.schedule_equations import LineEquations
-from ropeway.systems.studies.schedule_moments import Moment, moments
-from ropeway.systems.studies.schedule_parts import Task
-from ropeway.systems.studies.schedule_plan import Gap
-from ropeway.systems.studies.schedule_solution import Planned
+from ropeway.systems.studies.scheduling.equations import LineEquations
+from ropeway.systems.studies.scheduling.moments import Moment, moments
+from ropeway.systems.studies.scheduling.parts import Task
+from ropeway.systems.studies.scheduling.plan import Gap
+from ropeway.systems.studies.scheduling.solution import Planned
 
 CROSSING_GAP, PEAK_GAP = 5e-3, 20.0
 """A plan and its simulation agree when times of crossings [s] and the highest tension [N] differ by less."""

@@ -12,11 +12,11 @@ import numpy as np
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.systems.newton import Point
 from ropeway.systems.result import Result
-from ropeway.systems.studies.nonlinear_program import Linear, Solution, Term, Uses, solve
-from ropeway.systems.studies.schedule_equations import FORCE, LineEquations, Part
-from ropeway.systems.studies.schedule_moments import Moment
-from ropeway.systems.studies.schedule_numbers import Label, Numbers, Sample
-from ropeway.systems.studies.schedule_parts import MOTION, SMOOTH, Parts, Task, bounds_of, motion
+from ropeway.systems.studies.scheduling.equations import FORCE, LineEquations, Part
+from ropeway.systems.studies.scheduling.moments import Moment
+from ropeway.systems.studies.scheduling.nonlinear_program import Linear, Solution, Term, Uses, solve
+from ropeway.systems.studies.scheduling.numbers import Label, Numbers, Sample
+from ropeway.systems.studies.scheduling.parts import MOTION, SMOOTH, Parts, Task, bounds_of, motion
 
 STEADINESS = 0.02
 """Weight of the squared changes of speed [s2/m2] in an objective of about one: it decides where nothing else does."""
@@ -37,7 +37,7 @@ class ScheduleProblem:
         self.points: dict[int, Point] = {}
         self.uses: list[Uses] = []
         self.labels: list[Label] = []
-        self.rows: tuple[list, list, list, list] = ([], [], [], [])
+        self.rows: tuple[list[list[int]], list[list[float]], list[float], list[float]] = ([], [], [], [])
         self._drives(speeds)
         self._moments(speeds)
         self.slack = {
@@ -93,8 +93,11 @@ class ScheduleProblem:
                 self._row(columns, [1.0, -1.0, -h / 2.0, -h / 2.0], change, change)
 
     def _row(self, columns: list[int], factors: list[float], low: float, high: float) -> None:
-        for to, what in zip(self.rows, (columns, factors, low, high), strict=True):
-            to.append(what)
+        rows = self.rows
+        rows[0].append(columns)
+        rows[1].append(factors)
+        rows[2].append(low)
+        rows[3].append(high)
 
     def _limits_of_motion(self) -> None:
         """Rows on speed and acceleration."""

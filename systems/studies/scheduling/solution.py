@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from ropeway.systems.newton import outputs_of
-from ropeway.systems.studies.nonlinear_program import Solution
-from ropeway.systems.studies.schedule_equations import GIVE, side
-from ropeway.systems.studies.schedule_problem import ScheduleProblem
+from ropeway.systems.studies.scheduling.equations import GIVE, side
+from ropeway.systems.studies.scheduling.nonlinear_program import Solution
+from ropeway.systems.studies.scheduling.problem import ScheduleProblem
 
 _REACHED, _MULTIPLIER = 1e-3, 1e-7
 """A limit counts as reached when its row is as near to it [the problem's units], with a multiplier as large."""

@@ -1,4 +1,4 @@
-"""What a schedule is asked for: objectives, and the limits that it keeps."""
+"""The limits that a schedule keeps."""
 
 from __future__ import annotations
 
@@ -8,10 +8,6 @@ from dataclasses import dataclass
 
 from ropeway.components import check
 from ropeway.components.errors import InputError
-
-OBJECTIVES = ("peak tension", "tension deviation", "energy")
-"""Highest tension of all spans [N]; root mean square of the control sheaves' tensions, on both sides, from a target
-[N]; energy that the control sheaves' drives give, not less what they recover [J]."""
 
 PerSheave = float | Mapping[str, float]
 """One value for all control sheaves, or one for each name; those not named have no limit of their own."""
@@ -90,7 +86,7 @@ class ScheduleLimits:
         found = {}
         for name, (_, output) in _LARGEST.items():
             given = getattr(self, name)
-            if given is None and name in HYDRAULIC and hydraulic:
+            if given is None and HYDRAULIC.get(name) in hydraulic:
                 most = SPARE * hydraulic[HYDRAULIC[name]]
             else:
                 most = _of(given, sheave, math.inf)
@@ -106,15 +102,3 @@ def _of(given: PerSheave | None, sheave: str, none: float) -> float:
     if given is None:
         return none
     return float(given.get(sheave, none)) if isinstance(given, Mapping) else float(given)
-
-
-def objective_weights(minimise: str | Mapping[str, float]) -> dict[str, float]:
-    """The weight of each objective that counts. Raises InputError."""
-    given = {minimise: 1.0} if isinstance(minimise, str) else dict(minimise)
-    for name, weight in given.items():
-        if name not in OBJECTIVES:
-            raise InputError(f"minimise is {name!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}")
-        check.not_negative(weight, "minimise", f"weight of {name!r}")
-    if not any(given.values()):
-        raise InputError("minimise has no weight above zero", "Give at least one")
-    return {name: float(weight) for name, weight in given.items() if weight}

@@ -15,7 +15,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Point, expanded
-from ropeway.systems.studies.nonlinear_program import Term
+from ropeway.systems.studies.scheduling.nonlinear_program import Term
 
 FORCE = 1e4
 """Unit of forces in the problem [N]: of the order of what a schedule changes."""

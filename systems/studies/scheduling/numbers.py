@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ropeway.systems.studies.schedule_equations import Row
+from ropeway.systems.studies.scheduling.equations import Row
 
 
 @dataclass

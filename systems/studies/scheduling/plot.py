@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropeway.systems.studies.schedule_plan import SchedulePlan
+    from ropeway.systems.studies.scheduling.plan import SchedulePlan
 
 
 def plan_figure(plan: SchedulePlan) -> Figure:
@@ -44,7 +45,7 @@ def plan_figure(plan: SchedulePlan) -> Figure:
     return figure
 
 
-def _limits(axis, plan: SchedulePlan) -> None:
+def _limits(axis: Axes, plan: SchedulePlan) -> None:
     """The tension limits, where the picture reaches them."""
     bottom, top = axis.get_ylim()
     for value in plan.tension:

@@ -17,11 +17,13 @@ from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.newton import newton_of
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
-from ropeway.systems.studies.schedule_run import carried_over, objectives, with_responses
+from ropeway.systems.studies.objectives import objectives
+from ropeway.systems.studies.responses import with_responses
+from ropeway.systems.studies.scheduling.run import carried_over
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
-    from ropeway.systems.studies.schedule_plan import SchedulePlan
+    from ropeway.systems.studies.scheduling.plan import SchedulePlan
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from ropeway.systems.studies.nonlinear_program import Term
-from ropeway.systems.studies.schedule_equations import FORCE, LineEquations, Part, Row
+from ropeway.systems.studies.scheduling.equations import FORCE, LineEquations, Part, Row
+from ropeway.systems.studies.scheduling.nonlinear_program import Term
 
 MOTION = ("speed", "acceleration")
 """Limits of a schedule's own speeds."""
