@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropeway.components.errors import RopewayError
 from ropeway.fmu.command import app as fmu_commands
+from ropeway.fmu.terminal import errors_on_one_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,6 +22,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # it would take [m/s] for a tag
 )
 
 app.add_typer(fmu_commands, name="fmu")
@@ -31,22 +30,12 @@ app.add_typer(fmu_commands, name="fmu")
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; it is made if need be.")]
 
 
-@contextmanager
-def _errors_on_one_line() -> Iterator[None]:
-    """A wrong input ends with exit code 1 and one line; anything else is a bug and shows its traceback."""
-    try:
-        yield
-    except (RopewayError, OSError) as error:
-        typer.echo(f"ropeway: {' '.join(str(error).split())}", err=True)
-        raise typer.Exit(1) from error
-
-
 @app.command()
 def demo(out: Out = Path("ropeway-demo")) -> None:
     """Run ten minutes of an example: a mono-cable line of 24 spans, 2.4 km, with a 300 kg load every 50 m."""
     import ropeway as rw
 
-    with _errors_on_one_line(), as_file(files("ropeway.examples") / "line.csv") as supports:
+    with errors_on_one_line(), as_file(files("ropeway.examples") / "line.csv") as supports:
         rope = rw.Rope.named("RHOL-IWRC 29")
         line = rw.monocable(rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
         _report(rw.simulate(line, until=600.0, every=1.0), out)
@@ -74,7 +63,7 @@ def simulate(
     """Simulate a mono-cable line: tensions, events and pictures."""
     import ropeway as rw
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         chosen = rw.Rope.named(rope, safety_factor=safety_factor)
         system = rw.monocable(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
@@ -101,7 +90,7 @@ def optimise(
     """Optimise how the control sheaves of a mono-cable line move: schedules, limits that bind, robustness."""
     import ropeway as rw
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         chosen = rw.Rope.named(rope, safety_factor=safety_factor)
         system = rw.monocable(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
@@ -131,7 +120,7 @@ def payload(
     import ropeway as rw
     from ropeway.systems.studies.corridor_report import payload_command
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         study, paths = payload_command(
             corridor,
             skyline=rw.Rope.named(skyline),

@@ -145,4 +145,4 @@ class Carriage(Node):
 def _length(pull: Any) -> Any:
     """Length of a force that is zero where a seat is left open, with a derivative there too."""
     xp = namespace(*pull)
-    return xp.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2 + 1e-60)
+    return xp.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2 + 1e-60) - 1e-30

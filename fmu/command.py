@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal, cast
 
 import typer
 
-from ropeway.components.errors import RopewayError
+from ropeway.fmu.terminal import errors_on_one_line
 
-app = typer.Typer(help="FMUs: export a line, look into one, run one.", no_args_is_help=True)
+app = typer.Typer(help="FMUs: export a line, look into one, run one.", no_args_is_help=True, rich_markup_mode=None)
 
 File = Annotated[Path, typer.Argument(help="An FMU.")]
-
-
-@contextmanager
-def _errors_on_one_line() -> Iterator[None]:
-    """A wrong input ends with exit code 1 and one line."""
-    try:
-        yield
-    except (RopewayError, OSError) as error:
-        typer.echo(f"ropeway: {' '.join(str(error).split())}", err=True)
-        raise typer.Exit(1) from error
 
 
 @app.command("export")
@@ -43,7 +31,7 @@ def export_line(
     from ropeway.fmu.exporting import export
     from ropeway.systems.rigs.monocable import monocable
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         system = monocable(
             Rope.named(rope),
             line,
@@ -62,7 +50,7 @@ def info(file: File) -> None:
     """Show what an FMU is and its inputs, outputs and parameters."""
     from ropeway.fmu.imported import load
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         fmu = load(file)
         typer.echo(f"{fmu.name}: FMI {fmu.fmi}, {', '.join(fmu.kinds)}; binaries: {', '.join(fmu.platforms) or 'none'}")
         for causality in ("input", "output", "parameter"):
@@ -85,7 +73,7 @@ def run(
     from ropeway.components.errors import InputError
     from ropeway.fmu.cosimulation import CoSimulation
 
-    with _errors_on_one_line():
+    with errors_on_one_line():
         values: dict[str, float] = {}
         for text in start or []:
             name, _, number = text.partition("=")

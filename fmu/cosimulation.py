@@ -19,6 +19,7 @@ from ropeway.fmu.coupling import Connection, Coupling, Master, Scheme
 from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting import export
 from ropeway.fmu.imported import Fmu, load
+from ropeway.fmu.instance import require_kind
 from ropeway.fmu.slave import Slave, require_causality
 from ropeway.fmu.stepping import StepControl, Stepper
 from ropeway.systems.progress import bar
@@ -55,6 +56,10 @@ class CoSimulation:
         check.positive(tolerance, "CoSimulation", "tolerance")
         if master not in ("Jacobi", "Gauss-Seidel"):
             raise InputError(f"master is {master!r}", 'Choose "Jacobi" or "Gauss-Seidel"')
+        if iterations < 1:
+            raise InputError(f"iterations is {iterations!r}", "Give at least one")
+        if control is not None and not isinstance(control, StepControl):
+            raise InputError(f"control is {control!r}", f"Give StepControl({control!r})")
         self.step, self.control = float(step), control
         self._scheme = Scheme(master, iterated, tolerance, iterations)
         self._participants: dict[str, _Participant] = {}
@@ -81,9 +86,13 @@ class CoSimulation:
         fmu = participant if isinstance(participant, Fmu) else load(participant)
         values = {key: float(value) for key, value in (start or {}).items()}
         for key, value in values.items():
-            fmu.variable(key)
+            row = fmu.variable(key)
+            if row["causality"] == "output" and pd.isna(row["start"]):
+                raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
             check.number(value, f"Slave {name!r}", key)
-        if kind is None:
+        if kind is not None:
+            require_kind(fmu, kind)
+        else:
             kind = "CoSimulation" if "CoSimulation" in fmu.kinds else "ModelExchange"
         self._participants[name] = _Participant(fmu, kind, values)
         return fmu
@@ -142,7 +151,7 @@ class CoSimulation:
 
     def _take_fixed(self, coupling: Coupling, i: int, until: float) -> float:
         """Step i of those with a fixed length, of which the last ends at `until`; the time reached."""
-        end = until if i + 1 == max(1, round(until / self.step)) else (i + 1) * self.step
+        end = until if i + 1 >= until / self.step - 1e-9 else (i + 1) * self.step
         coupling.step(end - i * self.step)
         return end
 

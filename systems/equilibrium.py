@@ -39,6 +39,9 @@ class Equilibrium:
     passed: tuple[np.ndarray, ...]
     held: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"<Equilibrium of {self.model.name!r}: {len(self.model.y)} outputs>"
+
     @cached_property
     def outputs(self) -> np.ndarray:
         """Values of all outputs, in the order of `model.y`."""

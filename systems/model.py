@@ -174,6 +174,10 @@ class Model:
     clocks: tuple[Clock, ...]
     kept: np.ndarray
 
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{len(table)} {kind.value}" for kind, table in self.tables.items())
+        return f"<Model of {self.name!r}: {sizes}>"
+
     @property
     def name(self) -> str:
         """The system's name."""

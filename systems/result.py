@@ -47,6 +47,10 @@ class Result:
     exact: np.ndarray
     crossings: tuple[Event, ...]
 
+    def __repr__(self) -> str:
+        end = self.records[-1].time if self.records else 0.0
+        return f"<Result of {self.model.name!r}: {end:g} s, {len(self.records)} records>"
+
     @property
     def times(self) -> np.ndarray:
         """Times of all records [s]; an event has two records of one time."""

@@ -62,6 +62,7 @@ def test_help_and_wrong_usage(tmp_path: Path) -> None:
     done = ropeway("simulate", "--help", cwd=tmp_path)
     assert done.returncode == 0
     assert "name,x,y,z,kind" in done.stdout.replace("\n", "")
+    assert "[m/s]" in done.stdout
     assert ropeway("simulate", "--no-such-option", cwd=tmp_path).returncode == 2
 
 

@@ -231,7 +231,10 @@ class SkylineRig:
         here, there = self.stands[span].at, self.stands[span + 1].at
         x = (here[0] + there[0]) / 2.0 if station is None else station
         if not here[0] < x < there[0]:
-            raise InputError(f"Station {x:g} m is outside span {span}", f"Between {here[0]:g} m and {there[0]:g} m")
+            ends = f"{self.stands[span].name} and {self.stands[span + 1].name}"
+            raise InputError(
+                f"Station {x:g} m is not between {ends}", f"They stand at {here[0]:g} m and {there[0]:g} m"
+            )
         start = self.start(span, x, mass)
         share = (x - here[0]) / (there[0] - here[0])
         place = (x, here[1] + share * (there[1] - here[1]), start.z)

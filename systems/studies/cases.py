@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
@@ -17,9 +17,12 @@ from ropeway.components.errors import InputError
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, seed: int = 0) -> pd.DataFrame:
     """Cases spread evenly between the `bounds` (low, high) of each parameter: in each of `samples` equal parts of
     a parameter's range there is one. One row a case, the same for the same seed. Raises InputError."""
-    if not bounds or samples < 1:
+    if not bounds or not isinstance(samples, int) or samples < 1:
         raise InputError("latin_hypercube has nothing to spread", "Give bounds and at least one sample")
-    for name, (low, high) in bounds.items():
+    for name, ends_of in bounds.items():
+        if not isinstance(ends_of, Sequence) or len(ends_of) != 2:
+            raise InputError(f"Bounds of {name!r} are {ends_of!r}", "Give (low, high)")
+        low, high = ends_of
         check.number(low, "latin_hypercube", f"low end of {name}")
         check.number(high, "latin_hypercube", f"high end of {name}")
         if low >= high:
@@ -34,6 +37,8 @@ def table_of(parameters: Mapping[str, Iterable[Any]] | pd.DataFrame) -> pd.DataF
     parameter changing fastest. Raises InputError."""
     if isinstance(parameters, pd.DataFrame):
         cases = parameters.reset_index(drop=True)
+    elif not isinstance(parameters, Mapping):
+        raise InputError(f"The cases are a {type(parameters).__name__}", "Give a table, or values by parameter")
     else:
         for name, values in parameters.items():
             if isinstance(values, str) or not isinstance(values, Iterable):

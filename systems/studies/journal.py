@@ -26,6 +26,8 @@ class Journal:
         if find_spec("pyarrow") is None:
             raise InputError("Parquet files need pyarrow", 'Install it: pip install "ropeway[parquet]"')
         self.path = Path(path)
+        if self.path.is_dir() or not self.path.parent.is_dir():
+            raise InputError(f"{self.path} cannot be written", "Name a file in a folder that is there")
         self._lines = self.path.with_name(f"{self.path.name}.journal")
         try:
             values = json.dumps(cases.to_dict("split")).encode()
@@ -64,6 +66,11 @@ class Journal:
 
     def finish(self, table: pd.DataFrame) -> pd.DataFrame:
         """Writes the whole table in place of the journal; returns it as it can be read again."""
+        for name, column in table.items():
+            if column.dtype == object and len({isinstance(value, str) for value in column.dropna()}) > 1:
+                raise InputError(
+                    f"{name} is a number in some cases and text in others", f"Return one kind, and remove {self._lines}"
+                )
         table.attrs["sweep"] = self._mark
         partial = self.path.with_name(f"{self.path.name}.partial")
         table.to_parquet(partial)

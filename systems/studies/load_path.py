@@ -88,7 +88,8 @@ def units_of(frame: pd.DataFrame) -> dict[str, str]:
 
 
 def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
-    """About every `spacing` metres of all spans, supports included, the ends left out."""
+    """About every `spacing` metres of all spans, supports included, the ends left out. Raises InputError."""
+    check.positive(spacing, rig.name, "spacing", "m")
     x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
 

@@ -33,7 +33,7 @@ def sweep(
     study: Study | System | Model,
     parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
     *,
-    outputs: Sequence[str] | None = None,
+    outputs: str | Sequence[str] | None = None,
     workers: Workers = None,
     path: str | Path | None = None,
     progress: bool | None = None,
@@ -55,17 +55,21 @@ def sweep(
     before the first case, RopewayError when a worker process dies.
     """
     cases = table_of(parameters)
+    if taken := set(cases.columns) & set(_FAILURE):
+        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
     names, units = list(cases.columns), dict[str, str]()
     if isinstance(study, (System, Model)):
         model = study if isinstance(study, Model) else assemble(study)
         _require_numbers(cases)
-        variants = line_study(model, names, outputs)
+        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
         task: Study = variants
         units, mark = line_units(model, [*names, *variants.outputs]), line_mark(model, variants)
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:
         _require_fitting(study, cases)
+        if path is not None and getattr(study, "__name__", "") == "<lambda>":
+            raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
         task, mark = study, _mark(study)
     journal = None if path is None else Journal(path, mark, cases)
     finished = None if journal is None else journal.finished()

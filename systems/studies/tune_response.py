@@ -71,6 +71,7 @@ def tune_response(
     check.positive(until, "tune_response", "until", "s")
     if not 0.0 <= settle < until:
         raise InputError(f"settle is {settle!r} s of a run of {until:g} s", "Choose it within the run")
+    check.not_negative(seed, "tune_response", "seed")
     weights = objective_weights(minimise)
     if "tension deviation" in weights and target is None:
         raise InputError("The tension deviation has no target", "Give target= [N]: runs count from the same tension")
@@ -123,10 +124,14 @@ class _Space:
 
     def check(self, response: Response) -> None:
         """Raises InputError."""
+        if not isinstance(response, Response):
+            raise InputError(f"response is {response!r}", "Give a ThresholdResponse or another response")
         known = [f.name for f in fields(response)]
         if not self.over:
             raise InputError("tune_response has nothing to tune", f"Give ranges over {', '.join(known)} or precedence")
         for name, values in self.over.items():
+            if isinstance(values, str) or not isinstance(values, Sequence):
+                raise InputError(f"{name} is tuned over {values!r}", "Give (low, high), or two precedences or more")
             if name == "precedence":
                 for precedence in values:
                     check_precedence(str(precedence))

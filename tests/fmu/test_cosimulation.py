@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.fmu import CoSimulation, FmuVariableError
+from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError
 
 
 def cascade(driven: Path, line: Path, step: float, **more: object) -> pd.DataFrame:
@@ -71,6 +71,10 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
         together.add("a", line2)
     with pytest.raises(FmuVariableError, match="has no variable 'speed'"):
         together.add("c", line2, start={"speed": 1.0})
+    with pytest.raises(FmuVariableError, match=r"'c1\.tension_in' of line2\.fmu is calculated"):
+        together.add("c", line2, start={"c1.tension_in": 1.0})
+    with pytest.raises(FmuImportError, match="is not for cs"):
+        together.add("c", line2, kind="cs")  # type: ignore[arg-type]
 
 
 def test_bad_masters() -> None:
@@ -78,5 +82,15 @@ def test_bad_masters() -> None:
         CoSimulation(0.0)
     with pytest.raises(rw.InputError, match="master is"):
         CoSimulation(1.0, master="Newton")  # type: ignore[arg-type]
+    with pytest.raises(rw.InputError, match="iterations is 0"):
+        CoSimulation(1.0, iterations=0)
+    with pytest.raises(rw.InputError, match=r"Give StepControl\('Richardson'\)"):
+        CoSimulation(1.0, control="Richardson")  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="no slave"):
         CoSimulation(1.0).run(1.0)
+
+
+def test_the_last_step_is_no_longer_than_asked(line2: Path) -> None:
+    together = CoSimulation(0.1)
+    together.add("a", line2)
+    assert list(together.run(0.14).index) == [0.0, 0.1, 0.14]

@@ -258,6 +258,11 @@ def test_bad_requests(of: str, to: str, error: type[Exception], says: str) -> No
         rw.sensitivities(rw.equilibrium(idlers()), of=of, to=to)
 
 
+def test_a_system_is_to_be_solved_first() -> None:
+    with pytest.raises(rw.InputError, match="nothing to derive in a System"):
+        rw.sensitivities(idlers(), of="a.tension", to="l1.mass")  # type: ignore[arg-type]
+
+
 def test_an_emergency_stop_is_refused() -> None:
     stop = rw.Intervention(time=5.0, action="emergency stop")
     result = rw.simulate(line(), 20.0, interventions=[stop])

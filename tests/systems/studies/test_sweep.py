@@ -258,6 +258,20 @@ def test_files_of_another_sweep_are_left_alone(tmp_path: Path) -> None:
         rw.sweep(lines[0], {"s1.z": [5.0]}, workers=1, path=tmp_path / "1.parquet")
 
 
+def number_or_text(width: float) -> float | str:
+    return width if width < 2.0 else "wide"
+
+
+def test_a_column_of_numbers_and_text_has_no_file(tmp_path: Path) -> None:
+    with pytest.raises(rw.InputError, match="value is a number in some cases and text in others"):
+        rw.sweep(number_or_text, {"width": [1.0, 3.0]}, workers=1, path=tmp_path / "a.parquet")
+
+
+def test_a_mass_below_zero_is_a_failure() -> None:
+    table = rw.sweep(line(), {"l1.mass": [100.0, -5.0]}, outputs="s0_s1.tension_a", workers=1)
+    assert list(table["error"]) == ["", "InputError"]
+
+
 def test_a_process_that_dies_is_told() -> None:
     with pytest.raises(rw.RopewayError, match="worker process has died"):
         rw.sweep(os._exit, {"status": [3]}, workers=2)
@@ -279,6 +293,15 @@ def test_wrong_input_comes_before_the_first_case() -> None:
         rw.sweep(1.0, {"length": [1.0]})  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="list of its values"):
         rw.sweep(area, {"width": 1.0})
+    with pytest.raises(rw.InputError, match="The cases are a list"):
+        rw.sweep(area, [1.0])  # type: ignore[arg-type]
+    with pytest.raises(rw.InputError, match="named 'error'"):
+        rw.sweep(lambda error: error, {"error": [1.0]}, workers=1)
+    with pytest.raises(rw.InputError, match="cannot tell"):
+        rw.sweep(lambda width: width, {"width": [1.0]}, workers=1, path="never.parquet")
+    for folder in (".", "no/such/folder/a.parquet"):
+        with pytest.raises(rw.InputError, match="cannot be written"):
+            rw.sweep(area, {"width": [1.0]}, workers=1, path=folder)
     with pytest.raises(rw.InputError, match="no cases"):
         rw.sweep(area, {"width": []})
     for workers in (0, "2"):
@@ -287,7 +310,7 @@ def test_wrong_input_comes_before_the_first_case() -> None:
     with pytest.raises(rw.InputError, match="worker process cannot be given"):
         rw.sweep(lambda width: width, {"width": [1.0]}, workers=2)
     with pytest.raises(rw.InputError, match="numbers and text"):
-        rw.sweep(lambda rope: 1.0, {"rope": [ROPE]}, workers=1, path="never.parquet")
+        rw.sweep(area, {"width": [ROPE]}, workers=1, path="never.parquet")
 
 
 def test_latin_hypercube_has_one_sample_in_each_part() -> None:

@@ -105,6 +105,8 @@ def test_wrong_input() -> None:
         ({"increment": (0.1, 0.1)}, "increment is tuned over"),
         ({"increment": (0.1, np.inf)}, "finite number"),
         ({"precedence": ("all at once",)}, "precedence is tuned over"),
+        ({"precedence": "all at once"}, "precedence is tuned over"),
+        ({"increment": 0.05}, "increment is tuned over"),
         ({"precedence": ("all at once", "loudest first")}, "loudest first"),
     ):
         with pytest.raises(rw.InputError, match=message):
@@ -114,6 +116,7 @@ def test_wrong_input() -> None:
         ({"target": None}, "no target"),
         ({"settle": 40.0}, "settle is 40.0"),
         ({"until": 0.0}, "until"),
+        ({"seed": -1}, "seed"),
     ):
         with pytest.raises(rw.InputError, match=message):
             tune(**settings)
