@@ -9,6 +9,8 @@ from functools import cached_property
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
@@ -62,7 +64,8 @@ def receding_horizon(
 
     intervals: of each plan; `every` is a whole number of them. settle: as for `optimise_schedule`, for the first
     plan; the later ones go on from a line that keeps its limits, and count after two intervals. tension_low and the
-    target of the first plan hold for all. Raises InputError, ScheduleError.
+    target of the first plan hold for all. Where a plan looks beyond the end of the line's own schedules, they keep
+    their last speed. Raises InputError, ScheduleError.
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")
@@ -74,6 +77,8 @@ def receding_horizon(
         )
     names = control_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
+    for own in _own_schedules(bare).values():
+        own.require(until)
     here = carried_over(equilibrium(bare) if start is None else start, bare)
     first, begin = here, 0.0
     plans: list[SchedulePlan] = []
@@ -84,7 +89,7 @@ def receding_horizon(
     with bar("receding horizon", until, progress) as advance:
         while begin < until - 1e-9:
             plan = optimise_schedule(
-                bare,
+                _later(bare, begin, horizon),
                 horizon,
                 minimise=minimise,
                 limits=bounds,
@@ -104,7 +109,7 @@ def receding_horizon(
                 times = [t for t in own.times if t < part - 1e-9] + [part]
                 driven[name].update((begin + t, own.at(t)) for t in times)
             here = plan.result.at(part)
-            warm = {name: _shifted(plan.schedules[name], part, horizon) for name in names}
+            warm = {name: own.later(part, horizon) for name, own in plan.schedules.items()}
             begin += part
             advance(begin)
     schedules = {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in driven.items()}
@@ -113,8 +118,15 @@ def receding_horizon(
     return RecedingHorizon(tuple(plans), tuple(begins), schedules, result)
 
 
-def _shifted(schedule: Schedule, by: float, until: float) -> Schedule:
-    """The rest of a schedule from a time on, at its last speed beyond its end."""
-    times = [t - by for t in schedule.times if t > by + 1e-9]
-    speeds = [schedule.at(t + by) for t in times]
-    return Schedule([0.0, *times, until], [schedule.at(by), *speeds, schedule.speeds[-1]])
+def _own_schedules(line: System) -> dict[str, Schedule]:
+    """Speeds that driven supports have by themselves, where they change over time."""
+    speeds = {name: c.speed for name, c in line.components.items() if isinstance(c, (ControlSheave, Drum))}
+    return {name: speed for name, speed in speeds.items() if isinstance(speed, Schedule)}
+
+
+def _later(line: System, by: float, until: float) -> System:
+    """The line whose time 0 is `by` seconds later, for `until` seconds."""
+    other = line.copy()
+    for name, speed in _own_schedules(line).items():
+        other.components[name] = replace(other.components[name], speed=speed.later(by, until))
+    return other

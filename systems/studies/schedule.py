@@ -47,6 +47,8 @@ _GIVE = 1e-4
 """Share of a limit below which a relaxation is none."""
 _ALIKE = 1e-3
 """Share of an objective in which two rounds are alike."""
+_REACH = 0.15
+"""Share of a line's highest speed by which a plan may leave the line's own, or m/s for a line that stands."""
 _SAMPLES = 4
 """Records of a simulation in each interval of the schedule."""
 
@@ -151,12 +153,12 @@ class _Study:
             )
         return lead or (drums or self.names)[0]
 
-    def own_speed(self, name: str) -> Schedule | float:
+    def own_speed(self, name: str) -> Schedule:
         """The speed that a driven support has by itself. Raises InputError."""
         signal = self.start.model.signals[self.start.model.u.index[f"{name}.speed"]]
         if signal is None:
             raise InputError(f"The speed of {name!r} is open", "Give it a speed, which its schedule starts from")
-        return signal
+        return signal if isinstance(signal, Schedule) else Schedule((0.0, self.until), (signal, signal))
 
     def run(self, schedules: Mapping[str, Schedule], responses: Mapping[str, Response | None]) -> Result:
         """The line under schedules and responses, with a record at every grid time."""
@@ -167,15 +169,20 @@ class _Study:
         return simulate(start.model, self.until, every=every, inputs=inputs, start=start, progress=False)
 
     def first(self, warm_start: SchedulePlan | Mapping[str, Schedule] | None) -> dict[str, Schedule]:
-        """The schedules to begin with: given ones on this grid, or those of the balanced run. Raises InputError."""
+        """The schedules to begin with: given ones on this grid, or those of the balanced run; the lead keeps its own
+        speed. Raises InputError."""
         if warm_start is None:
-            return smoothed(self.balanced, self.grid, self.names)
-        given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
-        if missing := [n for n in self.names if n not in given]:
-            raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
-        for name in self.names:
-            given[name].require(self.until)
-        return {name: given[name].on(self.grid.tolist()) for name in self.names}
+            found = smoothed(self.balanced, self.grid, self.names)
+        else:
+            given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
+            if missing := [n for n in self.names if n not in given]:
+                raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
+            for name in self.names:
+                given[name].require(self.until)
+            found = {name: given[name].on(self.grid.tolist()) for name in self.names}
+        if self.lead in found:
+            found[self.lead] = self.own_speed(self.lead).on(self.grid.tolist())
+        return found
 
     def task(self, weights: Mapping[str, float], deviation: float, *, relaxed: bool = False) -> Task:
         """What is asked of the problem."""
@@ -216,10 +223,9 @@ class _Study:
     def _speed_range(self, name: str) -> tuple[float, float]:
         if self.limits.speed is not None:
             return self.limits.speed
-        own = self.own_speed(name)
-        line = own.at(0.0) if isinstance(own, Schedule) else own
-        low, high = sorted((0.85 * line, 1.15 * line))
-        return low, high
+        speeds = self.own_speed(name).on(self.grid.tolist()).speeds
+        reach = _REACH * (max(map(abs, speeds)) or 1.0)
+        return min(speeds) - reach, max(speeds) + reach
 
     def optimise(
         self,
@@ -343,13 +349,8 @@ class _Study:
 
     def speeds(self, equations: LineEquations, schedules: Mapping[str, Schedule]) -> np.ndarray:
         """Speeds of the driven supports at grid times, shape (driven, grid)."""
-        found = []
-        for node in equations.nodes:
-            speed = schedules.get(node.name, self.own_speed(node.name))
-            found.append(
-                [speed.at(float(t)) for t in self.grid] if isinstance(speed, Schedule) else [speed] * len(self.grid)
-            )
-        return np.array(found, dtype=float)
+        speeds = [schedules.get(node.name, self.own_speed(node.name)) for node in equations.nodes]
+        return np.array([[speed.at(t) for t in self.grid.tolist()] for speed in speeds])
 
 
 def _and(broken: Mapping[str, Sequence[float]]) -> str:

@@ -45,8 +45,8 @@ class ScheduleLimits:
     tension_low, tension_high: of every span [N]; by default the lowest that the line has when its control sheaves
     balance their tensions, and the rope's SWL. force, power: largest size of a control sheave's drive force [N] and
     power [W]; pressure [Pa], flow [m3/s], hydraulic_power [W] of its hydraulic drive, by default 0.95 of what the
-    drive has; grip: least margin. speed: lowest and highest [m/s], by default 0.85 and 1.15 of the line's;
-    acceleration: largest size [m/s2]. Those of control sheaves: one for all, or a mapping by name. Raises InputError.
+    drive has; grip: least margin. speed: lowest and highest [m/s], by default the line's own, and beyond them 0.15 of
+    its highest (0.15 m/s for a line that stands); acceleration: largest size [m/s2]. Those of control sheaves: one for all, or a mapping by name. Raises InputError.
     """
 
     tension_low: float | None = None

@@ -84,6 +84,15 @@ def test_the_first_sheave_keeps_the_speed_of_the_line(plans: dict[str, rw.Schedu
         assert plan.schedules["c2"].speeds[0] == 1.0
 
 
+def test_the_lead_keeps_its_own_schedule_whatever_a_plan_starts_from() -> None:
+    line = schedule_lines.line(speed=rw.Schedule((0.0, 10.0, 20.0), (1.0, 1.1, 1.1)))
+    constant = {name: rw.Schedule((0.0, 20.0), (1.0, 1.0)) for name in ("c1", "c2", "c3")}
+    plans = [rw.optimise_schedule(line, 20.0, intervals=10, warm_start=given) for given in (None, constant)]
+    for plan in plans:
+        assert [plan.schedules["c1"].at(t) for t in (0.0, 6.0, 10.0, 20.0)] == pytest.approx([1.0, 1.06, 1.1, 1.1])
+    assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-3)
+
+
 def test_three_starts_end_in_one_objective(plans: dict[str, rw.SchedulePlan]) -> None:
     times = plans["energy"].schedules["c1"].times
     waves = np.random.default_rng(3).uniform(-0.03, 0.03, 3)
