@@ -18,14 +18,14 @@ from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.responses import control_sheaves, with_responses
-from ropeway.systems.studies.schedule import optimise_schedule
+from ropeway.systems.studies.schedule import check_intervals, optimise_schedule
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
 from ropeway.systems.studies.scheduling.plan import SchedulePlan
 from ropeway.systems.studies.scheduling.run import carried_over
 from ropeway.systems.system import System
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecedingHorizon:
     """A line driven by plan after plan: the plans, when each began [s], the schedules as driven, and the simulation
     under them."""
@@ -34,6 +34,10 @@ class RecedingHorizon:
     begins: tuple[float, ...]
     schedules: Mapping[str, Schedule]
     result: Result
+
+    def __repr__(self) -> str:
+        plans = len(self.plans)
+        return f"<RecedingHorizon of {self.plans[0].line.name!r} over {self.result.times[-1]:g} s: {plans} plans>"
 
     @cached_property
     def report(self) -> pd.DataFrame:
@@ -69,6 +73,7 @@ def receding_horizon(
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")
+    check_intervals(intervals)
     step = horizon / intervals
     if every > horizon or abs(every / step - round(every / step)) > 1e-9:
         raise InputError(
@@ -77,14 +82,15 @@ def receding_horizon(
         )
     names = control_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
-    for own in _own_schedules(bare).values():
-        own.require(until)
     here = carried_over(equilibrium(bare) if start is None else start, bare)
+    for own in here.model.signals:
+        if isinstance(own, Schedule):
+            own.require(until)
     first, begin = here, 0.0
     plans: list[SchedulePlan] = []
     begins: list[float] = []
     driven: dict[str, dict[float, float]] = {name: {} for name in names}
-    bounds = limits or ScheduleLimits()
+    bounds = ScheduleLimits() if limits is None else limits
     warm: dict[str, Schedule] | None = None
     with bar("receding horizon", until, progress) as advance:
         while begin < until - 1e-9:
@@ -118,15 +124,10 @@ def receding_horizon(
     return RecedingHorizon(tuple(plans), tuple(begins), schedules, result)
 
 
-def _own_schedules(line: System) -> dict[str, Schedule]:
-    """Speeds that driven supports have by themselves, where they change over time."""
-    speeds = {name: c.speed for name, c in line.components.items() if isinstance(c, (ControlSheave, Drum))}
-    return {name: speed for name, speed in speeds.items() if isinstance(speed, Schedule)}
-
-
 def _later(line: System, by: float, until: float) -> System:
     """The line whose time 0 is `by` seconds later, for `until` seconds."""
     other = line.copy()
-    for name, speed in _own_schedules(line).items():
-        other.components[name] = replace(other.components[name], speed=speed.later(by, until))
+    for name, driven in line.components.items():
+        if isinstance(driven, (ControlSheave, Drum)) and isinstance(driven.speed, Schedule):
+            other.components[name] = replace(driven, speed=driven.speed.later(by, until))
     return other

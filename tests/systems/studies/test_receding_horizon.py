@@ -55,6 +55,7 @@ def test_the_lead_keeps_the_lines_own_schedule() -> None:
     assert [driven.schedules["c1"].at(t) for t in (0.0, 6.0, 10.0, 14.0, 20.0)] == pytest.approx(
         [1.0, 1.03, 1.05, 1.07, 1.1]
     )
+    assert repr(driven) == "<RecedingHorizon of 'mono-cable line' over 20 s: 2 plans>"
 
 
 def test_a_schedule_that_ends_before_the_run_is_an_error() -> None:
@@ -71,3 +72,5 @@ def test_wrong_times_are_errors() -> None:
         rw.receding_horizon(line, 60.0, horizon=40.0, every=50.0, intervals=20)
     with pytest.raises(rw.InputError, match="horizon"):
         rw.receding_horizon(line, 60.0, horizon=0.0, every=10.0)
+    with pytest.raises(rw.InputError, match="intervals is 0"):
+        rw.receding_horizon(line, 60.0, horizon=40.0, every=10.0, intervals=0)

@@ -126,6 +126,28 @@ def test_a_limit_costs_what_its_multiplier_says(plans: dict[str, rw.SchedulePlan
     assert cost == pytest.approx(saved, rel=0.05)
 
 
+def test_a_force_costs_deviation_as_its_multiplier_says() -> None:
+    """Against the central difference of what simulations reach."""
+    tight, plan, wide = (
+        plan_of("tension deviation", limits=rw.ScheduleLimits(force=force)) for force in (1180.0, 1200.0, 1220.0)
+    )
+    assert len(plan.report.rounds) <= 4
+    assert plan.active.loc["force", "cost"].sum() == pytest.approx((tight.objective - wide.objective) / 40.0, rel=0.05)
+
+
+def test_a_deviation_is_reached_as_planned(plans: dict[str, rw.SchedulePlan]) -> None:
+    for plan in (plans["tension deviation"], plan_of("tension deviation", limits=rw.ScheduleLimits())):
+        last = plan.report.rounds[-1]
+        assert last.planned == pytest.approx(last.simulated, rel=0.01)
+        assert len(plan.report.rounds) <= 4
+
+
+def test_a_plan_shows_itself_in_a_line(plans: dict[str, rw.SchedulePlan]) -> None:
+    for name, plan in plans.items():
+        assert f"over 40 s: {name} {plan.objective:.6g}" in repr(plan)
+        assert len(repr(plan)) < 120
+
+
 def test_weights_mix_objectives(plans: dict[str, rw.SchedulePlan]) -> None:
     mixed = plan_of({"peak tension": 1.0, "energy": 0.05})
     for name in ("peak tension", "energy"):
