@@ -90,3 +90,8 @@ class Schedule:
     def on(self, times: Sequence[float]) -> Schedule:
         """The schedule with its speeds at other times [s] only."""
         return Schedule(times, [self.at(float(t)) for t in times])
+
+    def later(self, by: float, until: float) -> Schedule:
+        """The schedule as it is `by` seconds later: from there on, for `until` seconds; it keeps its last speed."""
+        times = [0.0, *(t - by for t in self.times if by + 1e-9 < t < by + until - 1e-9), until]
+        return Schedule(times, [self.at(by + t) for t in times])

@@ -27,6 +27,10 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
     times = frame.index.to_numpy()[counts]
     ends = frame.filter(regex=r"\.tension_[ab]$").to_numpy()[counts]
     span = times[-1] - times[0]
+    if span <= 0.0:
+        raise InputError(
+            f"The run has one record from {settle:g} s on", "Choose an earlier settle, or a smaller `every`"
+        )
     sides = [frame[f"{n}.tension_{side}"].to_numpy()[counts] for n in names for side in ("in", "out")]
     aim = np.mean([np.trapezoid(t, times) / span for t in sides]) if target is None else target
     square = np.mean([np.trapezoid((t - aim) ** 2, times) / span for t in sides])

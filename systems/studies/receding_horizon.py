@@ -9,6 +9,8 @@ from functools import cached_property
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
@@ -16,14 +18,14 @@ from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.responses import control_sheaves, with_responses
-from ropeway.systems.studies.schedule import optimise_schedule
+from ropeway.systems.studies.schedule import check_intervals, optimise_schedule
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
 from ropeway.systems.studies.scheduling.plan import SchedulePlan
 from ropeway.systems.studies.scheduling.run import carried_over
 from ropeway.systems.system import System
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecedingHorizon:
     """A line driven by plan after plan: the plans, when each began [s], the schedules as driven, and the simulation
     under them."""
@@ -32,6 +34,10 @@ class RecedingHorizon:
     begins: tuple[float, ...]
     schedules: Mapping[str, Schedule]
     result: Result
+
+    def __repr__(self) -> str:
+        plans = len(self.plans)
+        return f"<RecedingHorizon of {self.plans[0].line.name!r} over {self.result.times[-1]:g} s: {plans} plans>"
 
     @cached_property
     def report(self) -> pd.DataFrame:
@@ -62,10 +68,12 @@ def receding_horizon(
 
     intervals: of each plan; `every` is a whole number of them. settle: as for `optimise_schedule`, for the first
     plan; the later ones go on from a line that keeps its limits, and count after two intervals. tension_low and the
-    target of the first plan hold for all. Raises InputError, ScheduleError.
+    target of the first plan hold for all. Where a plan looks beyond the end of the line's own schedules, they keep
+    their last speed. Raises InputError, ScheduleError.
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")
+    check_intervals(intervals)
     step = horizon / intervals
     if every > horizon or abs(every / step - round(every / step)) > 1e-9:
         raise InputError(
@@ -75,16 +83,19 @@ def receding_horizon(
     names = control_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
     here = carried_over(equilibrium(bare) if start is None else start, bare)
+    for own in here.model.signals:
+        if isinstance(own, Schedule):
+            own.require(until)
     first, begin = here, 0.0
     plans: list[SchedulePlan] = []
     begins: list[float] = []
     driven: dict[str, dict[float, float]] = {name: {} for name in names}
-    bounds = limits or ScheduleLimits()
+    bounds = ScheduleLimits() if limits is None else limits
     warm: dict[str, Schedule] | None = None
     with bar("receding horizon", until, progress) as advance:
         while begin < until - 1e-9:
             plan = optimise_schedule(
-                bare,
+                _later(bare, begin, horizon),
                 horizon,
                 minimise=minimise,
                 limits=bounds,
@@ -104,7 +115,7 @@ def receding_horizon(
                 times = [t for t in own.times if t < part - 1e-9] + [part]
                 driven[name].update((begin + t, own.at(t)) for t in times)
             here = plan.result.at(part)
-            warm = {name: _shifted(plan.schedules[name], part, horizon) for name in names}
+            warm = {name: own.later(part, horizon) for name, own in plan.schedules.items()}
             begin += part
             advance(begin)
     schedules = {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in driven.items()}
@@ -113,8 +124,10 @@ def receding_horizon(
     return RecedingHorizon(tuple(plans), tuple(begins), schedules, result)
 
 
-def _shifted(schedule: Schedule, by: float, until: float) -> Schedule:
-    """The rest of a schedule from a time on, at its last speed beyond its end."""
-    times = [t - by for t in schedule.times if t > by + 1e-9]
-    speeds = [schedule.at(t + by) for t in times]
-    return Schedule([0.0, *times, until], [schedule.at(by), *speeds, schedule.speeds[-1]])
+def _later(line: System, by: float, until: float) -> System:
+    """The line whose time 0 is `by` seconds later, for `until` seconds."""
+    other = line.copy()
+    for name, driven in line.components.items():
+        if isinstance(driven, (ControlSheave, Drum)) and isinstance(driven.speed, Schedule):
+            other.components[name] = replace(driven, speed=driven.speed.later(by, until))
+    return other

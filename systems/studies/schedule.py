@@ -11,23 +11,25 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
-from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError, UnknownNameError
+from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
 from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
-from ropeway.systems.model import component_of, nearest
+from ropeway.systems.model import component_of
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.objectives import objective_weights, objectives
 from ropeway.systems.studies.responses import control_sheaves, with_responses
 from ropeway.systems.studies.scheduling.agreement import (
+    LEAST_DEVIATION,
     PEAK_GAP,
     Simulated,
     agreed,
     broken_limits,
     gap_between,
     peaks_beyond,
+    root_agrees,
 )
 from ropeway.systems.studies.scheduling.equations import LineEquations, Row, drive_parameters
 from ropeway.systems.studies.scheduling.limits import HYDRAULIC, UNITS, ScheduleLimits
@@ -35,7 +37,7 @@ from ropeway.systems.studies.scheduling.moments import moments
 from ropeway.systems.studies.scheduling.parts import Parts, Task
 from ropeway.systems.studies.scheduling.plan import Report, Round, SchedulePlan, active_table
 from ropeway.systems.studies.scheduling.problem import ScheduleProblem
-from ropeway.systems.studies.scheduling.run import balancing, carried_over, smoothed
+from ropeway.systems.studies.scheduling.run import balancing, carried_over, require_sheave, smoothed
 from ropeway.systems.studies.scheduling.solution import Planned
 from ropeway.systems.studies.scheduling.solution import planned as solved
 from ropeway.systems.system import System
@@ -47,6 +49,8 @@ _GIVE = 1e-4
 """Share of a limit below which a relaxation is none."""
 _ALIKE = 1e-3
 """Share of an objective in which two rounds are alike."""
+_REACH = 0.15
+"""Share of a line's highest speed by which a plan may leave the line's own, or m/s for a line that stands."""
 _SAMPLES = 4
 """Records of a simulation in each interval of the schedule."""
 
@@ -81,10 +85,13 @@ def optimise_schedule(
     """
     begin = clock.perf_counter()
     check.positive(until, "optimise_schedule", "until", "s")
-    if not isinstance(intervals, int) or intervals < 3:
-        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
+    check_intervals(intervals)
     weights = objective_weights(minimise)
-    bounds = limits or ScheduleLimits()
+    bounds = ScheduleLimits() if limits is None else limits
+    if not isinstance(bounds, ScheduleLimits):
+        raise InputError(f"limits is {bounds!r}", "Give rw.ScheduleLimits(force=..., ...)")
+    if trim is not None and not isinstance(trim, ProportionalResponse):
+        raise InputError(f"trim is {trim!r}", "Give a ProportionalResponse: others do not correct towards a plan")
     settled = min(10.0, until / 4.0) if settle is None else settle
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
@@ -93,6 +100,12 @@ def optimise_schedule(
     with bar("optimise", 1.0, progress) as advance:
         schedules = study.first(warm_start)
         return study.optimise(weights, schedules, advance, begin)
+
+
+def check_intervals(intervals: int) -> None:
+    """Raises InputError unless intervals are a whole number of at least 3."""
+    if not isinstance(intervals, int) or intervals < 3:
+        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
 
 
 class _Study:
@@ -112,6 +125,8 @@ class _Study:
     ) -> None:
         self.line, self.until, self.limits, self.settle = line, until, limits, settle
         self.names = control_sheaves(line)
+        for name in limits.sheaves:
+            require_sheave(name, self.names)
         self._parts: dict[tuple[LineEquations, bool], Parts] = {}
         self.bare = with_responses(line, dict.fromkeys(self.names))
         self.start = equilibrium(self.bare) if start is None else carried_over(start, self.bare)
@@ -143,20 +158,20 @@ class _Study:
         """The support whose speed is the line's. Raises InputError, UnknownNameError."""
         driven = [component_of(name) for name in self.start.model.u.names]
         drums = [name for name in driven if name not in self.names]
-        if lead is not None and lead not in self.names:
-            raise UnknownNameError(f"{lead!r} is not a control sheave", nearest(lead, self.names))
+        if lead is not None:
+            require_sheave(lead, self.names)
         if len(driven) < 2 or not self.names:
             raise InputError(
                 f"{self.line.name!r} has nothing to optimise", "A schedule needs a second driven support on the rope"
             )
         return lead or (drums or self.names)[0]
 
-    def own_speed(self, name: str) -> Schedule | float:
+    def own_speed(self, name: str) -> Schedule:
         """The speed that a driven support has by itself. Raises InputError."""
         signal = self.start.model.signals[self.start.model.u.index[f"{name}.speed"]]
         if signal is None:
             raise InputError(f"The speed of {name!r} is open", "Give it a speed, which its schedule starts from")
-        return signal
+        return signal if isinstance(signal, Schedule) else Schedule((0.0, self.until), (signal, signal))
 
     def run(self, schedules: Mapping[str, Schedule], responses: Mapping[str, Response | None]) -> Result:
         """The line under schedules and responses, with a record at every grid time."""
@@ -167,15 +182,20 @@ class _Study:
         return simulate(start.model, self.until, every=every, inputs=inputs, start=start, progress=False)
 
     def first(self, warm_start: SchedulePlan | Mapping[str, Schedule] | None) -> dict[str, Schedule]:
-        """The schedules to begin with: given ones on this grid, or those of the balanced run. Raises InputError."""
+        """The schedules to begin with: given ones on this grid, or those of the balanced run; the lead keeps its own
+        speed. Raises InputError."""
         if warm_start is None:
-            return smoothed(self.balanced, self.grid, self.names)
-        given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
-        if missing := [n for n in self.names if n not in given]:
-            raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
-        for name in self.names:
-            given[name].require(self.until)
-        return {name: given[name].on(self.grid.tolist()) for name in self.names}
+            found = smoothed(self.balanced, self.grid, self.names)
+        else:
+            given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
+            if missing := [n for n in self.names if n not in given]:
+                raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
+            for name in self.names:
+                given[name].require(self.until)
+            found = {name: given[name].on(self.grid.tolist()) for name in self.names}
+        if self.lead in found:
+            found[self.lead] = self.own_speed(self.lead).on(self.grid.tolist())
+        return found
 
     def task(self, weights: Mapping[str, float], deviation: float, *, relaxed: bool = False) -> Task:
         """What is asked of the problem."""
@@ -216,10 +236,9 @@ class _Study:
     def _speed_range(self, name: str) -> tuple[float, float]:
         if self.limits.speed is not None:
             return self.limits.speed
-        own = self.own_speed(name)
-        line = own.at(0.0) if isinstance(own, Schedule) else own
-        low, high = sorted((0.85 * line, 1.15 * line))
-        return low, high
+        speeds = self.own_speed(name).on(self.grid.tolist()).speeds
+        reach = _REACH * (max(map(abs, speeds)) or 1.0)
+        return min(speeds) - reach, max(speeds) + reach
 
     def optimise(
         self,
@@ -230,7 +249,8 @@ class _Study:
     ) -> SchedulePlan:
         """Plans and simulates in turn until both agree. Raises InfeasibleScheduleError, ScheduleError."""
         balanced = objectives(self.balanced, settle=self.settle, target=self.target)
-        size = sum(w * balanced[name] for name, w in weights.items()) / _SIZE
+        # A line that stands takes no energy: then what its tension does over a metre.
+        size = sum(w * (balanced[name] or self.target) for name, w in weights.items()) / _SIZE
         around = self.around(schedules)
         rounds: list[Round] = []
         plan: SchedulePlan | None = None
@@ -239,7 +259,7 @@ class _Study:
         between = (self.grid[1:] + self.grid[:-1]) / 2.0
         more: set[float] = set() if list(weights) == ["peak tension"] else set(between.tolist())
         for number in range(_ROUNDS):
-            deviation = around.objectives["tension deviation"]
+            deviation = max(around.objectives["tension deviation"], LEAST_DEVIATION)
             task = self.task({name: w / size for name, w in weights.items()}, deviation)
             problem = self.problem(task, around, sorted(more))
             planned = solved(problem, _ITERATIONS, _TOLERANCE)
@@ -284,6 +304,7 @@ class _Study:
             near = gap.moved < float(self.grid[1]) / 8.0 or (
                 number > 0 and abs(objective - rounds[-2].simulated) < _ALIKE * abs(objective)
             )
+            near = near and ("tension deviation" not in weights or root_agrees(expected, objective, around, after))
             if told.converged and not planned.relaxation and agreed(gap) and near and not broken:
                 return plan
             for times in (peaks_beyond(task, planned, after), *broken.values()):
@@ -332,7 +353,7 @@ class _Study:
         if not needed or far:
             return planned
         table = active_table(planned.active, 1.0, planned.solution.objective)
-        names = sorted(set(table.index.get_level_values("limit")))
+        names = sorted({*table.index.get_level_values("limit"), *needed})
         relaxation = {limit: give * problem.unit(limit) for limit, give in needed.items()}
         raise InfeasibleScheduleError(
             f"No schedule keeps these limits together: {', '.join(names)}",
@@ -343,13 +364,8 @@ class _Study:
 
     def speeds(self, equations: LineEquations, schedules: Mapping[str, Schedule]) -> np.ndarray:
         """Speeds of the driven supports at grid times, shape (driven, grid)."""
-        found = []
-        for node in equations.nodes:
-            speed = schedules.get(node.name, self.own_speed(node.name))
-            found.append(
-                [speed.at(float(t)) for t in self.grid] if isinstance(speed, Schedule) else [speed] * len(self.grid)
-            )
-        return np.array(found, dtype=float)
+        speeds = [schedules.get(node.name, self.own_speed(node.name)) for node in equations.nodes]
+        return np.array([[speed.at(t) for t in self.grid.tolist()] for speed in speeds])
 
 
 def _and(broken: Mapping[str, Sequence[float]]) -> str:

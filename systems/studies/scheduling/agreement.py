@@ -16,8 +16,15 @@ from ropeway.systems.studies.scheduling.parts import Task
 from ropeway.systems.studies.scheduling.plan import Gap
 from ropeway.systems.studies.scheduling.solution import Planned
 
+LEAST_DEVIATION = 1.0
+"""Deviation [N] below which the root of the mean square is no longer followed: its slope would have no end."""
+
 CROSSING_GAP, PEAK_GAP = 5e-3, 20.0
 """A plan and its simulation agree when times of crossings [s] and the highest tension [N] differ by less."""
+
+_OBJECTIVE_GAP, _DEVIATION_GAP = 0.01, 0.05
+"""Shares by which an objective may differ between plan and simulation, and the deviation from where the plan took the
+slope of its root: that is also the error of what limits cost."""
 
 _SPARE = 5e-3
 """Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
@@ -55,6 +62,15 @@ def gap_between(places: Sequence[Moment], task: Task, planned: Planned, after: S
 def agreed(gap: Gap) -> bool:
     """Whether plan and simulation are one."""
     return gap.crossing_time < CROSSING_GAP and gap.peak_tension < PEAK_GAP and not gap.crossings_in_one_only
+
+
+def root_agrees(expected: float, objective: float, around: Simulated, after: Simulated) -> bool:
+    """Whether the deviation is where a plan took the slope of its root, to 1 N at least."""
+    before, reached = (run.objectives["tension deviation"] for run in (around, after))
+    return (
+        abs(expected - objective) <= _OBJECTIVE_GAP * abs(objective)
+        and abs(before - reached) <= _DEVIATION_GAP * reached
+    ) or max(before, reached) < LEAST_DEVIATION
 
 
 def peaks_beyond(task: Task, planned: Planned, after: Simulated) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ropeway.components import check
@@ -45,8 +45,9 @@ class ScheduleLimits:
     tension_low, tension_high: of every span [N]; by default the lowest that the line has when its control sheaves
     balance their tensions, and the rope's SWL. force, power: largest size of a control sheave's drive force [N] and
     power [W]; pressure [Pa], flow [m3/s], hydraulic_power [W] of its hydraulic drive, by default 0.95 of what the
-    drive has; grip: least margin. speed: lowest and highest [m/s], by default 0.85 and 1.15 of the line's;
-    acceleration: largest size [m/s2]. Those of control sheaves: one for all, or a mapping by name. Raises InputError.
+    drive has; grip: least margin. speed: lowest and highest [m/s], by default the line's own, and beyond them 0.15 of
+    its highest (0.15 m/s for a line that stands); acceleration: largest size [m/s2]. Those of control sheaves: one
+    for all, or a mapping by name. Raises InputError.
     """
 
     tension_low: float | None = None
@@ -62,6 +63,10 @@ class ScheduleLimits:
 
     def __post_init__(self) -> None:
         owner = "ScheduleLimits"
+        if self.speed is not None and not (isinstance(self.speed, Sequence) and len(self.speed) == 2):
+            raise InputError(f"{owner}: speed is {self.speed!r}", "Give the lowest and the highest, as (0.9, 1.1)")
+        for value in self.speed or ():
+            check.number(value, owner, "speed", "m/s")
         for name in ("tension_low", "tension_high"):
             if getattr(self, name) is not None:
                 check.not_negative(getattr(self, name), owner, name, "N")
@@ -78,6 +83,12 @@ class ScheduleLimits:
             low, high = bounds
             if low is not None and high is not None and low >= high:
                 raise InputError(f"{owner}: {name} low is {low:g}, high is {high:g}", "Give low below high")
+
+    @property
+    def sheaves(self) -> list[str]:
+        """Names of control sheaves that have limits of their own."""
+        given = (getattr(self, name) for name in (*_LARGEST, "grip"))
+        return list(dict.fromkeys(name for one in given if isinstance(one, Mapping) for name in one))
 
     def outputs(self, sheave: str, hydraulic: Mapping[str, float]) -> dict[str, tuple[float, float, str]]:
         """Lowest and highest value of each limited output of a control sheave, and the limit's name.

@@ -68,7 +68,7 @@ class Report:
         return pd.DataFrame(rows).rename_axis("round")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SchedulePlan:
     """Schedules of the control sheaves, by name, and what they bring.
 
@@ -97,6 +97,10 @@ class SchedulePlan:
     start: Equilibrium
     lead: str
     trim: ProportionalResponse
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} {value:.6g}" for name, value in self.objectives.items() if name in self.weights)
+        return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
 
     @property
     def until(self) -> float:

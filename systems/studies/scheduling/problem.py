@@ -236,7 +236,7 @@ class ScheduleProblem:
         task = self.task
         sheaves = [i for i, node in enumerate(self.equations.nodes) if isinstance(node, ControlSheave)]
         # The root of the mean square, by its value and slope at the present deviation.
-        square = task.weights.get("tension deviation", 0.0) * FORCE**2 / (2.0 * max(task.deviation, 1.0))
+        square = task.weights.get("tension deviation", 0.0) * FORCE**2 / (2.0 * task.deviation)
         square /= (float(task.grid[-1]) - task.settle) * len(sheaves)
         for i in sheaves:
             places = self._places(i)
@@ -344,7 +344,7 @@ class ScheduleProblem:
         """The size of a limit, in the problem's units: relaxations count relative to it."""
         task = self.task
         if limit.startswith("tension"):
-            return task.tension[limit == "tension_high"] / FORCE
+            return (task.tension[limit == "tension_high"] or task.tension[1]) / FORCE
         if limit == "acceleration":
             return task.acceleration
         if limit == "speed":

@@ -19,7 +19,7 @@ from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
 from ropeway.systems.studies.objectives import objectives
 from ropeway.systems.studies.responses import with_responses
-from ropeway.systems.studies.scheduling.run import carried_over
+from ropeway.systems.studies.scheduling.run import carried_over, require_sheave
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
@@ -45,13 +45,16 @@ class Disturbance:
         check.not_negative(self.delay, owner, "delay", "s")
         if (self.speed != 1.0 or self.delay) and self.sheave is None:
             raise InputError(f"{owner} has no sheave", "Name the one whose speed differs")
-        if self.missing is not None and not 0.0 <= self.missing <= 1.0:
-            raise InputError(f"{owner}: missing is {self.missing!r}", "Give a place along the line from 0 to 1")
+        if self.missing is not None:
+            check.number(self.missing, owner, "missing")
+            if not 0.0 <= self.missing <= 1.0:
+                raise InputError(f"{owner}: missing is {self.missing!r}", "Give a place along the line from 0 to 1")
 
     def schedules(self, planned: Mapping[str, Schedule]) -> dict[str, Schedule]:
-        """The schedules as the drives then follow them."""
+        """The schedules as the drives then follow them. Raises UnknownNameError."""
         found = dict(planned)
         if self.sheave is not None:
+            require_sheave(self.sheave, list(planned))
             own = planned[self.sheave]
             times = [0.0, *(t + self.delay for t in own.times)] if self.delay else list(own.times)
             speeds = [own.speeds[0], *own.speeds] if self.delay else list(own.speeds)
@@ -107,15 +110,19 @@ def trimmed_line(plan: SchedulePlan, trim: ProportionalResponse) -> System:
 def robustness(
     plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None, settle: float | None = None
 ) -> pd.DataFrame:
-    """See `SchedulePlan.robustness`."""
+    """See `SchedulePlan.robustness`. Raises InputError, UnknownNameError."""
     late = plan.settle if settle is None else settle
     known = objectives(plan.result, settle=late, target=plan.target)
     cases = usual_disturbances(plan.free[0]) if disturbances is None else disturbances
+    names = [case.name for case in cases]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise InputError(f"Two disturbances are named {twice[0]!r}", "Give each a name of its own")
+    driven = [case.schedules(plan.schedules) for case in cases]
     lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
     starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
     rows = {}
-    for case in cases:
-        inputs = {f"{name}.speed": schedule for name, schedule in case.schedules(plan.schedules).items()}
+    for case, schedules in zip(cases, driven, strict=True):
+        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
         row: dict[tuple[str, str], float] = {}
         for kind, start in starts.items():
             try:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.errors import EquilibriumError
+from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.model import nearest
 from ropeway.systems.newton import VECTORS, Point, newton_of
 from ropeway.systems.result import Result
 from ropeway.systems.state import LineState
@@ -75,10 +76,21 @@ def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str
     return found
 
 
+def require_sheave(name: str, sheaves: Sequence[str]) -> None:
+    """Raises UnknownNameError unless a name is one of a line's control sheaves."""
+    if name not in sheaves:
+        raise UnknownNameError(f"{name!r} is not a control sheave", nearest(name, sheaves))
+
+
 def carried_over(start: Equilibrium, line: System) -> Equilibrium:
-    """The same place and loads on another declaration of the line, as one with other responses."""
-    model = assemble(line)
+    """The same place and loads on another declaration of the line, as one with other responses. Raises InputError."""
     old = start.model
+    if other := sorted(old.system.components.keys() ^ line.components.keys()):
+        raise InputError(
+            f"start is of another line than {line.name!r}: {other[0]!r} is in one of them only",
+            "Give an equilibrium of this line",
+        )
+    model = assemble(line)
     point = Point(0.0, *(model.tables[kind].values.copy() for kind in VECTORS))
     for kind in VECTORS:
         known, values = old.tables[kind].index, start.point.vector(kind)

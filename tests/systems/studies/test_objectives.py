@@ -69,5 +69,7 @@ def test_wrong_requests(moving: rw.Result) -> None:
         rw.objectives(moving, settle=40.0)
     idlers = SUPPORTS.assign(kind=SUPPORTS["kind"].replace("control", "idler"))
     still = rw.simulate(rw.monocable(ROPE, idlers, tension=45e3, speed=0.0), 1.0)
+    with pytest.raises(rw.InputError, match=r"one record from 39\.9 s on"):
+        rw.objectives(moving, settle=39.9)
     with pytest.raises(rw.InputError, match="no control sheave"):
         rw.objectives(still)["energy"]

@@ -48,6 +48,22 @@ def test_it_does_better_than_constant_speed(driven: rw.RecedingHorizon) -> None:
     assert np.isfinite(driven.result.outputs).all()
 
 
+def test_the_lead_keeps_the_lines_own_schedule() -> None:
+    line = schedule_lines.line(4, 1, speed=rw.Schedule((0.0, 20.0, 25.0), (1.0, 1.1, 1.1)))
+    limits = rw.ScheduleLimits(speed=(0.8, 1.2), acceleration=0.1)
+    driven = rw.receding_horizon(line, 20.0, horizon=10.0, every=10.0, intervals=5, settle=2.0, limits=limits)
+    assert [driven.schedules["c1"].at(t) for t in (0.0, 6.0, 10.0, 14.0, 20.0)] == pytest.approx(
+        [1.0, 1.03, 1.05, 1.07, 1.1]
+    )
+    assert repr(driven) == "<RecedingHorizon of 'mono-cable line' over 20 s: 2 plans>"
+
+
+def test_a_schedule_that_ends_before_the_run_is_an_error() -> None:
+    line = schedule_lines.line(speed=rw.Schedule((0.0, 30.0), (1.0, 1.1)))
+    with pytest.raises(rw.InputError, match="ends at 30 s"):
+        rw.receding_horizon(line, 60.0, horizon=20.0, every=20.0)
+
+
 def test_wrong_times_are_errors() -> None:
     line = schedule_lines.line()
     with pytest.raises(rw.InputError, match="whole number of intervals"):
@@ -56,3 +72,5 @@ def test_wrong_times_are_errors() -> None:
         rw.receding_horizon(line, 60.0, horizon=40.0, every=50.0, intervals=20)
     with pytest.raises(rw.InputError, match="horizon"):
         rw.receding_horizon(line, 60.0, horizon=0.0, every=10.0)
+    with pytest.raises(rw.InputError, match="intervals is 0"):
+        rw.receding_horizon(line, 60.0, horizon=40.0, every=10.0, intervals=0)

@@ -84,6 +84,15 @@ def test_the_first_sheave_keeps_the_speed_of_the_line(plans: dict[str, rw.Schedu
         assert plan.schedules["c2"].speeds[0] == 1.0
 
 
+def test_the_lead_keeps_its_own_schedule_whatever_a_plan_starts_from() -> None:
+    line = schedule_lines.line(speed=rw.Schedule((0.0, 10.0, 20.0), (1.0, 1.1, 1.1)))
+    constant = {name: rw.Schedule((0.0, 20.0), (1.0, 1.0)) for name in ("c1", "c2", "c3")}
+    plans = [rw.optimise_schedule(line, 20.0, intervals=10, warm_start=given) for given in (None, constant)]
+    for plan in plans:
+        assert [plan.schedules["c1"].at(t) for t in (0.0, 6.0, 10.0, 20.0)] == pytest.approx([1.0, 1.06, 1.1, 1.1])
+    assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-3)
+
+
 def test_three_starts_end_in_one_objective(plans: dict[str, rw.SchedulePlan]) -> None:
     times = plans["energy"].schedules["c1"].times
     waves = np.random.default_rng(3).uniform(-0.03, 0.03, 3)
@@ -115,6 +124,28 @@ def test_a_limit_costs_what_its_multiplier_says(plans: dict[str, rw.SchedulePlan
     cost = tight.active.loc["tension_high", "cost"].sum()
     assert saved > 0.0
     assert cost == pytest.approx(saved, rel=0.05)
+
+
+def test_a_force_costs_deviation_as_its_multiplier_says() -> None:
+    """Against the central difference of what simulations reach."""
+    tight, plan, wide = (
+        plan_of("tension deviation", limits=rw.ScheduleLimits(force=force)) for force in (1180.0, 1200.0, 1220.0)
+    )
+    assert len(plan.report.rounds) <= 4
+    assert plan.active.loc["force", "cost"].sum() == pytest.approx((tight.objective - wide.objective) / 40.0, rel=0.05)
+
+
+def test_a_deviation_is_reached_as_planned(plans: dict[str, rw.SchedulePlan]) -> None:
+    for plan in (plans["tension deviation"], plan_of("tension deviation", limits=rw.ScheduleLimits())):
+        last = plan.report.rounds[-1]
+        assert last.planned == pytest.approx(last.simulated, rel=0.01)
+        assert len(plan.report.rounds) <= 4
+
+
+def test_a_plan_shows_itself_in_a_line(plans: dict[str, rw.SchedulePlan]) -> None:
+    for name, plan in plans.items():
+        assert f"over 40 s: {name} {plan.objective:.6g}" in repr(plan)
+        assert len(repr(plan)) < 120
 
 
 def test_weights_mix_objectives(plans: dict[str, rw.SchedulePlan]) -> None:

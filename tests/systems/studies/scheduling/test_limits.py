@@ -1,5 +1,7 @@
 """What a schedule may not be asked for, and limits that cannot be kept together."""
 
+import re
+
 import numpy as np
 import pytest
 import schedule_lines
@@ -35,6 +37,35 @@ def test_the_relaxation_is_what_the_best_peak_needs() -> None:
     if set(given) == {"tension_high"}:
         assert given["tension_high"] == pytest.approx(100.0, abs=10.0)
     assert given["tension_high"] < 105.0
+
+
+def test_a_limit_on_each_sheave_that_gives_way_is_named() -> None:
+    with pytest.raises(rw.InfeasibleScheduleError, match=r"together: .*force.* The least .*force by") as error:
+        rw.optimise_schedule(schedule_lines.line(), 20.0, intervals=10, limits=rw.ScheduleLimits(force=1.0))
+    assert set(error.value.relaxation) <= set(re.findall(r"\w+", str(error.value).split("together: ")[1].split(".")[0]))
+
+
+def test_no_lowest_tension_is_a_limit_too() -> None:
+    limits = rw.ScheduleLimits(tension_low=0.0, tension_high=42e3)
+    with pytest.raises(rw.InfeasibleScheduleError, match="tension_high by"):
+        rw.optimise_schedule(schedule_lines.line(), 20.0, intervals=10, limits=limits)
+
+
+def test_a_line_starts_from_rest() -> None:
+    line = schedule_lines.line(speed=rw.Schedule((0.0, 8.0, 24.0), (0.0, 1.0, 1.0)))
+    with pytest.raises(rw.InfeasibleScheduleError, match="acceleration by"):
+        rw.optimise_schedule(line, 24.0, intervals=12)
+    plan = rw.optimise_schedule(line, 24.0, intervals=12, limits=rw.ScheduleLimits(acceleration=0.2))
+    speeds = plan.frame.to_numpy()
+    assert plan.schedules["c1"].speeds[:5] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
+    assert speeds[-1].min() > 0.5
+    assert speeds.min() > -0.15 - 1e-6
+    assert speeds.max() < 1.15 + 1e-6
+
+
+def test_a_line_that_stands_takes_no_energy() -> None:
+    plan = rw.optimise_schedule(schedule_lines.line(speed=0.0), 20.0, intervals=10, minimise="energy")
+    assert plan.objective == pytest.approx(0.0, abs=1.0)
 
 
 @pytest.mark.slow
@@ -80,6 +111,14 @@ def test_wrong_requests_are_typed_errors() -> None:
         rw.optimise_schedule(line, UNTIL, warm_start={"c1": rw.Schedule((0.0, UNTIL), (1.0, 1.0))})
     with pytest.raises(rw.InputError, match="nothing to optimise"):
         rw.optimise_schedule(schedule_lines.line(4, 2), UNTIL)
+    with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
+        rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(force={"c1": 1e3, "c9": 1e3}))
+    with pytest.raises(rw.InputError, match=r"limits is \{\}"):
+        rw.optimise_schedule(line, UNTIL, limits={})
+    with pytest.raises(rw.InputError, match=r"another line .* 'c4'"):
+        rw.optimise_schedule(line, UNTIL, start=rw.equilibrium(schedule_lines.line(10)))
+    with pytest.raises(rw.InputError, match="trim is ThresholdResponse"):
+        rw.optimise_schedule(line, UNTIL, trim=rw.ThresholdResponse(low=40e3, high=50e3, increment=0.01))
     with pytest.raises(rw.InputError, match="its drive is ideal"):
         rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(pressure=1e7))
 
@@ -89,6 +128,9 @@ def test_limits_upside_down_are_errors() -> None:
         rw.ScheduleLimits(tension_low=50e3, tension_high=40e3)
     with pytest.raises(rw.InputError, match=r"speed low is 1\.2"):
         rw.ScheduleLimits(speed=(1.2, 0.8))
+    for speed in (1.2, (1.2,), "ab"):
+        with pytest.raises(rw.InputError, match="speed is"):
+            rw.ScheduleLimits(speed=speed)
     with pytest.raises(rw.InputError, match="stay above 200000 N"):
         rw.optimise_schedule(schedule_lines.line(), UNTIL, limits=rw.ScheduleLimits(tension_low=200e3))
     for wrong in ({"force": -1.0}, {"acceleration": 0.0}, {"power": {"c1": np.nan}}, {"grip": np.inf}):

@@ -58,10 +58,19 @@ def test_a_missing_load_and_other_masses_change_the_start_but_not_the_rope(plan:
     assert heavy["c1_s3.tension_a"] > plan.start["c1_s3.tension_a"]
 
 
+def test_disturbances_that_do_not_fit_a_plan_are_errors(plan: rw.SchedulePlan) -> None:
+    with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
+        plan.robustness([rw.Disturbance("fast", speed=1.1, sheave="c9")])
+    with pytest.raises(rw.InputError, match="Two disturbances are named 'heavy'"):
+        plan.robustness([rw.Disturbance("heavy", mass=1.1), rw.Disturbance("heavy", mass=1.2)])
+
+
 def test_wrong_disturbances_are_errors() -> None:
     with pytest.raises(rw.InputError, match="has no sheave"):
         rw.Disturbance("fast", speed=1.1)
     with pytest.raises(rw.InputError, match="missing is 2"):
         rw.Disturbance("missing", missing=2.0)
+    with pytest.raises(rw.InputError, match="missing is 'c1'"):
+        rw.Disturbance("missing", missing="c1")
     with pytest.raises(rw.InputError, match="mass"):
         rw.Disturbance("light", mass=0.0)
