@@ -1,10 +1,18 @@
 /* A host without Python: loads an FMI 2.0 FMU for Co-Simulation, runs two instances side by side and prints a
  * variable after each step. host LIBRARY GUID REFERENCE INPUT STEPS SIZE */
-#include <dlfcn.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include "fmi2FunctionTypes.h"
+#ifdef _WIN32
+#include <windows.h>
+#define dlopen(path, mode) LoadLibraryA(path)
+#define dlsym(library, name) (void *)GetProcAddress(library, name)
+typedef HMODULE library_handle;
+#else
+#include <dlfcn.h>
+typedef void *library_handle;
+#endif
 
 static void log_message(fmi2ComponentEnvironment e, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...)
 {
@@ -19,7 +27,7 @@ static void log_message(fmi2ComponentEnvironment e, fmi2String name, fmi2Status 
 int main(int count, char **arguments)
 {
     fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
-    void *library = dlopen(arguments[1], RTLD_NOW);
+    library_handle library = dlopen(arguments[1], RTLD_NOW);
     fmi2ValueReference output = (fmi2ValueReference)atoi(arguments[3]), input = (fmi2ValueReference)atoi(arguments[4]);
     int steps = atoi(arguments[5]);
     double size = atof(arguments[6]), faster = 1.05;
