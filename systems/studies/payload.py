@@ -12,8 +12,10 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
 from ropeway.systems.studies.span_model import Solved
@@ -122,8 +124,11 @@ def margins_of(
     def tension(column: str, limit: float) -> Margin:
         return lambda r, s: 1.0 - r[column] / limit
 
-    def capacity(output: str, limit: float) -> Margin:
-        return lambda r, s: 1.0 - s[output] / limit
+    def capacity(stand: Node, limit: float) -> Margin:
+        return lambda r, s: 1.0 - carried(s, stand) / limit
+
+    def pulled(span: str, limit: float) -> Margin:
+        return lambda r, s: 1.0 - max(s[f"{span}.tension_a"], s[f"{span}.tension_b"]) / limit
 
     def pressed(column: str) -> Margin:
         return lambda r, s: r[column] / skyline
@@ -131,12 +136,13 @@ def margins_of(
     skyline = rig.skyline.breaking_load / safety_factor
     found: dict[str, Margin] = {"skyline tension": tension("highest_tension", skyline)}
     if rig.mainline is not None:
-        found["mainline tension"] = tension("mainline_tension", rig.mainline.breaking_load / others)
+        found["mainline tension"] = tension("mainline_highest", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
-        found["haulback tension"] = tension("haulback_tension", rig.haulback.breaking_load / others)
+        found["haulback tension"] = tension("haulback_highest", rig.haulback.breaking_load / others)
     block = rig.haulback_block
     if block is not None and block.capacity is not None:
-        found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
+        load, most = f"{block.name}.bearing_load", block.capacity
+        found[f"capacity of {block.name}"] = lambda r, s: 1.0 - s[load] / most
     of_load, of_rope = clearances
     if of_load is not None and not is_lowered(rig):
         found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
@@ -145,33 +151,39 @@ def margins_of(
         if lift_off:
             found[f"lift-off at {support.name}"] = pressed(f"{support.name}_force")
         if support.capacity is not None:
-            found[f"capacity of {support.name}"] = capacity(f"{support.name}.bearing_load", support.capacity)
-    if rig.headspar.capacity is not None:
-        head = rig.headspar
-        found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
-    guyed = [spar for spar in (rig.headspar, rig.tailspar) if isinstance(spar, GuyedSpar)]
-    for spar in guyed:
-        for guy in spar.guylines:
-            found[f"guyline {guy.name}"] = tension(f"{guy.name}_tension", guy.rope.breaking_load / others)
-    tail, hold = rig.tailspar, rig.tailspar.tailhold
-    if tail.capacity is not None:
-        through = hold is not None or rig.kind is Kind.RUNNING
-        output = "compression" if tail in guyed else "bearing_load" if through else "tension"
-        found[f"capacity of {tail.name}"] = capacity(f"{tail.name}.{output}", tail.capacity)
+            found[f"capacity of {support.name}"] = capacity(support, support.capacity)
+    for spar in (rig.headspar, rig.tailspar):
+        if spar.capacity is not None:
+            found[f"capacity of {spar.name}"] = capacity(spar, spar.capacity)
+        if isinstance(spar, GuyedSpar):
+            for guy in spar.guylines:
+                found[f"guyline {guy.name}"] = pulled(f"{guy.name}_{spar.name}", guy.rope.breaking_load / others)
+    hold = rig.tailspar.tailhold
     if hold is not None and hold.capacity is not None:
         found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)
     return found
 
 
-def head_load(solved: Solved) -> float:
-    """Resultant of all ropes at the headspar's top, or the compression of a guyed one [N]."""
-    head = solved.at.rig.headspar
-    if isinstance(head, GuyedSpar):
-        return solved[f"{head.name}.compression"]
+def carried(solved: Solved, stand: Node) -> float:
+    """What a spar or support carries [N]: the resultant of all ropes at its top; the compression of a guyed spar; on
+    a shoe the load on it and that of the mainline on its roller."""
+    if isinstance(stand, GuyedSpar):
+        return solved[f"{stand.name}.compression"]
+    model = solved.at.model
+    if isinstance(stand, IntermediateSupport) and stand.radius > 0.0:
+        roller = f"{stand.name}_mainline.bearing_load"
+        return solved[f"{stand.name}.bearing_load"] + (solved[roller] if roller in model.y.index else 0.0)
     total = np.zeros(3)
-    for r, run in enumerate(solved.at.model.runs):
-        if run.nodes[0].at == head.at:
-            total += solved.at.curve(solved.point, 0, r)
+    for r, run in enumerate(model.runs):
+        for k, node in enumerate(run.nodes):
+            if node.at != stand.at:
+                continue
+            if k < len(run.spans):
+                total += solved.at.curve(solved.point, k, r)
+            if k > 0:
+                total -= solved.at.curve(solved.point, k - 1, r)
+                weight = run.rope.mass_per_length * solved.at.rig.gravity
+                total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
     return float(np.linalg.norm(total))
 
 

@@ -182,7 +182,7 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
     rig = study.rig
     limit = rig.skyline.breaking_load / study.safety_factor / 1e3
     sky = "haulback" if rig.kind is Kind.RUNNING else "skyline"
-    rows = [("highest_tension", f"{sky}, highest", "black"), ("mainline_tension", "mainline", "tab:red")]
+    rows = [("highest_tension", f"{sky}, highest", "black"), ("mainline_highest", "mainline, highest", "tab:red")]
     for column, label, colour in rows:
         if column in frame and float(frame[column].max()) > 0.0:
             axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=label)

@@ -175,6 +175,14 @@ def test_payload_is_limited_by_a_guyline() -> None:
     assert back == pytest.approx(60e3, rel=1e-8)
 
 
+def test_an_ideal_haulback_at_a_guyed_tailspar_is_refused() -> None:
+    fixed = of_kind("standing", rw.HeadSpar("head", at=(0.0, 15.0)), rw.TailSpar("tail", at=(250.0, -10.0)))
+    parts = {"headspar": fixed.headspar, "skyline": ROPE, "tension": 60e3, "mainline": MAIN, "carriage": fixed.carriage}
+    with pytest.raises(rw.InputError, match="gives way") as error:
+        rw.standing_skyline(GROUND, tailspar=tailspar(), haulback=MAIN, haulback_tension=5e3, **parts)  # type: ignore[arg-type]
+    assert "haulback_block" in error.value.remedy
+
+
 def test_bad_spars_are_refused() -> None:
     guys = (rw.Guyline("g1", rope=GUY, at=(1.0, 2.0, 0.0), pretension=1e3),)
     with pytest.raises(rw.InputError, match="two or more"):

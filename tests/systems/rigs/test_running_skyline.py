@@ -100,6 +100,21 @@ def test_a_clamped_carriage_is_refused() -> None:
         )
 
 
+def test_a_tailhold_is_refused() -> None:
+    one = rig(1.4)
+    held = replace(one.tailspar, tailhold=rw.Tailhold("stump", at=(240.0, -30.0)))
+    with pytest.raises(rw.InputError, match="no skyline for Tailhold 'stump'"):
+        rw.running_skyline(
+            None,
+            headspar=one.headspar,
+            tailspar=held,
+            haulback=one.skyline,
+            mainline=one.skyline,
+            tension=30e3,
+            carriage=one.carriage,
+        )
+
+
 def test_a_haulback_too_weak_for_the_load_is_a_typed_error() -> None:
     with pytest.raises(rw.EquilibriumError, match="carries less than") as error:
         rw.load_path(rig(1.4, tension=8e3), 4000.0, [110.0])

@@ -1,6 +1,7 @@
 """The payload study: Harvey's exact payloads, limits that govern, infeasible corridors."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,6 +142,55 @@ def test_capacities_govern() -> None:
     assert study.limiting.limited_by == "capacity of jack"
     head = rw.HeadSpar("head", station=0.0, height=15.0, capacity=120e3)
     assert rw.payload(corridor(headspar=head), stations=[100.0]).limiting.limited_by == "capacity of head"
+
+
+def test_a_tailspar_carries_the_haulbacks_drum_too() -> None:
+    tail = rw.TailSpar("tail", station=480.0, height=8.0, capacity=140e3)
+    rig = corridor(tailspar=tail, haulback=MAIN, haulback_tension=20e3)
+    study = rw.payload(rig, stations=[400.0])
+    assert study.limiting.limited_by == "capacity of tail"
+    eq = rw.equilibrium(
+        rig.system(1, 400.0, payload=study.payload), given={"carriage.x": 400.0}, solve_for="mainline.travel"
+    )
+    sky = np.array([eq["carriage_tail.force_x"], eq["carriage_tail.force_z"] + 3.48 * G * eq["carriage_tail.length"]])
+    haul = np.array([eq["haulback_carriage.force_x"], eq["haulback_carriage.force_z"]])
+    assert np.linalg.norm(haul - sky) == pytest.approx(140e3, rel=1e-8)
+
+
+def test_a_jack_carries_the_mainline_too() -> None:
+    jack = rw.IntermediateSupport("jack", station=260.0, height=9.0, capacity=30e3)
+    study = rw.payload(corridor(supports=[jack]), stations=[330.0])
+    assert study.limiting.limited_by == "capacity of jack"
+    eq = rw.equilibrium(
+        corridor().system(1, 330.0, payload=study.payload), given={"carriage.x": 330.0}, solve_for="mainline.travel"
+    )
+    up = eq["jack.support_force"] + eq["jack_mainline.support_force"]
+    assert eq["jack_mainline.support_force"] > 500.0
+    assert eq["jack.bearing_load"] < 29.5e3 < up < 30e3
+    # On a shoe hardly wider than a point it is the same.
+    shod = rw.payload(corridor(supports=[replace(jack, radius=0.01)]), stations=[330.0])
+    assert shod.payload == pytest.approx(study.payload, rel=2e-3)
+
+
+def test_a_mainline_is_tightest_at_a_carriage_above_its_drum() -> None:
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+        tailspar=rw.TailSpar("tail", at=(300.0, 120.0)),
+        skyline=ROPE,
+        tension=80e3,
+        mainline=MAIN,
+        haulback=MAIN,
+        haulback_tension=20e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    row = rw.load_path(rig, 0.0, [200.0]).iloc[0]
+    low, high = (t + t * t / 2.0 / 8e6 for t in (row.mainline_tension, row.mainline_highest))
+    assert high - low == pytest.approx(0.73 * G * row.carriage_z, rel=1e-9)
+    assert row.mainline_highest == pytest.approx(row.mainline_pull, rel=1e-12)
+    weak = replace(MAIN, breaking_load=1.5 * (row.mainline_tension + row.mainline_highest))
+    study = rw.payload(replace(rig, mainline=weak), stations=[200.0])
+    assert (study.payload, study.limiting.limited_by) == (0.0, "mainline tension")
 
 
 def test_an_infeasible_corridor_is_an_answer() -> None:
