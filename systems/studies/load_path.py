@@ -74,10 +74,8 @@ def load_path(
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)
-    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
     rows = []
-    for x in where:
-        check.number(float(x), rig.name, "a station", "m")
+    for x in stations_of(rig, stations):
         z = None if height is None else carriage_height(rig, float(x), height)
         rows.append(row(solver.solve(float(x), payload, z), float(x)))
     frame = pd.DataFrame(rows)
@@ -95,6 +93,24 @@ def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
     check.positive(spacing, rig.name, "spacing", "m")
     x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
+
+
+def stations_of(rig: SkylineRig, stations: Sequence[float] | np.ndarray | None) -> np.ndarray:
+    """The stations asked for [m], by default about every 5 m of all spans. Raises InputError."""
+    if stations is None:
+        return default_stations(rig)
+    try:
+        found = np.asarray(stations, dtype=float)
+    except (TypeError, ValueError):
+        found = np.empty((0, 0))
+    if found.ndim != 1:
+        raise InputError(f"{rig.name}: stations are {stations!r}", "Give numbers in a row [m]")
+    if found.size == 0:
+        raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
+    for x in found:
+        check.number(float(x), rig.name, "a station", "m")
+        rig.span_of(float(x))
+    return found
 
 
 def carriage_height(rig: SkylineRig, station: float, height: float) -> float:

@@ -17,7 +17,7 @@ from ropeway.components.errors import EquilibriumError, InputError, OutOfReachEr
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
+from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -101,11 +101,7 @@ def payload(
         if not isinstance(rig.terrain, Profile):
             raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
-    if where.size == 0:
-        raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
-    for x in where:
-        check.number(float(x), rig.name, "a station", "m")
+    where = stations_of(rig, stations)
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
     search = _Search(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
     rows = []

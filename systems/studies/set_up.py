@@ -71,11 +71,13 @@ def set_up(
         high = chords + 2.0 * (high - chords)
         if high > 3.0 * chords:
             break
-    if sign * miss(low) > 0.0 or sign * miss(high) < 0.0:
-        raise EquilibriumError(
-            f"{rig.name}: no length gives {column.replace('_', ' ')} {wanted:g} with {payload:g} kg at {station:g} m",
-            f"It is between {miss(low) + float(wanted or 0.0):.4g} and {miss(high) + float(wanted or 0.0):.4g}",
-        )
+    for end, length, sense in (("shortest", low, 1.0), ("longest", high, -1.0)):
+        if sense * sign * (off := miss(length)) > 0.0:
+            raise EquilibriumError(
+                f"{rig.name}: no length gives {column.replace('_', ' ')} {wanted:g} with {payload:g} kg at "
+                f"{station:g} m",
+                f"With the {end} skyline it is {off + float(wanted or 0.0):.4g}",
+            )
     length = float(brentq(miss, low, high, xtol=1e-11, rtol=1e-14))
     ready = replace(rig, length=length, tension=None)
     return SetUp(ready, length, bare_tension(ready), at(rig, length, station, payload))

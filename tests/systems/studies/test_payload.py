@@ -231,6 +231,21 @@ def test_live_and_running_skylines_keep_the_clearance() -> None:
         np.testing.assert_allclose(path.clearance, 4.0, atol=1e-9)
 
 
+def test_a_height_above_the_chord_is_told() -> None:
+    live = rw.live_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
+        skyline=ROPE,
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    study = rw.payload(live, clearance=60.0, stations=[120.0])
+    assert (study.payload, study.limiting.limited_by) == (0.0, "clearance")
+    with pytest.raises(rw.OutOfReachError, match=r"the chord of its span is at 99\.1667 m"):
+        rw.load_path(live, 1000.0, [120.0], height=60.0)
+
+
 def test_gravity_skyline_needs_its_carriage_to_run_out() -> None:
     def rig(tail: float) -> rw.SkylineRig:
         return rw.gravity_skyline(
@@ -273,6 +288,11 @@ def test_bad_questions_are_refused() -> None:
         rw.load_path(rig, -1.0, [100.0])
     with pytest.raises(rw.InputError, match="outside the skyline"):
         rw.load_path(rig, 1.0, [500.0])
+    for wrong in ([], "abc", [[100.0]], [None]):
+        with pytest.raises(rw.InputError, match="station"):
+            rw.load_path(rig, 1.0, wrong)  # type: ignore[arg-type]
+        with pytest.raises(rw.InputError, match="station"):
+            rw.payload(rig, stations=wrong)  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="cannot be set"):
         rw.load_path(rig, 1.0, [100.0], height=3.0)
     with pytest.raises(rw.InputError, match="safety_factor"):
