@@ -126,12 +126,19 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     peak = float(brentq(settled, 0.0, limit, xtol=1e-7))  # the pretension itself
     rows = []
     for station, mass in turns:
+        check.not_negative(mass, rig.name, "payload", "kg")
         highest = float(at(used, grown(peak), station, mass)["highest_tension"])
         if highest > peak:
 
             def virgin(trial: float, station: float = station, mass: float = mass) -> float:
                 return float(at(used, grown(trial), station, mass)["highest_tension"]) - trial
 
+            if virgin(limit) > 0.0:
+                raise InputError(
+                    f"{rig.name}: {mass:g} kg at {station:g} m pull the skyline above its minimum breaking load "
+                    f"{limit:g} N",
+                    "Take less load or a stronger rope",
+                )
             peak = highest = float(brentq(virgin, peak, highest, xtol=1e-7))
         bare = bare_tension(replace(used, length=grown(peak)))
         rows.append(

@@ -82,7 +82,7 @@ def test_a_free_range_and_bad_candidates() -> None:
         rw.Candidate("stump", station=1.0, heights=())
     with pytest.raises(rw.InputError, match="one name"):
         rw.optimise_supports(rig(), [TREES[0], TREES[0]], payload=1.0)
-    wrong: dict[str, object]
-    for wrong in ({"clearance": np.nan}, {"safety_factor": 0.0}, {"most": -1}, {"stations": []}):
-        with pytest.raises(rw.InputError, match=next(iter(wrong))):
-            rw.optimise_supports(rig(), TREES, payload=1.0, **wrong)  # type: ignore[arg-type]
+    refused: dict[str, object] = {"clearance": np.nan, "safety_factor": 0.0, "most": -1, "stations": []}
+    for name, wrong in refused.items():
+        with pytest.raises(rw.InputError, match=name):
+            rw.optimise_supports(rig(), TREES, payload=1.0, **{name: wrong})  # type: ignore[arg-type]
