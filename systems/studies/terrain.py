@@ -67,6 +67,8 @@ class Profile:
         Raises InputError that names the file and line.
         """
         rows: list[tuple[float, float]] = []
+        if not Path(path).is_file():
+            raise InputError(f"There is no file {path}", "Give the path of a CSV with station,elevation")
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
             reader = csv.DictReader(file, skipinitialspace=True)
             missing = [c for c in ("station", "elevation") if c not in (reader.fieldnames or ())]
@@ -108,7 +110,11 @@ class Profile:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
         from ropeway.systems.studies.raster import along
 
-        with rasterio.open(path) as raster:
+        try:
+            raster = rasterio.open(path)
+        except rasterio.errors.RasterioIOError as error:
+            raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
+        with raster:
             return cls(*along(raster, str(path), start, end, spacing))
 
     def elevation_at(self, station: float) -> float:

@@ -93,6 +93,8 @@ def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) ->
 
 
 def test_bad_profiles_are_refused() -> None:
+    with pytest.raises(rw.InputError, match="no file"):
+        rw.Profile.from_csv("nowhere.csv")
     with pytest.raises(rw.InputError, match="do not increase"):
         rw.Profile([0.0, 2.0, 1.0], [0.0, 0.0, 0.0])
     with pytest.raises(rw.InputError, match="shape"):
