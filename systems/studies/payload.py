@@ -32,6 +32,9 @@ Margin = Callable[[Row, Solved], float]
 MOST = 1e7
 """A payload [kg] that no limit stops is reported as this."""
 
+NO_EQUILIBRIUM = "no equilibrium"
+"""What limits a payload where there is nothing else to say."""
+
 
 @dataclass(frozen=True, eq=False)
 class PayloadStudy:
@@ -90,8 +93,9 @@ def payload(
     guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
     rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
     stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
-    running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
-    itself needs; not with a log, which hangs as its dropline lets it. Raises InputError.
+    running skyline with a clearance is lowered at each station to just that clearance, or as low as its empty
+    carriage goes, as far up as the rope itself needs; not with a log, which hangs as its dropline lets it. Raises
+    InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -195,11 +199,35 @@ class _Search:
         """The row of a station."""
         height = None if self.clearance is None else carriage_height(self.rig, station, self.clearance)
         best = self._largest(station, height, self.margins)
+        if height is not None and (best["payload"], best["limited_by"]) == (0.0, NO_EQUILIBRIUM):
+            height = self._lowest(station, height)
+            best = self._largest(station, height, self.margins)
         if height is not None and best.get("rope_clearance", np.inf) < self.of_rope - 1e-6:
             best = self._raised(station, height) or {**best, "payload": 0.0, "limited_by": "rope clearance"}
         if best["payload"] > 0.0:
             self.guess = best["payload"]
         return best
+
+    def _room(self, station: float, height: float) -> float:
+        """From a height of the carriage up to the chord of its span [m]."""
+        k = self.rig.span_of(station)
+        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
+        return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height
+
+    def _lowest(self, station: float, height: float) -> float:
+        """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
+        hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
+        room = self._room(station, height)
+
+        def found(gap: float) -> bool:
+            """Whether it can hang this far below the chord [m]."""
+            return bool(self._least(station, 0.0, height + room - gap, self.margins)[1] != NO_EQUILIBRIUM)
+
+        low, high = next((gap for gap in (0.05, 5e-3, 5e-4) if gap < room and found(gap)), room), room
+        while high > 1.002 * low:
+            middle = (low * high) ** 0.5
+            low, high = (middle, high) if found(middle) else (low, middle)
+        return height + room - low
 
     def _raised(self, station: float, height: float) -> Row | None:
         """With the carriage raised until the skyline itself clears the ground; None where that is impossible."""
@@ -208,9 +236,7 @@ class _Search:
             found = self._largest(station, height + extra, self.margins)
             return float(found.get("rope_clearance", -np.inf)) - self.of_rope
 
-        k = self.rig.span_of(station)
-        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
-        top = a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height - 0.05
+        top = self._room(station, height) - 0.05
         if top <= 0.0 or not short(top) >= 0.0:
             return None
         extra = float(brentq(short, 0.0, top, xtol=1e-6))
@@ -251,7 +277,7 @@ class _Search:
         except OutOfReachError as error:
             return -1.0, error.limit, None
         except EquilibriumError:
-            return -1.0, "no equilibrium", None
+            return -1.0, NO_EQUILIBRIUM, None
         values = row(solved, station)
         name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
         return max(margin, -0.999), name, values

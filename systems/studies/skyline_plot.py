@@ -11,7 +11,7 @@ import pandas as pd
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import load_path
+from ropeway.systems.studies.load_path import load_path, row
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -63,7 +63,8 @@ def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | N
     axis.set_aspect("equal", adjustable="box")
     axis.set_ylabel("elevation [m]")
     axis.grid(alpha=0.25)
-    axis.legend(loc="best", fontsize="small", framealpha=0.9)
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(loc="best", fontsize="small", framealpha=0.9)
 
 
 def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -80,10 +81,11 @@ def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], 
 
 def _ropes(axis: Axes, shown: Solved) -> None:
     rig, model = shown.at.rig, shown.at.model
+    named: set[str] = set()
     for r, run in enumerate(model.runs):
-        sky = r == shown.at.skyline
-        colour, width = ("black", 2.2) if sky else ("tab:red", 1.0)
-        first = True
+        sky, role = r == shown.at.skyline, shown.at.roles[r]
+        colour, width = ("black", 2.2) if sky else ("tab:red" if role else "0.45", 1.0)
+        name = "haulback" if sky and rig.kind is Kind.RUNNING else role or "guylines"
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
             length = shown[f"{span.name}.length"]
@@ -92,11 +94,9 @@ def _ropes(axis: Axes, shown: Solved) -> None:
             curve = catenary.profile(
                 shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
             )
-            name = shown.at.roles[r] or "guylines"
-            name = "haulback" if sky and rig.kind is Kind.RUNNING else name
-            label = name if first else None
+            label = None if name in named else name
             axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
-            first = False
+            named.add(name)
     name = rig.carriage.name
     x, z = shown[f"{name}.x"], shown[f"{name}.z"]
     axis.plot([x], [z], "s", color="black", ms=6, zorder=5)
@@ -132,16 +132,26 @@ def payload_figure(study: PayloadStudy) -> Figure:
 def _ways(study: PayloadStudy) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
     found = []
-    height = study.clearance if study.lowered else None
-    masses = [(0.0, "tab:cyan", "way of the empty carriage")] if height is None else []
+    masses = [] if study.lowered else [(0.0, "tab:cyan", "way of the empty carriage")]
     masses.append((study.payload, "tab:blue", f"way of the carriage with {study.payload / 1000.0:.2f} t"))
     for mass, colour, label in masses:
         try:
-            path = load_path(study.rig, mass, study.frame["station"].to_numpy(), height=height)
+            path = _path(study, mass)
         except EquilibriumError:
             continue
-        found.append(Way(path, colour, label))
+        if len(path):
+            found.append(Way(path, colour, label))
     return found
+
+
+def _path(study: PayloadStudy, mass: float) -> pd.DataFrame:
+    """The load path of a mass [kg], at the heights of the study where the yarder lowers the skyline."""
+    if not study.lowered:
+        return load_path(study.rig, mass, study.frame["station"].to_numpy())
+    solver, rows = Stations(study.rig, by_height=True), []
+    for x, z in study.frame.reindex(columns=["station", "carriage_z"]).dropna().itertuples(index=False):
+        rows.append(row(solver.solve(x, mass, z), x))
+    return pd.DataFrame(rows)
 
 
 def _shown(study: PayloadStudy) -> Solved | None:
@@ -167,7 +177,7 @@ def _payloads(axis: Axes, study: PayloadStudy) -> None:
     axis.annotate(
         f"{study.payload:.0f} kg at {worst['station']:.0f} m",
         (worst["station"], study.payload / 1000.0),
-        xytext=(0, -13),
+        xytext=(0, -13 if study.payload > 0.0 else 5),
         textcoords="offset points",
         ha="center",
         fontsize="small",
@@ -207,9 +217,11 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
             fontsize="small",
         )
     axis.set_ylim(0.0, 1.32 * limit)
-    axis.set_ylabel(f"tension with {study.payload / 1000.0:.2f} t [kN]")
+    load = "the largest payload" if frame is study.frame else f"{study.payload / 1000.0:.2f} t"
+    axis.set_ylabel(f"tension with {load} [kN]")
     axis.grid(alpha=0.3)
-    axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
 
 
 def inhaul_figure(run: Inhaul) -> Figure:

@@ -246,6 +246,32 @@ def test_a_height_above_the_chord_is_told() -> None:
         rw.load_path(live, 1000.0, [120.0], height=60.0)
 
 
+def test_a_live_skyline_over_a_jack_comes_as_low_as_it_goes() -> None:
+    """Beside the saddle no tension brings the carriage down to the clearance: there it rides higher, and carries."""
+    live = rw.live_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        supports=[rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
+        skyline=ROPE,
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    study = rw.payload(live, clearance=1.0, stations=[100.0, 259.0, 260.0, 261.0, 380.0])
+    assert (study.frame.payload > 2000.0).all()
+    assert study.frame.clearance[[0, 4]].to_numpy() == pytest.approx(1.0, abs=1e-9)
+    assert (study.frame.clearance[1:4] > 2.0).all()
+    assert study.frame.highest_tension.max() <= 576.6e3 / 3.0 * (1.0 + 1e-9)
+    # A little lower there is no equilibrium of the empty carriage.
+    lowest = study.frame.clearance[1]
+    rw.load_path(live, 0.0, [259.0], height=lowest)
+    with pytest.raises(rw.EquilibriumError):
+        rw.load_path(live, 0.0, [259.0], height=lowest - 0.05)
+    # The picture has these heights too: the payload of the corridor keeps the limit all along.
+    (line,) = (line for line in study.plot().axes[2].lines if line.get_label() == "skyline, highest")
+    assert np.max(line.get_ydata()) == pytest.approx(576.6 / 3.0, rel=1e-6)
+
+
 def test_gravity_skyline_needs_its_carriage_to_run_out() -> None:
     def rig(tail: float) -> rw.SkylineRig:
         return rw.gravity_skyline(
