@@ -36,6 +36,7 @@ UNITS = {
     "deflection": "%",
     "clearance": "m",
     "rope_clearance": "m",
+    "front_clearance": "m",
     "spar_compression": "N",
     "spar_lean": "m",
     "tailspar_compression": "N",
@@ -62,8 +63,8 @@ def load_path(
     `NAME_force`, upward on the rope, negative where it lifts off; span (from 1); held_by: mainline, clamp (beyond
     its rest point the carriage has to be held on the skyline) or holding. A guyed headspar adds spar_compression,
     spar_lean [m], a guyed tailspar tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension`
-    at the top. A log adds its suspension (partial or full), ground_force and dropline_tension, and as clearance
-    that of its lower end, of its front where the rear drags.
+    at the top. A log adds its suspension (partial or full), ground_force, dropline_tension and front_clearance, and
+    as clearance that of its lower end, of its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
     over the ground [m]; with a log, which follows, the carriage. At the own station of a support that is a point
@@ -177,6 +178,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         values["dropline_tension"] = solved[f"{name}.dropline_pull"]
         values["suspension"] = "partial" if drags else "full"
         values["clearance"] = solved[f"{log}.{end[1]}"] - float(rig.terrain.elevations(solved[f"{log}.{end[0]}"]))
+        values["front_clearance"] = solved[f"{log}.z"] - float(rig.terrain.elevations(solved[f"{log}.x"]))
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
     elif isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))

@@ -89,13 +89,13 @@ def payload(
 ) -> PayloadStudy:
     """The largest payload at `stations` [m] (by default about every 5 m) within all limits.
 
-    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback and
-    guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
-    rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
-    stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
-    running skyline with a clearance is lowered at each station to just that clearance, or as low as its empty
-    carriage goes, as far up as the rope itself needs; not with a log, which hangs as its dropline lets it. Raises
-    InputError.
+    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback, dropline
+    and guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], of a log's
+    front, as its rear may drag, and with it rope_clearance: of the loaded skyline itself, between headspar and
+    tailspar [m]; lift_off: the skyline must stay in its saddles; capacities of spars, supports and tailhold where
+    they are known. A live, gravity or running skyline with a clearance is lowered at each station to just that
+    clearance, or as low as its empty carriage goes, as far up as the rope itself needs; not with a log, which
+    hangs as its dropline lets it. Raises InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -139,13 +139,16 @@ def margins_of(
         found["mainline tension"] = tension("mainline_highest", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
         found["haulback tension"] = tension("haulback_highest", rig.haulback.breaking_load / others)
+    if rig.turn is not None:
+        found["dropline tension"] = tension("dropline_tension", rig.turn.dropline.breaking_load / others)
     block = rig.haulback_block
     if block is not None and block.capacity is not None:
         load, most = f"{block.name}.bearing_load", block.capacity
         found[f"capacity of {block.name}"] = lambda r, s: 1.0 - s[load] / most
     of_load, of_rope = clearances
     if of_load is not None and not is_lowered(rig):
-        found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
+        over = "clearance" if rig.turn is None else "front_clearance"
+        found["clearance"] = lambda r, s: (r[over] - of_load) / 10.0
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:
         if lift_off:

@@ -33,6 +33,7 @@ class Way(NamedTuple):
 
 
 _COLOURS = ("tab:blue", "tab:orange", "tab:purple", "tab:olive", "tab:pink", "tab:cyan", "tab:brown")
+_ROPES = {"mainline": "tab:red", "haulback": "tab:blue", "dropline": "tab:green"}
 
 
 def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | None = None) -> None:
@@ -84,7 +85,7 @@ def _ropes(axis: Axes, shown: Solved) -> None:
     named: set[str] = set()
     for r, run in enumerate(model.runs):
         sky, role = r == shown.at.skyline, shown.at.roles[r]
-        colour, width = ("black", 2.2) if sky else ("tab:red" if role else "0.45", 1.0)
+        colour, width = ("black", 2.2) if sky else (_ROPES.get(role, "0.45"), 1.0)
         name = "haulback" if sky and rig.kind is Kind.RUNNING else role or "guylines"
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
@@ -102,6 +103,9 @@ def _ropes(axis: Axes, shown: Solved) -> None:
     axis.plot([x], [z], "s", color="black", ms=6, zorder=5)
     if rig.carriage.depth > 0.0:
         axis.plot([x, x], [z, z - rig.carriage.depth], color="black", lw=2.5, zorder=5)
+    if rig.turn is not None:
+        front, rear = ([shown[f"{rig.turn.log.name}.{end}{axis}"] for axis in "xz"] for end in ("", "rear_"))
+        axis.plot(*zip(front, rear, strict=True), color="tab:brown", lw=3.5, solid_capstyle="butt", label="log")
 
 
 def payload_figure(study: PayloadStudy) -> Figure:
