@@ -62,8 +62,11 @@ class SupportPlan:
 
 
 def support_range(start: float, end: float, spacing: float, heights: Sequence[float]) -> tuple[Candidate, ...]:
-    """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely."""
+    """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely.
+    Raises InputError."""
     check.positive(spacing, "support_range", "spacing", "m")
+    if not start <= end:
+        raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
     stations = np.arange(start, end + 1e-9 * spacing, spacing)
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 

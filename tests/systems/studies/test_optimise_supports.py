@@ -76,6 +76,8 @@ def test_an_infeasible_corridor_is_an_answer() -> None:
 def test_a_free_range_and_bad_candidates() -> None:
     free = rw.support_range(200.0, 300.0, 50.0, (8.0,))
     assert [c.station for c in free] == [200.0, 250.0, 300.0]
+    with pytest.raises(rw.InputError, match="lower station first"):
+        rw.support_range(300.0, 200.0, 50.0, (8.0,))
     with pytest.raises(rw.InputError, match="outside the spars"):
         rw.optimise_supports(rig(), [rw.Candidate("far", station=700.0, heights=(8.0,))], payload=1.0)
     with pytest.raises(rw.InputError, match="no height"):
