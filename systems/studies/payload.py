@@ -268,7 +268,10 @@ class _Search:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if least(middle) >= 0.0 else (low, middle)
         if least(high) == -1.0:
-            return self._answer(station, low, (0.0, tried[high][1], tried[low][2]))
+            name = tried[high][1]
+            if name == NO_EQUILIBRIUM and self.rig.kind is Kind.RUNNING and height is None:
+                name = "haulback tension"  # deeper, its ropes weigh more than they lift
+            return self._answer(station, low, (0.0, name, tried[low][2]))
         mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
         least(mass)
         return self._answer(station, mass, tried[mass])
