@@ -49,6 +49,13 @@ class PayloadStudy:
     mainline_safety_factor: float
     clearance: float | None
 
+    def __repr__(self) -> str:
+        worst = self.limiting
+        return (
+            f"<PayloadStudy of {self.rig.name!r}: {self.payload:.0f} kg, limited at {worst['station']:g} m by "
+            f"{worst['limited_by']}>"
+        )
+
     @cached_property
     def limiting(self) -> pd.Series[Any]:
         """The row of the station that carries least: its payload is the corridor's."""

@@ -60,6 +60,9 @@ class Profile:
         object.__setattr__(self, "station", x)
         object.__setattr__(self, "elevation", z)
 
+    def __repr__(self) -> str:
+        return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
+
     @classmethod
     def from_csv(cls, path: str | Path) -> Profile:
         """From a CSV file with columns station and elevation [m]; others are left alone.

@@ -193,6 +193,13 @@ def test_a_mainline_is_tightest_at_a_carriage_above_its_drum() -> None:
     assert (study.payload, study.limiting.limited_by) == (0.0, "mainline tension")
 
 
+def test_representations_are_short() -> None:
+    study = rw.payload(corridor(), stations=[100.0])
+    assert repr(GROUND) == "<Profile of 7 points, 0 to 500 m>"
+    assert repr(study.rig) == "<SkylineRig 'standing skyline': head at 0 m, jack at 260 m, tail at 480 m>"
+    assert repr(study).endswith("kg, limited at 100 m by skyline tension>")
+
+
 def test_an_infeasible_corridor_is_an_answer() -> None:
     study = rw.payload(corridor(), clearance=30.0, stations=[100.0, 200.0])
     assert study.payload == 0.0
