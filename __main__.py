@@ -111,6 +111,7 @@ def payload(
     tail_height: Annotated[float, typer.Option(help="Height of the tailspar [m].")] = 8.0,
     support: Annotated[list[str] | None, typer.Option(help="Intermediate support STATION:HEIGHT; repeat it.")] = None,
     carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0,
+    load_depth: Annotated[float, typer.Option(help="From the skyline down to the load's lowest point [m].")] = 0.0,
     safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
     clearance: Annotated[float, typer.Option(help="Least clearance under the load [m].")] = 1.0,
     spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0,
@@ -132,6 +133,7 @@ def payload(
             tail_height=tail_height,
             supports=tuple(support or ()),
             carriage_mass=carriage_mass,
+            load_depth=load_depth,
             safety_factor=safety_factor,
             clearance=clearance,
             spacing=spacing,
@@ -140,6 +142,8 @@ def payload(
         frame = study.frame
         rows = [[f"{r.station:.0f}", f"{r.payload:.0f}", str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
+        worst = study.limiting
+        typer.echo(f"Largest payload {study.payload:.0f} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 

@@ -130,6 +130,7 @@ class GuyedSpar(HeadSpar):
 
     def placed(self, ground: Ground | None) -> Self:
         if self.foot:
+            self.require_above(ground)
             return self
         if ground is None or self.station is None:
             raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with foot=")

@@ -62,17 +62,21 @@ class Standing(Node):
     def placed(self, ground: Ground | None) -> Self:
         """The same at its point on a terrain. Raises InputError where that cannot be."""
         if self.station is None or self.height is None:
-            if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
-                raise InputError(
-                    f"{self.label} at z = {self.at[2]:g} m lies below the ground, "
-                    f"{ground.elevation_at(self.at[0]):g} m at station {self.at[0]:g} m",
-                    "Raise it, or place it by station and height",
-                )
+            self.require_above(ground)
             return self
         if ground is None:
             raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with at=")
         elevation = ground.elevation_at(self.station)
         return replace(self, at=(self.station, 0.0, elevation + self.height))
+
+    def require_above(self, ground: Ground | None) -> None:
+        """Raises InputError where its point lies below a terrain."""
+        if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
+            raise InputError(
+                f"{self.label} at z = {self.at[2]:g} m lies below the ground, "
+                f"{ground.elevation_at(self.at[0]):g} m at station {self.at[0]:g} m",
+                "Raise it, or place it by station and height",
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

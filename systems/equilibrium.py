@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -15,10 +15,10 @@ from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.continuation import solve_algebraic
-from ropeway.systems.model import Balance, Model, component_of
+from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
-from ropeway.systems.stability import condensed_pivots
+from ropeway.systems.stability import condensed_last, condensed_pivots
 from ropeway.systems.state import LineState, find, support_points
 from ropeway.systems.system import System
 
@@ -278,7 +278,7 @@ def _unstable(state: LineState) -> str | None:
     free = tuple(b for b in state.model.balances if b.travel not in held)
     if not free:
         return None
-    rows, columns = _condensed_last(state.model, free)
+    rows, columns = condensed_last(state.model, free)
     matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
     if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
         pivots = condensed_pivots(matrix, len(free))
@@ -286,21 +286,6 @@ def _unstable(state: LineState) -> str | None:
         pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
     soft = -np.array([b.sign for b in free]) * pivots <= 0.0
     return component_of(state.model.z.names[free[int(np.argmax(soft))].travel]) if soft.any() else None
-
-
-@lru_cache(maxsize=16)
-def _condensed_last(model: Model, free: tuple[Balance, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """An order of rows and columns in which the balances come last.
-
-    Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
-    when, and only when, that symmetric matrix is positive definite.
-    """
-    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
-    everything = np.arange(len(model.z))
-    return (
-        np.concatenate([np.setdiff1d(everything, rows), rows]),
-        np.concatenate([np.setdiff1d(everything, columns), columns]),
-    )
 
 
 def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:

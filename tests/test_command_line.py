@@ -72,7 +72,10 @@ def test_payload(tmp_path: Path) -> None:
         "payload", corridor, "--support", "260:9", "--tail", "480", "--spacing", "60", "--out", "p", cwd=tmp_path
     )
     assert done.returncode == 0, done.stderr
-    assert "limited by" in done.stdout
+    assert "kg, limited at 105 m by skyline tension." in done.stdout
+    near = ropeway("payload", corridor, "--tail", "480", "--load-depth", "40", "--spacing", "60", cwd=tmp_path)
+    assert "Largest payload 0 kg" in near.stdout
+    assert "by clearance." in near.stdout
     assert (tmp_path / "p" / "payload.png").stat().st_size > 5000
     wrong = ropeway("payload", corridor, "--support", "260", cwd=tmp_path)
     assert wrong.returncode == 1

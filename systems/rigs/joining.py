@@ -94,6 +94,13 @@ def joined(
         raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
     if haulback is not None and mainline is None and not carriage.clamped and kind is not Kind.RUNNING:
         raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
+    if haulback is not None and haulback_block is None and isinstance(tail, GuyedSpar) and not carriage.clamped:
+        raise InputError(
+            f"{name}: the ideal drum of a haulback would not pull at {tail.label}, which gives way",
+            "Give a haulback_block",
+        )
+    if kind is Kind.RUNNING and tail.tailhold is not None:
+        raise InputError(f"{name} has no skyline for {tail.tailhold.label}", "Leave the tailhold out")
     if turn is not None and (terrain is None or kind is Kind.RUNNING):
         raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
     ideal = mainline is None and not carriage.clamped

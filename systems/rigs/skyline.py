@@ -103,6 +103,10 @@ class SkylineRig:
     name: str
     gravity: float
 
+    def __repr__(self) -> str:
+        places = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
+        return f"<SkylineRig {self.name!r}: {places}>"
+
     @property
     def stands(self) -> tuple[Node, ...]:
         """What bounds the spans: headspar, intermediate supports, tailspar."""

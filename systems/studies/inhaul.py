@@ -50,6 +50,9 @@ class Inhaul:
     frame: pd.DataFrame
     events: pd.DataFrame
 
+    def __repr__(self) -> str:
+        return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
+
     def plot(self) -> Figure:
         """Place, tensions and powers over time."""
         from ropeway.systems.studies.skyline_plot import inhaul_figure

@@ -10,6 +10,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.span import Span
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
@@ -27,12 +28,15 @@ UNITS = {
     "anchor_tension": "N",
     "mainline_pull": "N",
     "mainline_tension": "N",
+    "mainline_highest": "N",
     "haulback_pull": "N",
     "haulback_tension": "N",
+    "haulback_highest": "N",
     "sag": "m",
     "deflection": "%",
     "clearance": "m",
     "rope_clearance": "m",
+    "front_clearance": "m",
     "spar_compression": "N",
     "spar_lean": "m",
     "tailspar_compression": "N",
@@ -50,17 +54,17 @@ def load_path(
 ) -> pd.DataFrame:
     """The carriage with a payload [kg] at `stations` [m] (by default every 5 m of all spans).
 
-    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at
-    the carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension
-    (where the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards
-    the headspar) and mainline_tension at its drum; haulback_pull at the carriage and haulback_tension at its
-    drum; sag below its span's chord and deflection in percent of the span; clearance of the load over the ground
-    and rope_clearance, the least one of all ropes; for each support `NAME_force`, upward on the rope, negative
-    where it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held
-    on the skyline) or holding. A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar
-    tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension` at the top. A log adds its
-    suspension (partial or full), ground_force and dropline_tension, and as clearance that of its lower end, of
-    its front where the rear drags.
+    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at the
+    carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension (where
+    the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards the
+    headspar), mainline_tension at its drum and mainline_highest anywhere; haulback_pull at the carriage,
+    haulback_tension at its drum and haulback_highest anywhere; sag below its span's chord and deflection in
+    percent of the span; clearance of the load over the ground and rope_clearance of the skyline; for each support
+    `NAME_force`, upward on the rope, negative where it lifts off; span (from 1); held_by: mainline, clamp (beyond
+    its rest point the carriage has to be held on the skyline) or holding. A guyed headspar adds spar_compression,
+    spar_lean [m], a guyed tailspar tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension`
+    at the top. A log adds its suspension (partial or full), ground_force, dropline_tension and front_clearance, and
+    as clearance that of its lower end, of its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
     over the ground [m]; with a log, which follows, the carriage. At the own station of a support that is a point
@@ -71,10 +75,8 @@ def load_path(
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)
-    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
     rows = []
-    for x in where:
-        check.number(float(x), rig.name, "a station", "m")
+    for x in stations_of(rig, stations):
         z = None if height is None else carriage_height(rig, float(x), height)
         rows.append(row(solver.solve(float(x), payload, z), float(x)))
     frame = pd.DataFrame(rows)
@@ -94,6 +96,24 @@ def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
 
 
+def stations_of(rig: SkylineRig, stations: Sequence[float] | np.ndarray | None) -> np.ndarray:
+    """The stations asked for [m], by default about every 5 m of all spans. Raises InputError."""
+    if stations is None:
+        return default_stations(rig)
+    try:
+        found = np.asarray(stations, dtype=float)
+    except (TypeError, ValueError):
+        found = np.empty((0, 0))
+    if found.ndim != 1:
+        raise InputError(f"{rig.name}: stations are {stations!r}", "Give numbers in a row [m]")
+    if found.size == 0:
+        raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
+    for x in found:
+        check.number(float(x), rig.name, "a station", "m")
+        rig.span_of(float(x))
+    return found
+
+
 def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
     """Height z [m] of the carriage with its load `height` over the ground. Raises InputError."""
     if rig.terrain is None:
@@ -110,7 +130,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
     a, b = rig.stands[k].at, rig.stands[k + 1].at
     sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
     sky = model.runs[solved.at.skyline]
-    ends = [solved[f"{s.name}.tension_{end}"] for s in sky.spans for end in "ab"]
+    ends = end_tensions(solved, sky.spans)
     from_head = next((k for k, node in enumerate(sky.nodes) if node.name == head.name), 0)
     into_tail = next(s for s, node in zip(sky.spans, sky.nodes[1:], strict=True) if node.name == tail.name)
     at_carriage = max(solved[f"{name}.tension_a"], solved[f"{name}.tension_b"])
@@ -120,6 +140,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         pull = solved[f"{name}.mainline_pull"]
         main = solved["mainline.rope_tension"]
     haul = solved["haulback.rope_tension"] if "haulback.rope_tension" in model.y.index else 0.0
+    haulback = "skyline" if rig.kind is Kind.RUNNING else "haulback"
     values: dict[str, float | str | int] = {
         "station": station,
         "carriage_x": x,
@@ -132,8 +153,10 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         "anchor_tension": ends[-1],
         "mainline_pull": pull,
         "mainline_tension": main,
+        "mainline_highest": highest_of(solved, "mainline"),
         "haulback_pull": solved[f"{name}.haulback_pull"],
         "haulback_tension": haul,
+        "haulback_highest": highest_of(solved, haulback),
         "sag": sag,
         "deflection": deflection(sag, float(np.hypot(b[0] - a[0], b[1] - a[1]))),
         "clearance": np.nan,
@@ -155,11 +178,23 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         values["dropline_tension"] = solved[f"{name}.dropline_pull"]
         values["suspension"] = "partial" if drags else "full"
         values["clearance"] = solved[f"{log}.{end[1]}"] - float(rig.terrain.elevations(solved[f"{log}.{end[0]}"]))
+        values["front_clearance"] = solved[f"{log}.z"] - float(rig.terrain.elevations(solved[f"{log}.x"]))
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
     elif isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
     return values
+
+
+def highest_of(solved: Solved, role: str) -> float:
+    """Highest tension of the skyline, the mainline or the haulback [N]; 0 where there is none."""
+    runs = [run for run, its in zip(solved.at.model.runs, solved.at.roles, strict=True) if its == role]
+    return max((tension for run in runs for tension in end_tensions(solved, run.spans)), default=0.0)
+
+
+def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
+    """Tensions at both ends of all spans [N]; a load-free span has none higher in between."""
+    return [solved[f"{span.name}.tension_{end}"] for span in spans for end in "ab"]
 
 
 def rope_clearance(solved: Solved, ground: Profile) -> float:

@@ -13,7 +13,7 @@ from ropeway.components.errors import EquilibriumError, InputError, SlackRopeErr
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import default_stations, row
+from ropeway.systems.studies.load_path import row, stations_of
 from ropeway.systems.studies.payload import Margin, margins_of
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -62,8 +62,11 @@ class SupportPlan:
 
 
 def support_range(start: float, end: float, spacing: float, heights: Sequence[float]) -> tuple[Candidate, ...]:
-    """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely."""
+    """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely.
+    Raises InputError."""
     check.positive(spacing, "support_range", "spacing", "m")
+    if not start <= end:
+        raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
     stations = np.arange(start, end + 1e-9 * spacing, spacing)
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 
@@ -99,7 +102,12 @@ def optimise_supports(
             raise InputError(
                 f"Candidate {c.name!r} at {c.station:g} m is outside the spars", f"Between {low:g} m and {high:g} m"
             )
-    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
+    check.positive(safety_factor, rig.name, "safety_factor")
+    check.number(clearance, rig.name, "clearance", "m")
+    check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    if most < 0:
+        raise InputError(f"{rig.name}: most is {most!r}", "Give the largest number of supports looked at, 0 or more")
+    where = stations_of(rig, stations)
     ordered = sorted(candidates, key=lambda c: c.station)
     search = _Search(rig, payload, (clearance, rope_clearance), safety_factor, where)
     for count in range(min(most, len(ordered)) + 1):

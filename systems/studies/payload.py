@@ -12,10 +12,12 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import carriage_height, default_stations, row, units_of
+from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -30,6 +32,9 @@ Margin = Callable[[Row, Solved], float]
 MOST = 1e7
 """A payload [kg] that no limit stops is reported as this."""
 
+NO_EQUILIBRIUM = "no equilibrium"
+"""What limits a payload where there is nothing else to say."""
+
 
 @dataclass(frozen=True, eq=False)
 class PayloadStudy:
@@ -43,6 +48,13 @@ class PayloadStudy:
     safety_factor: float
     mainline_safety_factor: float
     clearance: float | None
+
+    def __repr__(self) -> str:
+        worst = self.limiting
+        return (
+            f"<PayloadStudy of {self.rig.name!r}: {self.payload:.0f} kg, limited at {worst['station']:g} m by "
+            f"{worst['limited_by']}>"
+        )
 
     @cached_property
     def limiting(self) -> pd.Series[Any]:
@@ -84,12 +96,13 @@ def payload(
 ) -> PayloadStudy:
     """The largest payload at `stations` [m] (by default about every 5 m) within all limits.
 
-    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback and
-    guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], and with it
-    rope_clearance: of the loaded skyline itself, between headspar and tailspar [m]; lift_off: the skyline must
-    stay in its saddles; capacities of spars, supports and tailhold where they are known. A live, gravity or
-    running skyline with a clearance is lowered at each station to just that clearance, as far up as the rope
-    itself needs; not with a log, which hangs as its dropline lets it. Raises InputError.
+    safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback, dropline
+    and guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], of a log's
+    front, as its rear may drag, and with it rope_clearance: of the loaded skyline itself, between headspar and
+    tailspar [m]; lift_off: the skyline must stay in its saddles; capacities of spars, supports and tailhold where
+    they are known. A live, gravity or running skyline with a clearance is lowered at each station to just that
+    clearance, or as low as its empty carriage goes, as far up as the rope itself needs; not with a log, which
+    hangs as its dropline lets it. Raises InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -99,11 +112,7 @@ def payload(
         if not isinstance(rig.terrain, Profile):
             raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    where = default_stations(rig) if stations is None else np.asarray(stations, dtype=float)
-    if where.size == 0:
-        raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
-    for x in where:
-        check.number(float(x), rig.name, "a station", "m")
+    where = stations_of(rig, stations)
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
     search = _Search(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
     rows = []
@@ -122,8 +131,11 @@ def margins_of(
     def tension(column: str, limit: float) -> Margin:
         return lambda r, s: 1.0 - r[column] / limit
 
-    def capacity(output: str, limit: float) -> Margin:
-        return lambda r, s: 1.0 - s[output] / limit
+    def capacity(stand: Node, limit: float) -> Margin:
+        return lambda r, s: 1.0 - carried(s, stand) / limit
+
+    def pulled(span: str, limit: float) -> Margin:
+        return lambda r, s: 1.0 - max(s[f"{span}.tension_a"], s[f"{span}.tension_b"]) / limit
 
     def pressed(column: str) -> Margin:
         return lambda r, s: r[column] / skyline
@@ -131,47 +143,57 @@ def margins_of(
     skyline = rig.skyline.breaking_load / safety_factor
     found: dict[str, Margin] = {"skyline tension": tension("highest_tension", skyline)}
     if rig.mainline is not None:
-        found["mainline tension"] = tension("mainline_tension", rig.mainline.breaking_load / others)
+        found["mainline tension"] = tension("mainline_highest", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
-        found["haulback tension"] = tension("haulback_tension", rig.haulback.breaking_load / others)
+        found["haulback tension"] = tension("haulback_highest", rig.haulback.breaking_load / others)
+    if rig.turn is not None:
+        found["dropline tension"] = tension("dropline_tension", rig.turn.dropline.breaking_load / others)
     block = rig.haulback_block
     if block is not None and block.capacity is not None:
-        found[f"capacity of {block.name}"] = capacity(f"{block.name}.bearing_load", block.capacity)
+        load, most = f"{block.name}.bearing_load", block.capacity
+        found[f"capacity of {block.name}"] = lambda r, s: 1.0 - s[load] / most
     of_load, of_rope = clearances
     if of_load is not None and not is_lowered(rig):
-        found["clearance"] = lambda r, s: (r["clearance"] - of_load) / 10.0
+        over = "clearance" if rig.turn is None else "front_clearance"
+        found["clearance"] = lambda r, s: (r[over] - of_load) / 10.0
         found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
     for support in rig.supports:
         if lift_off:
             found[f"lift-off at {support.name}"] = pressed(f"{support.name}_force")
         if support.capacity is not None:
-            found[f"capacity of {support.name}"] = capacity(f"{support.name}.bearing_load", support.capacity)
-    if rig.headspar.capacity is not None:
-        head = rig.headspar
-        found[f"capacity of {head.name}"] = lambda r, s: 1.0 - head_load(s) / (head.capacity or 1.0)
-    guyed = [spar for spar in (rig.headspar, rig.tailspar) if isinstance(spar, GuyedSpar)]
-    for spar in guyed:
-        for guy in spar.guylines:
-            found[f"guyline {guy.name}"] = tension(f"{guy.name}_tension", guy.rope.breaking_load / others)
-    tail, hold = rig.tailspar, rig.tailspar.tailhold
-    if tail.capacity is not None:
-        through = hold is not None or rig.kind is Kind.RUNNING
-        output = "compression" if tail in guyed else "bearing_load" if through else "tension"
-        found[f"capacity of {tail.name}"] = capacity(f"{tail.name}.{output}", tail.capacity)
+            found[f"capacity of {support.name}"] = capacity(support, support.capacity)
+    for spar in (rig.headspar, rig.tailspar):
+        if spar.capacity is not None:
+            found[f"capacity of {spar.name}"] = capacity(spar, spar.capacity)
+        if isinstance(spar, GuyedSpar):
+            for guy in spar.guylines:
+                found[f"guyline {guy.name}"] = pulled(f"{guy.name}_{spar.name}", guy.rope.breaking_load / others)
+    hold = rig.tailspar.tailhold
     if hold is not None and hold.capacity is not None:
         found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)
     return found
 
 
-def head_load(solved: Solved) -> float:
-    """Resultant of all ropes at the headspar's top, or the compression of a guyed one [N]."""
-    head = solved.at.rig.headspar
-    if isinstance(head, GuyedSpar):
-        return solved[f"{head.name}.compression"]
+def carried(solved: Solved, stand: Node) -> float:
+    """What a spar or support carries [N]: the resultant of all ropes at its top; the compression of a guyed spar; on
+    a shoe the load on it and that of the mainline on its roller."""
+    if isinstance(stand, GuyedSpar):
+        return solved[f"{stand.name}.compression"]
+    model = solved.at.model
+    if isinstance(stand, IntermediateSupport) and stand.radius > 0.0:
+        roller = f"{stand.name}_mainline.bearing_load"
+        return solved[f"{stand.name}.bearing_load"] + (solved[roller] if roller in model.y.index else 0.0)
     total = np.zeros(3)
-    for r, run in enumerate(solved.at.model.runs):
-        if run.nodes[0].at == head.at:
-            total += solved.at.curve(solved.point, 0, r)
+    for r, run in enumerate(model.runs):
+        for k, node in enumerate(run.nodes):
+            if node.at != stand.at:
+                continue
+            if k < len(run.spans):
+                total += solved.at.curve(solved.point, k, r)
+            if k > 0:
+                total -= solved.at.curve(solved.point, k - 1, r)
+                weight = run.rope.mass_per_length * solved.at.rig.gravity
+                total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
     return float(np.linalg.norm(total))
 
 
@@ -187,11 +209,35 @@ class _Search:
         """The row of a station."""
         height = None if self.clearance is None else carriage_height(self.rig, station, self.clearance)
         best = self._largest(station, height, self.margins)
+        if height is not None and (best["payload"], best["limited_by"]) == (0.0, NO_EQUILIBRIUM):
+            height = self._lowest(station, height)
+            best = self._largest(station, height, self.margins)
         if height is not None and best.get("rope_clearance", np.inf) < self.of_rope - 1e-6:
             best = self._raised(station, height) or {**best, "payload": 0.0, "limited_by": "rope clearance"}
         if best["payload"] > 0.0:
             self.guess = best["payload"]
         return best
+
+    def _room(self, station: float, height: float) -> float:
+        """From a height of the carriage up to the chord of its span [m]."""
+        k = self.rig.span_of(station)
+        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
+        return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height
+
+    def _lowest(self, station: float, height: float) -> float:
+        """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
+        hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
+        room = self._room(station, height)
+
+        def found(gap: float) -> bool:
+            """Whether it can hang this far below the chord [m]."""
+            return bool(self._least(station, 0.0, height + room - gap, self.margins)[1] != NO_EQUILIBRIUM)
+
+        low, high = next((gap for gap in (0.05, 5e-3, 5e-4) if gap < room and found(gap)), room), room
+        while high > 1.002 * low:
+            middle = (low * high) ** 0.5
+            low, high = (middle, high) if found(middle) else (low, middle)
+        return height + room - low
 
     def _raised(self, station: float, height: float) -> Row | None:
         """With the carriage raised until the skyline itself clears the ground; None where that is impossible."""
@@ -200,9 +246,7 @@ class _Search:
             found = self._largest(station, height + extra, self.margins)
             return float(found.get("rope_clearance", -np.inf)) - self.of_rope
 
-        k = self.rig.span_of(station)
-        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
-        top = a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height - 0.05
+        top = self._room(station, height) - 0.05
         if top <= 0.0 or not short(top) >= 0.0:
             return None
         extra = float(brentq(short, 0.0, top, xtol=1e-6))
@@ -231,7 +275,10 @@ class _Search:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if least(middle) >= 0.0 else (low, middle)
         if least(high) == -1.0:
-            return self._answer(station, low, (0.0, tried[high][1], tried[low][2]))
+            name = tried[high][1]
+            if name == NO_EQUILIBRIUM and self.rig.kind is Kind.RUNNING and height is None:
+                name = "haulback tension"  # deeper, its ropes weigh more than they lift
+            return self._answer(station, low, (0.0, name, tried[low][2]))
         mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
         least(mass)
         return self._answer(station, mass, tried[mass])
@@ -243,7 +290,7 @@ class _Search:
         except OutOfReachError as error:
             return -1.0, error.limit, None
         except EquilibriumError:
-            return -1.0, "no equilibrium", None
+            return -1.0, NO_EQUILIBRIUM, None
         values = row(solved, station)
         name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
         return max(margin, -0.999), name, values

@@ -10,6 +10,8 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import InputError
 
+_REPROJECT = "Reproject the raster to a metric coordinate system"
+
 
 def along(
     raster: Any, name: str, start: tuple[float, float], end: tuple[float, float], spacing: float | None
@@ -22,7 +24,9 @@ def along(
     step = spacing if spacing is not None else min(abs(raster.transform.a), abs(raster.transform.e)) / 2.0
     check.positive(step, name, "spacing", "m")
     if raster.crs is not None and raster.crs.is_geographic:
-        raise InputError(f"{name} is in degrees", "Reproject the raster to a metric coordinate system")
+        raise InputError(f"{name} is in degrees", _REPROJECT)
+    if raster.crs is not None and raster.crs.is_projected and raster.crs.linear_units_factor[1] != 1.0:
+        raise InputError(f"{name} is in a unit named {raster.crs.linear_units!r}", _REPROJECT)
     station = np.linspace(0.0, length, max(2, math.ceil(length / step) + 1))
     share = station / length
     east = start[0] + share * (end[0] - start[0])
@@ -31,10 +35,10 @@ def along(
     column = back.a * east + back.b * north + back.c - 0.5
     row = back.d * east + back.e * north + back.f - 0.5
     if column.min() < -0.5 or row.min() < -0.5 or column.max() > raster.width - 0.5 or row.max() > raster.height - 0.5:
-        bounds = raster.bounds
+        left, bottom, right, top = raster.bounds
         raise InputError(
             f"{name}: the line leaves the raster",
-            f"It covers easting {bounds.left:g} to {bounds.right:g}, northing {bounds.bottom:g} to {bounds.top:g}",
+            f"It covers easting {left:.0f} to {right:.0f}, northing {bottom:.0f} to {top:.0f}",
         )
     band = raster.read(1, masked=True).astype(float).filled(np.nan)
     i = np.clip(np.floor(row).astype(int), 0, max(raster.height - 2, 0))

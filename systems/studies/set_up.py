@@ -71,11 +71,13 @@ def set_up(
         high = chords + 2.0 * (high - chords)
         if high > 3.0 * chords:
             break
-    if sign * miss(low) > 0.0 or sign * miss(high) < 0.0:
-        raise EquilibriumError(
-            f"{rig.name}: no length gives {column.replace('_', ' ')} {wanted:g} with {payload:g} kg at {station:g} m",
-            f"It is between {miss(low) + float(wanted or 0.0):.4g} and {miss(high) + float(wanted or 0.0):.4g}",
-        )
+    for end, length, sense in (("shortest", low, 1.0), ("longest", high, -1.0)):
+        if sense * sign * (off := miss(length)) > 0.0:
+            raise EquilibriumError(
+                f"{rig.name}: no length gives {column.replace('_', ' ')} {wanted:g} with {payload:g} kg at "
+                f"{station:g} m",
+                f"With the {end} skyline it is {off + float(wanted or 0.0):.4g}",
+            )
     length = float(brentq(miss, low, high, xtol=1e-11, rtol=1e-14))
     ready = replace(rig, length=length, tension=None)
     return SetUp(ready, length, bare_tension(ready), at(rig, length, station, payload))
@@ -124,12 +126,19 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     peak = float(brentq(settled, 0.0, limit, xtol=1e-7))  # the pretension itself
     rows = []
     for station, mass in turns:
+        check.not_negative(mass, rig.name, "payload", "kg")
         highest = float(at(used, grown(peak), station, mass)["highest_tension"])
         if highest > peak:
 
             def virgin(trial: float, station: float = station, mass: float = mass) -> float:
                 return float(at(used, grown(trial), station, mass)["highest_tension"]) - trial
 
+            if virgin(limit) > 0.0:
+                raise InputError(
+                    f"{rig.name}: {mass:g} kg at {station:g} m pull the skyline above its minimum breaking load "
+                    f"{limit:g} N",
+                    "Take less load or a stronger rope",
+                )
             peak = highest = float(brentq(virgin, peak, highest, xtol=1e-7))
         bare = bare_tension(replace(used, length=grown(peak)))
         rows.append(

@@ -11,7 +11,7 @@ import pandas as pd
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import load_path
+from ropeway.systems.studies.load_path import load_path, row
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -33,6 +33,7 @@ class Way(NamedTuple):
 
 
 _COLOURS = ("tab:blue", "tab:orange", "tab:purple", "tab:olive", "tab:pink", "tab:cyan", "tab:brown")
+_ROPES = {"mainline": "tab:red", "haulback": "tab:blue", "dropline": "tab:green"}
 
 
 def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | None = None) -> None:
@@ -63,7 +64,8 @@ def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | N
     axis.set_aspect("equal", adjustable="box")
     axis.set_ylabel("elevation [m]")
     axis.grid(alpha=0.25)
-    axis.legend(loc="best", fontsize="small", framealpha=0.9)
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(loc="best", fontsize="small", framealpha=0.9)
 
 
 def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -80,10 +82,11 @@ def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], 
 
 def _ropes(axis: Axes, shown: Solved) -> None:
     rig, model = shown.at.rig, shown.at.model
+    named: set[str] = set()
     for r, run in enumerate(model.runs):
-        sky = r == shown.at.skyline
-        colour, width = ("black", 2.2) if sky else ("tab:red", 1.0)
-        first = True
+        sky, role = r == shown.at.skyline, shown.at.roles[r]
+        colour, width = ("black", 2.2) if sky else (_ROPES.get(role, "0.45"), 1.0)
+        name = "haulback" if sky and rig.kind is Kind.RUNNING else role or "guylines"
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
             length = shown[f"{span.name}.length"]
@@ -92,16 +95,17 @@ def _ropes(axis: Axes, shown: Solved) -> None:
             curve = catenary.profile(
                 shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
             )
-            name = shown.at.roles[r] or "guylines"
-            name = "haulback" if sky and rig.kind is Kind.RUNNING else name
-            label = name if first else None
+            label = None if name in named else name
             axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
-            first = False
+            named.add(name)
     name = rig.carriage.name
     x, z = shown[f"{name}.x"], shown[f"{name}.z"]
     axis.plot([x], [z], "s", color="black", ms=6, zorder=5)
     if rig.carriage.depth > 0.0:
         axis.plot([x, x], [z, z - rig.carriage.depth], color="black", lw=2.5, zorder=5)
+    if rig.turn is not None:
+        front, rear = ([shown[f"{rig.turn.log.name}.{end}{axis}"] for axis in "xz"] for end in ("", "rear_"))
+        axis.plot(*zip(front, rear, strict=True), color="tab:brown", lw=3.5, solid_capstyle="butt", label="log")
 
 
 def payload_figure(study: PayloadStudy) -> Figure:
@@ -132,16 +136,26 @@ def payload_figure(study: PayloadStudy) -> Figure:
 def _ways(study: PayloadStudy) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
     found = []
-    height = study.clearance if study.lowered else None
-    masses = [(0.0, "tab:cyan", "way of the empty carriage")] if height is None else []
+    masses = [] if study.lowered else [(0.0, "tab:cyan", "way of the empty carriage")]
     masses.append((study.payload, "tab:blue", f"way of the carriage with {study.payload / 1000.0:.2f} t"))
     for mass, colour, label in masses:
         try:
-            path = load_path(study.rig, mass, study.frame["station"].to_numpy(), height=height)
+            path = _path(study, mass)
         except EquilibriumError:
             continue
-        found.append(Way(path, colour, label))
+        if len(path):
+            found.append(Way(path, colour, label))
     return found
+
+
+def _path(study: PayloadStudy, mass: float) -> pd.DataFrame:
+    """The load path of a mass [kg], at the heights of the study where the yarder lowers the skyline."""
+    if not study.lowered:
+        return load_path(study.rig, mass, study.frame["station"].to_numpy())
+    solver, rows = Stations(study.rig, by_height=True), []
+    for x, z in study.frame.reindex(columns=["station", "carriage_z"]).dropna().itertuples(index=False):
+        rows.append(row(solver.solve(x, mass, z), x))
+    return pd.DataFrame(rows)
 
 
 def _shown(study: PayloadStudy) -> Solved | None:
@@ -167,7 +181,7 @@ def _payloads(axis: Axes, study: PayloadStudy) -> None:
     axis.annotate(
         f"{study.payload:.0f} kg at {worst['station']:.0f} m",
         (worst["station"], study.payload / 1000.0),
-        xytext=(0, -13),
+        xytext=(0, -13 if study.payload > 0.0 else 5),
         textcoords="offset points",
         ha="center",
         fontsize="small",
@@ -182,7 +196,7 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
     rig = study.rig
     limit = rig.skyline.breaking_load / study.safety_factor / 1e3
     sky = "haulback" if rig.kind is Kind.RUNNING else "skyline"
-    rows = [("highest_tension", f"{sky}, highest", "black"), ("mainline_tension", "mainline", "tab:red")]
+    rows = [("highest_tension", f"{sky}, highest", "black"), ("mainline_highest", "mainline, highest", "tab:red")]
     for column, label, colour in rows:
         if column in frame and float(frame[column].max()) > 0.0:
             axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=label)
@@ -207,9 +221,11 @@ def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
             fontsize="small",
         )
     axis.set_ylim(0.0, 1.32 * limit)
-    axis.set_ylabel(f"tension with {study.payload / 1000.0:.2f} t [kN]")
+    load = "the largest payload" if frame is study.frame else f"{study.payload / 1000.0:.2f} t"
+    axis.set_ylabel(f"tension with {load} [kN]")
     axis.grid(alpha=0.3)
-    axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
 
 
 def inhaul_figure(run: Inhaul) -> Figure:

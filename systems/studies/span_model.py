@@ -11,14 +11,16 @@ import numpy as np
 from ropeway.components import catenary, shoe
 from ropeway.components.component import Kind as Part
 from ropeway.components.component import Node, Seat
-from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assemble
-from ropeway.systems.model import Model
-from ropeway.systems.newton import Newton, Point, Slot, outputs_of
+from ropeway.systems.model import Balance, Model
+from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.skyline import GROUND, LEAST, Kind, SkylineRig, Turn
 from ropeway.systems.run import Run
+from ropeway.systems.stability import condensed_last, condensed_pivots
 from ropeway.systems.state import LineState
 
 SLACK = 2.4
@@ -67,6 +69,12 @@ class SpanModel:
             for s in run.spans
             if role in ("mainline", "haulback") or (role == "skyline" and by_height)
         ]
+        # Which way the top of each guyed spar can go.
+        self._tops = {
+            spar.name: tuple(b for b in m.balances if m.z.names[b.travel].startswith(f"{spar.name}."))
+            for spar in (rig.headspar, rig.tailspar)
+            if isinstance(spar, GuyedSpar)
+        }
 
     def load(self, point: Point, payload: float) -> None:
         """Gives a point a payload [kg]."""
@@ -236,6 +244,8 @@ class SpanModel:
                 self.newton.solve(point, target=target, iterations=25 if quick or isinstance(way, Point) else 80)
                 self._on_ground(point, target)
                 self.check(point)
+            except OutOfReachError:
+                raise
             except EquilibriumError as error:
                 last = error
                 continue
@@ -298,6 +308,21 @@ class SpanModel:
                 raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
+        for name, free in self._tops.items():
+            if self._topples(point, free):
+                raise OutOfReachError(
+                    f"The guylines of {name!r} do not hold it: it would topple",
+                    "Spread their anchors around the spar, or give them more pretension",
+                    name,
+                    f"guylines of {name}",
+                )
+
+    def _topples(self, point: Point, free: tuple[Balance, ...]) -> bool:
+        """Whether the stiffness of a spar's top, all else in balance, is not positive definite."""
+        rows, columns = condensed_last(self.model, free)
+        matrix = newton_of(self.model).matrix(point)[rows][:, columns].tocsc()
+        signs = np.array([b.sign for b in free])
+        return bool(np.any(signs * condensed_pivots(matrix, len(free)) >= 0.0))
 
     def _carriage_in(self, r: int) -> int:
         """The carriage's place among the nodes of a rope."""

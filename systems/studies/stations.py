@@ -51,6 +51,8 @@ class Stations:
         try:
             return self._held(Place(span), x, payload, height, shoe)
         except EquilibriumError:
+            if height is not None:
+                self._require_below_chord(span, x, height)
             if on is None:
                 raise
             self._walk(Place(span), on, x, payload)
@@ -122,6 +124,19 @@ class Stations:
             solved = self._solve(rig, place, x, payload, height, clamp=False, shoe=shoe)
         self._was_clamped[place] = False
         return solved
+
+    def _require_below_chord(self, span: int, x: float, height: float) -> None:
+        """Raises OutOfReachError for a height z of the carriage [m] that no tension gives."""
+        a, b = (node.at for node in self.rig.stands[span : span + 2])
+        chord = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0])
+        if height >= chord:
+            raise OutOfReachError(
+                f"At station {x:g} m the carriage of {self.rig.name!r} would have to be at {height:g} m, and the chord "
+                f"of its span is at {chord:g} m",
+                "Ask for less height, or raise the spars",
+                self.rig.carriage.name,
+                "clearance",
+            )
 
     def _require_lift(self, x: float, payload: float) -> None:
         """Raises EquilibriumError where a running skyline's haulback cannot carry the load however deep it hangs:

@@ -60,6 +60,9 @@ class Profile:
         object.__setattr__(self, "station", x)
         object.__setattr__(self, "elevation", z)
 
+    def __repr__(self) -> str:
+        return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
+
     @classmethod
     def from_csv(cls, path: str | Path) -> Profile:
         """From a CSV file with columns station and elevation [m]; others are left alone.
@@ -67,6 +70,8 @@ class Profile:
         Raises InputError that names the file and line.
         """
         rows: list[tuple[float, float]] = []
+        if not Path(path).is_file():
+            raise InputError(f"There is no file {path}", "Give the path of a CSV with station,elevation")
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
             reader = csv.DictReader(file, skipinitialspace=True)
             missing = [c for c in ("station", "elevation") if c not in (reader.fieldnames or ())]
@@ -108,7 +113,11 @@ class Profile:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
         from ropeway.systems.studies.raster import along
 
-        with rasterio.open(path) as raster:
+        try:
+            raster = rasterio.open(path)
+        except rasterio.errors.RasterioIOError as error:
+            raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
+        with raster:
             return cls(*along(raster, str(path), start, end, spacing))
 
     def elevation_at(self, station: float) -> float:
@@ -156,7 +165,7 @@ class Profile:
     def clearance(self, piece: Piece) -> Clearance:
         """Least height of a rope piece over the ground, exact: at the ends, over the ground's vertices, and
         where the rope is parallel to the ground between them. (inf, nan) where there is no ground below."""
-        fx, _, v0 = piece.force
+        fx, fy, v0 = piece.force
         ends = segment(piece.force, piece.weight, piece.length, piece.strain).reach
         x0, z0 = piece.start
         low, high = max(x0, self.station[0]), min(x0 + ends[0], self.station[-1])
@@ -167,7 +176,7 @@ class Profile:
         inside = self.station[(self.station > low) & (self.station < high)]
         along = np.concatenate([parallel, self._distances(piece, np.array([low, *inside, high]))])
         shape = np.ones_like(along)
-        reach = segment((fx * shape, 0.0 * shape, v0 * shape), piece.weight, along, piece.strain).reach
+        reach = segment((fx * shape, fy * shape, v0 * shape), piece.weight, along, piece.strain).reach
         x = x0 + reach[0]
         height = z0 + reach[2] - np.interp(x, self.station, self.elevation)
         height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
@@ -178,15 +187,15 @@ class Profile:
     def _distances(piece: Piece, x: np.ndarray) -> np.ndarray:
         """Unstretched distances from the start of a piece at which it is over `x`: Newton's method, kept
         inside the piece."""
-        fx, _, v0 = piece.force
+        fx, fy, v0 = piece.force
         total = segment(piece.force, piece.weight, piece.length, piece.strain).reach[0]
         wanted = x - piece.start[0]
         d = np.clip(wanted / total, 0.0, 1.0) * piece.length
         one = np.ones_like(d)
         for _ in range(50):
-            reach = segment((fx * one, 0.0 * one, v0 * one), piece.weight, d, piece.strain).reach[0]
+            reach = segment((fx * one, fy * one, v0 * one), piece.weight, d, piece.strain).reach[0]
             v = v0 + piece.weight * d
-            tension = np.hypot(fx, v)
+            tension = np.hypot(np.hypot(fx, fy), v)
             rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
             move = (wanted - reach) / rate
             d = np.clip(d + move, 0.0, piece.length)

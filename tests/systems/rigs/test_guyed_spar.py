@@ -1,6 +1,7 @@
 """A guyed spar: p-delta, stiff guys, springs, and forces that sum to zero."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -175,7 +176,35 @@ def test_payload_is_limited_by_a_guyline() -> None:
     assert back == pytest.approx(60e3, rel=1e-8)
 
 
+def test_a_spar_that_its_guylines_do_not_hold_is_told() -> None:
+    """Behind a spar and almost in line with the skyline they leave it free to go aside."""
+
+    def narrow(half: float) -> rw.SkylineRig:
+        anchors = {"g1": (-22.0, -half, 0.0), "g2": (-20.0, half, 0.0)}
+        guys = tuple(rw.Guyline(name, rope=GUY, at=at, pretension=20e3) for name, at in anchors.items())
+        return rig(rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, mass=2000.0, guylines=guys))
+
+    with pytest.raises(rw.OutOfReachError, match="would topple") as error:
+        rw.load_path(narrow(0.5), 2500.0, [120.0])
+    assert "Spread" in error.value.remedy
+    with pytest.raises(rw.EquilibriumError, match="unstable"):
+        rw.equilibrium(narrow(0.5).system(0, 120.0, payload=2500.0))
+    row = rw.payload(narrow(0.5), stations=[120.0]).limiting
+    assert (row.payload, row.limited_by) == (0.0, "guylines of head")
+    assert rw.load_path(narrow(8.0), 2500.0, [120.0]).spar_lean.iloc[0] < 0.3
+
+
+def test_an_ideal_haulback_at_a_guyed_tailspar_is_refused() -> None:
+    fixed = of_kind("standing", rw.HeadSpar("head", at=(0.0, 15.0)), rw.TailSpar("tail", at=(250.0, -10.0)))
+    parts = {"headspar": fixed.headspar, "skyline": ROPE, "tension": 60e3, "mainline": MAIN, "carriage": fixed.carriage}
+    with pytest.raises(rw.InputError, match="gives way") as error:
+        rw.standing_skyline(GROUND, tailspar=tailspar(), haulback=MAIN, haulback_tension=5e3, **parts)  # type: ignore[arg-type]
+    assert "haulback_block" in error.value.remedy
+
+
 def test_bad_spars_are_refused() -> None:
+    with pytest.raises(rw.InputError, match="below the ground"):
+        of_kind("standing", spar(), replace(tailspar(), foot=(250.0, -60.0), at=()))
     guys = (rw.Guyline("g1", rope=GUY, at=(1.0, 2.0, 0.0), pretension=1e3),)
     with pytest.raises(rw.InputError, match="two or more"):
         rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys)

@@ -100,6 +100,31 @@ def test_a_clamped_carriage_is_refused() -> None:
         )
 
 
+def test_how_much_a_haulback_carries_however_deep() -> None:
+    """Its own ropes outweigh what they lift before they hang plumb: less than 2 T L / x of weightless ones."""
+    row = rw.payload(rig(1.4, tension=20e3), stations=[110.0]).limiting
+    assert row.limited_by == "haulback tension"
+    assert 0.5 * 80e3 < (row.payload + 500.0) * G < 0.95 * 80e3
+    rw.load_path(rig(1.4, tension=20e3), row.payload, [110.0])
+    with pytest.raises(rw.EquilibriumError):
+        rw.load_path(rig(1.4, tension=20e3), 1.01 * row.payload, [110.0])
+
+
+def test_a_tailhold_is_refused() -> None:
+    one = rig(1.4)
+    held = replace(one.tailspar, tailhold=rw.Tailhold("stump", at=(240.0, -30.0)))
+    with pytest.raises(rw.InputError, match="no skyline for Tailhold 'stump'"):
+        rw.running_skyline(
+            None,
+            headspar=one.headspar,
+            tailspar=held,
+            haulback=one.skyline,
+            mainline=one.skyline,
+            tension=30e3,
+            carriage=one.carriage,
+        )
+
+
 def test_a_haulback_too_weak_for_the_load_is_a_typed_error() -> None:
     with pytest.raises(rw.EquilibriumError, match="carries less than") as error:
         rw.load_path(rig(1.4, tension=8e3), 4000.0, [110.0])

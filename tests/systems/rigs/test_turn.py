@@ -1,5 +1,6 @@
 """A log under a skyline: partial and full suspension along a corridor, and the forces on the whole."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,22 @@ def test_payload_study_with_a_log() -> None:
     carried = rw.load_path(rig(5.0), study.payload, [60.0, 130.0, 400.0])
     assert (carried.highest_tension <= ROPE.breaking_load / 3.0 * (1.0 + 1e-9)).all()
     assert (carried.mainline_tension <= MAIN.breaking_load / 3.0 * (1.0 + 1e-9)).all()
+
+
+def test_a_payload_keeps_the_logs_front_clear_and_its_dropline_whole() -> None:
+    stations = [60.0, 130.0, 230.0, 400.0]
+    free, clear = (rw.payload(rig(7.0), clearance=c, stations=stations).frame for c in (None, 1.0))
+    # The rear may drag; a log of next to nothing, which hangs with its rear just over the ground, is no limit.
+    assert (clear.payload > 1000.0).all()
+    near = free.front_clearance < 1.0
+    assert set(clear.limited_by[near]) == {"clearance"}
+    np.testing.assert_allclose(clear.front_clearance[near], 1.0, atol=1e-8)
+    np.testing.assert_allclose(clear.payload[~near], free.payload[~near], rtol=1e-9)
+    weak = replace(MAIN, breaking_load=45e3)
+    one = rig(7.0)
+    assert one.turn is not None
+    limited = rw.payload(replace(one, turn=replace(one.turn, dropline=weak)), stations=[60.0]).limiting
+    assert (limited.limited_by, limited.dropline_tension) == ("dropline tension", pytest.approx(15e3, rel=1e-9))
 
 
 def test_what_a_log_does_not_go_with() -> None:

@@ -76,9 +76,15 @@ def test_an_infeasible_corridor_is_an_answer() -> None:
 def test_a_free_range_and_bad_candidates() -> None:
     free = rw.support_range(200.0, 300.0, 50.0, (8.0,))
     assert [c.station for c in free] == [200.0, 250.0, 300.0]
+    with pytest.raises(rw.InputError, match="lower station first"):
+        rw.support_range(300.0, 200.0, 50.0, (8.0,))
     with pytest.raises(rw.InputError, match="outside the spars"):
         rw.optimise_supports(rig(), [rw.Candidate("far", station=700.0, heights=(8.0,))], payload=1.0)
     with pytest.raises(rw.InputError, match="no height"):
         rw.Candidate("stump", station=1.0, heights=())
     with pytest.raises(rw.InputError, match="one name"):
         rw.optimise_supports(rig(), [TREES[0], TREES[0]], payload=1.0)
+    refused: dict[str, object] = {"clearance": np.nan, "safety_factor": 0.0, "most": -1, "stations": []}
+    for name, wrong in refused.items():
+        with pytest.raises(rw.InputError, match=name):
+            rw.optimise_supports(rig(), TREES, payload=1.0, **{name: wrong})  # type: ignore[arg-type]

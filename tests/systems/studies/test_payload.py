@@ -1,6 +1,7 @@
 """The payload study: Harvey's exact payloads, limits that govern, infeasible corridors."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -143,6 +144,62 @@ def test_capacities_govern() -> None:
     assert rw.payload(corridor(headspar=head), stations=[100.0]).limiting.limited_by == "capacity of head"
 
 
+def test_a_tailspar_carries_the_haulbacks_drum_too() -> None:
+    tail = rw.TailSpar("tail", station=480.0, height=8.0, capacity=140e3)
+    rig = corridor(tailspar=tail, haulback=MAIN, haulback_tension=20e3)
+    study = rw.payload(rig, stations=[400.0])
+    assert study.limiting.limited_by == "capacity of tail"
+    eq = rw.equilibrium(
+        rig.system(1, 400.0, payload=study.payload), given={"carriage.x": 400.0}, solve_for="mainline.travel"
+    )
+    sky = np.array([eq["carriage_tail.force_x"], eq["carriage_tail.force_z"] + 3.48 * G * eq["carriage_tail.length"]])
+    haul = np.array([eq["haulback_carriage.force_x"], eq["haulback_carriage.force_z"]])
+    assert np.linalg.norm(haul - sky) == pytest.approx(140e3, rel=1e-8)
+
+
+def test_a_jack_carries_the_mainline_too() -> None:
+    jack = rw.IntermediateSupport("jack", station=260.0, height=9.0, capacity=30e3)
+    study = rw.payload(corridor(supports=[jack]), stations=[330.0])
+    assert study.limiting.limited_by == "capacity of jack"
+    eq = rw.equilibrium(
+        corridor().system(1, 330.0, payload=study.payload), given={"carriage.x": 330.0}, solve_for="mainline.travel"
+    )
+    up = eq["jack.support_force"] + eq["jack_mainline.support_force"]
+    assert eq["jack_mainline.support_force"] > 500.0
+    assert eq["jack.bearing_load"] < 29.5e3 < up < 30e3
+    # On a shoe hardly wider than a point it is the same.
+    shod = rw.payload(corridor(supports=[replace(jack, radius=0.01)]), stations=[330.0])
+    assert shod.payload == pytest.approx(study.payload, rel=2e-3)
+
+
+def test_a_mainline_is_tightest_at_a_carriage_above_its_drum() -> None:
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+        tailspar=rw.TailSpar("tail", at=(300.0, 120.0)),
+        skyline=ROPE,
+        tension=80e3,
+        mainline=MAIN,
+        haulback=MAIN,
+        haulback_tension=20e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    row = rw.load_path(rig, 0.0, [200.0]).iloc[0]
+    low, high = (t + t * t / 2.0 / 8e6 for t in (row.mainline_tension, row.mainline_highest))
+    assert high - low == pytest.approx(0.73 * G * row.carriage_z, rel=1e-9)
+    assert row.mainline_highest == pytest.approx(row.mainline_pull, rel=1e-12)
+    weak = replace(MAIN, breaking_load=1.5 * (row.mainline_tension + row.mainline_highest))
+    study = rw.payload(replace(rig, mainline=weak), stations=[200.0])
+    assert (study.payload, study.limiting.limited_by) == (0.0, "mainline tension")
+
+
+def test_representations_are_short() -> None:
+    study = rw.payload(corridor(), stations=[100.0])
+    assert repr(GROUND) == "<Profile of 7 points, 0 to 500 m>"
+    assert repr(study.rig) == "<SkylineRig 'standing skyline': head at 0 m, jack at 260 m, tail at 480 m>"
+    assert repr(study).endswith("kg, limited at 100 m by skyline tension>")
+
+
 def test_an_infeasible_corridor_is_an_answer() -> None:
     study = rw.payload(corridor(), clearance=30.0, stations=[100.0, 200.0])
     assert study.payload == 0.0
@@ -179,6 +236,47 @@ def test_live_and_running_skylines_keep_the_clearance() -> None:
         assert set(frame.limited_by) <= {"skyline tension", "mainline tension"}
         path = rw.load_path(rig, 500.0, [30.0, 120.0], height=4.0)
         np.testing.assert_allclose(path.clearance, 4.0, atol=1e-9)
+
+
+def test_a_height_above_the_chord_is_told() -> None:
+    live = rw.live_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
+        skyline=ROPE,
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    study = rw.payload(live, clearance=60.0, stations=[120.0])
+    assert (study.payload, study.limiting.limited_by) == (0.0, "clearance")
+    with pytest.raises(rw.OutOfReachError, match=r"the chord of its span is at 99\.1667 m"):
+        rw.load_path(live, 1000.0, [120.0], height=60.0)
+
+
+def test_a_live_skyline_over_a_jack_comes_as_low_as_it_goes() -> None:
+    """Beside the saddle no tension brings the carriage down to the clearance: there it rides higher, and carries."""
+    live = rw.live_skyline(
+        GROUND,
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        supports=[rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
+        skyline=ROPE,
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    study = rw.payload(live, clearance=1.0, stations=[100.0, 259.0, 260.0, 261.0, 380.0])
+    assert (study.frame.payload > 2000.0).all()
+    assert study.frame.clearance[[0, 4]].to_numpy() == pytest.approx(1.0, abs=1e-9)
+    assert (study.frame.clearance[1:4] > 2.0).all()
+    assert study.frame.highest_tension.max() <= 576.6e3 / 3.0 * (1.0 + 1e-9)
+    # A little lower there is no equilibrium of the empty carriage.
+    lowest = study.frame.clearance[1]
+    rw.load_path(live, 0.0, [259.0], height=lowest)
+    with pytest.raises(rw.EquilibriumError):
+        rw.load_path(live, 0.0, [259.0], height=lowest - 0.05)
+    # The picture has these heights too: the payload of the corridor keeps the limit all along.
+    (line,) = (line for line in study.plot().axes[2].lines if line.get_label() == "skyline, highest")
+    assert np.max(line.get_ydata()) == pytest.approx(576.6 / 3.0, rel=1e-6)
 
 
 def test_gravity_skyline_needs_its_carriage_to_run_out() -> None:
@@ -223,6 +321,11 @@ def test_bad_questions_are_refused() -> None:
         rw.load_path(rig, -1.0, [100.0])
     with pytest.raises(rw.InputError, match="outside the skyline"):
         rw.load_path(rig, 1.0, [500.0])
+    for wrong in ([], "abc", [[100.0]], [None]):
+        with pytest.raises(rw.InputError, match="station"):
+            rw.load_path(rig, 1.0, wrong)  # type: ignore[arg-type]
+        with pytest.raises(rw.InputError, match="station"):
+            rw.payload(rig, stations=wrong)  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="cannot be set"):
         rw.load_path(rig, 1.0, [100.0], height=3.0)
     with pytest.raises(rw.InputError, match="safety_factor"):

@@ -32,14 +32,23 @@ def test_length_for_a_loaded_tension_and_for_a_deflection() -> None:
 
 
 def test_impossible_wishes_are_refused() -> None:
-    with pytest.raises(rw.EquilibriumError, match="no length gives"):
+    with pytest.raises(rw.EquilibriumError, match=r"no length gives.* longest skyline"):
         rw.set_up(rig(), station=90.0, payload=2000.0, tension=2e3)
+    with pytest.raises(rw.EquilibriumError, match=r"no length gives.* shortest skyline"):
+        rw.set_up(rig(), station=90.0, payload=2000.0, deflection=0.2)
     with pytest.raises(rw.InputError, match="either tension or deflection"):
         rw.set_up(rig(), station=90.0, payload=2000.0)
     with pytest.raises(rw.InputError, match="breaking load"):
         rw.set_up(rig(), station=90.0, payload=2000.0, tension=1e6)
     with pytest.raises(rw.InputError, match="no construction stretch"):
         rw.tension_history(rig(), [(90.0, 1000.0)])
+
+
+def test_turns_that_a_rope_cannot_carry_are_refused() -> None:
+    new = rig(rw.Rope(2.4, 24e6, 450.3e3, stretch=rw.ConstructionStretch(0.0414)))
+    for turn, words in (((90.0, -1.0), "negative"), ((90.0, 1e5), "breaking load"), ((390.0, 1.0), "outside")):
+        with pytest.raises(rw.InputError, match=words):
+            rw.tension_history(new, [(90.0, 1000.0), turn])
 
 
 def test_a_new_rope_settles_once() -> None:

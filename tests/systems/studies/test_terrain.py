@@ -28,16 +28,17 @@ def test_slopes_and_elevations() -> None:
 @settings(max_examples=60, deadline=None)
 @given(
     fx=st.floats(2e3, 1e5),
+    aside=st.floats(-0.5, 0.5),
     slope=st.floats(-0.8, 0.4),
     length=st.floats(20.0, 130.0),
     height=st.floats(-5.0, 40.0),
     start=st.floats(1.0, 60.0),
 )
 def test_clearance_is_the_least_of_many_points(
-    fx: float, slope: float, length: float, height: float, start: float
+    fx: float, aside: float, slope: float, length: float, height: float, start: float
 ) -> None:
     strain = Strain(1.0 / 30e6, 0.0)
-    piece = Piece((start, height), (fx, 0.0, fx * slope), 34.0, length, strain)
+    piece = Piece((start, height), (fx, fx * aside, fx * slope), 34.0, length, strain)
     found = GROUND.clearance(piece)
     curve = profile(piece.force, 34.0, strain, length, (), (), np.linspace(0.0, length, 20001))
     x, z = start + curve.reach[:, 0], height + curve.reach[:, 2]
@@ -92,6 +93,8 @@ def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) ->
 
 
 def test_bad_profiles_are_refused() -> None:
+    with pytest.raises(rw.InputError, match="no file"):
+        rw.Profile.from_csv("nowhere.csv")
     with pytest.raises(rw.InputError, match="do not increase"):
         rw.Profile([0.0, 2.0, 1.0], [0.0, 0.0, 0.0])
     with pytest.raises(rw.InputError, match="shape"):
