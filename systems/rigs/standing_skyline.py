@@ -18,10 +18,10 @@ def standing_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> S
     [N], or `length`, unstretched, of the whole skyline [m]. Optional: `supports`, in the order of their stations.
     `mainline`: from the headspar over rollers at the supports to the carriage; without one an ideal force holds a
     rolling carriage, along the bisector of the skyline's tangents or horizontal (`holding`, "bisector" or
-    "horizontal"). A clamped carriage holds by its clamp. `haulback`: its drum keeps `haulback_tension` [N]; with a
-    `haulback_block` (a Block by the tailspar) it runs from the headspar to that block and back to the carriage, past
-    the supports; without one an ideal drum at the tailspar's top pulls. `turn`: a log on a dropline, which drags on
-    the ground or hangs free; the payload is then its mass. `name`; `gravity` [m/s2]. Raises InputError,
-    SlackRopeError.
+    "horizontal"). A clamped carriage holds by its clamp, without mainline and haulback. `haulback`: its drum keeps
+    `haulback_tension` [N]; with a `haulback_block` (a Block by the tailspar) it runs from the headspar to that block
+    and back to the carriage, past the supports; without one an ideal drum at the tailspar's top pulls. `turn`: a log
+    on a dropline, which drags on the ground or hangs free; the payload is then its mass. `name`; `gravity` [m/s2].
+    Raises InputError, SlackRopeError.
     """
     return joined(Kind.STANDING, terrain, **parts)

@@ -36,6 +36,8 @@ UNITS = {
     "deflection": "%",
     "clearance": "m",
     "rope_clearance": "m",
+    "mainline_clearance": "m",
+    "haulback_clearance": "m",
     "front_clearance": "m",
     "spar_compression": "N",
     "spar_lean": "m",
@@ -59,12 +61,13 @@ def load_path(
     the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards the
     headspar), mainline_tension at its drum and mainline_highest anywhere; haulback_pull at the carriage,
     haulback_tension at its drum and haulback_highest anywhere; sag below its span's chord and deflection in
-    percent of the span; clearance of the load over the ground and rope_clearance of the skyline; for each support
-    `NAME_force`, upward on the rope, negative where it lifts off; span (from 1); held_by: mainline, clamp (beyond
-    its rest point the carriage has to be held on the skyline) or holding. A guyed headspar adds spar_compression,
-    spar_lean [m], a guyed tailspar tailspar_compression, tailspar_lean, and both for each guyline `NAME_tension`
-    at the top. A log adds its suspension (partial or full), ground_force, dropline_tension and front_clearance, and
-    as clearance that of its lower end, of its front where the rear drags.
+    percent of the span; clearance of the load over the ground, rope_clearance of the skyline, on a terrain
+    mainline_clearance and haulback_clearance too; for each support `NAME_force`, upward on the rope, negative where
+    it lifts off; span (from 1); held_by: mainline, clamp (beyond its rest point the carriage has to be held on the
+    skyline) or holding.
+    A guyed headspar adds spar_compression, spar_lean [m], a guyed tailspar tailspar_compression, tailspar_lean, and
+    both for each guyline `NAME_tension` at the top. A log adds its suspension (partial or full), ground_force,
+    dropline_tension and front_clearance, and as clearance that of its lower end, of its front where the rear drags.
 
     height: for a live or running skyline: the yarder lowers and raises it so that the load stays this high
     over the ground [m]; with a log, which follows, the carriage. At the own station of a support that is a point
@@ -179,10 +182,13 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         values["suspension"] = "partial" if drags else "full"
         values["clearance"] = solved[f"{log}.{end[1]}"] - float(rig.terrain.elevations(solved[f"{log}.{end[0]}"]))
         values["front_clearance"] = solved[f"{log}.z"] - float(rig.terrain.elevations(solved[f"{log}.x"]))
-        values["rope_clearance"] = rope_clearance(solved, rig.terrain)
     elif isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
+    if isinstance(rig.terrain, Profile):
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
+        lines = {"mainline": rig.mainline, "haulback": rig.haulback}
+        for role in (name for name, rope in lines.items() if rope is not None):
+            values[f"{role}_clearance"] = rope_clearance(solved, rig.terrain, role)
     return values
 
 
@@ -197,20 +203,27 @@ def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
     return [solved[f"{span.name}.tension_{end}"] for span in spans for end in "ab"]
 
 
-def rope_clearance(solved: Solved, ground: Profile) -> float:
-    """Least height of the skyline over the ground between headspar and tailspar [m]."""
+def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> float:
+    """Least height of a rope over the ground [m], from the headspar's top on where it runs over that, and for the
+    skyline as far as the tailspar. NaN where there is no such rope."""
     rig, at = solved.at.rig, solved.at
-    least, r = np.inf, at.skyline
-    run = at.model.runs[r]
-    strain = run.rope.strain
-    first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
-    for k, span in enumerate(run.spans[first:], first):
-        force = at.curve(solved.point, k, r)
-        x, _, z = solved.start(r, k)
-        if force[0] > 0.0:
+    heights = []
+    for r, run in enumerate(at.model.runs):
+        if at.roles[r] != role:
+            continue
+        first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
+        for k, span in enumerate(run.spans[first:], first):
+            start, force, length = (
+                solved.start(r, k),
+                np.array(at.curve(solved.point, k, r)),
+                solved[f"{span.name}.length"],
+            )
             weight = run.rope.mass_per_length * rig.gravity
-            piece = Piece((x, z), force, weight, solved[f"{span.name}.length"], strain)
-            least = min(least, ground.clearance(piece).height)
-        if run.nodes[k + 1].name == rig.tailspar.name:
-            break
-    return float(least)
+            if force[0] < 0.0:  # it runs back: looked at from its other end
+                start, force = solved.start(r, k + 1), -force - np.array([0.0, 0.0, weight * length])
+            if force[0] > 0.0:
+                piece = Piece((start[0], start[2]), tuple(force), weight, length, run.rope.strain)
+                heights.append(ground.clearance(piece).height)
+            if role == "skyline" and run.nodes[k + 1].name == rig.tailspar.name:
+                break
+    return float(min(heights, default=np.nan))

@@ -32,6 +32,9 @@ Margin = Callable[[Row, Solved], float]
 MOST = 1e7
 """A payload [kg] that no limit stops is reported as this."""
 
+_ALIKE = 1e-9
+"""Margins that differ by less are one: of guylines that stand alike the first is named."""
+
 NO_EQUILIBRIUM = "no equilibrium"
 """What limits a payload where there is nothing else to say."""
 
@@ -99,10 +102,10 @@ def payload(
     safety_factor: minimum breaking load over highest tension, of the skyline, and of mainline, haulback, dropline
     and guylines unless mainline_safety_factor is given; clearance: of the load over the ground [m], of a log's
     front, as its rear may drag, and with it rope_clearance: of the loaded skyline itself, between headspar and
-    tailspar [m]; lift_off: the skyline must stay in its saddles; capacities of spars, supports and tailhold where
-    they are known. A live, gravity or running skyline with a clearance is lowered at each station to just that
-    clearance, or as low as its empty carriage goes, as far up as the rope itself needs; not with a log, which
-    hangs as its dropline lets it. Raises InputError.
+    tailspar [m]; lift_off: the skyline must stay in its saddles, a guyed spar on its foot; capacities of spars,
+    supports and tailhold where they are known. A live, gravity or running skyline with a clearance is lowered at
+    each station to just that clearance, or as low as its empty carriage goes, as far up as the rope itself needs; not
+    with a log, which hangs as its dropline lets it. Raises InputError.
     """
     check.positive(safety_factor, rig.name, "safety_factor")
     others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
@@ -140,8 +143,12 @@ def margins_of(
     def pressed(column: str) -> Margin:
         return lambda r, s: r[column] / skyline
 
+    def standing(spar: GuyedSpar) -> Margin:
+        return lambda r, s: s[f"{spar.name}.compression"] / skyline
+
     skyline = rig.skyline.breaking_load / safety_factor
-    found: dict[str, Margin] = {"skyline tension": tension("highest_tension", skyline)}
+    sky = "haulback" if rig.kind is Kind.RUNNING else "skyline"
+    found: dict[str, Margin] = {f"{sky} tension": tension("highest_tension", skyline)}
     if rig.mainline is not None:
         found["mainline tension"] = tension("mainline_highest", rig.mainline.breaking_load / others)
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
@@ -166,6 +173,8 @@ def margins_of(
         if spar.capacity is not None:
             found[f"capacity of {spar.name}"] = capacity(spar, spar.capacity)
         if isinstance(spar, GuyedSpar):
+            if lift_off:
+                found[f"lift-off of {spar.name}"] = standing(spar)
             for guy in spar.guylines:
                 found[f"guyline {guy.name}"] = pulled(f"{guy.name}_{spar.name}", guy.rope.breaking_load / others)
     hold = rig.tailspar.tailhold
@@ -292,8 +301,10 @@ class _Search:
         except EquilibriumError:
             return -1.0, NO_EQUILIBRIUM, None
         values = row(solved, station)
-        name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
-        return max(margin, -0.999), name, values
+        found = {name: margin(values, solved) for name, margin in margins.items()}
+        least = min(found.values())
+        name = next(n for n, margin in found.items() if margin <= least + _ALIKE)
+        return max(least, -0.999), name, values
 
     def _answer(self, station: float, mass: float, found: tuple[float, str, Row | None]) -> Row:
         _, name, values = found

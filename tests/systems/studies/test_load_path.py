@@ -7,6 +7,8 @@ import pytest
 import skyline_oracle as oracle
 
 import ropeway as rw
+from ropeway.components import catenary
+from ropeway.systems.studies.stations import Stations
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 CABLE = oracle.Cable(3.48 * oracle.G, 34.8e6)
@@ -223,3 +225,36 @@ def test_design_scripts_run_as_written() -> None:
     path = rw.load_path(bare, payload=0.0, stations=[50, 100, 150])
     assert (path.sag > 0.0).all()
     assert path.mainline_pull.abs().max() < 1e-6
+
+
+def test_clearance_of_all_ropes_against_sampled_ones() -> None:
+    """Also of a haulback that runs back from its block by the tailspar to the carriage, looked at from its other
+    end."""
+    ground = rw.Profile([-10.0, 60.0, 120.0, 200.0, 260.0], [0.0, -12.0, -9.0, -14.0, 0.0])
+    line = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+    rig = rw.standing_skyline(
+        ground,
+        headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+        tailspar=rw.TailSpar("tail", at=(250.0, 12.0)),
+        skyline=ROPE,
+        length=253.5,
+        mainline=line,
+        haulback=line,
+        haulback_tension=4e3,
+        haulback_block=rw.Block("block", at=(250.0, 6.0)),
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    path = rw.load_path(rig, 2000.0, [90.0]).iloc[0]
+    solved = Stations(rig).solve(90.0, 2000.0)
+    least = {"skyline": np.inf, "mainline": np.inf, "haulback": np.inf}
+    for r, (run, role) in enumerate(zip(solved.at.model.runs, solved.at.roles, strict=True)):
+        for k, span in enumerate(run.spans):
+            start, force = solved.start(r, k), solved.at.curve(solved.point, k, r)
+            ds = np.linspace(0.0, solved[f"{span.name}.length"], 100_001)
+            weight = run.rope.mass_per_length * rig.gravity
+            rope = catenary.profile(force, weight, run.rope.strain, float(ds[-1]), (), (), ds).reach
+            x, z = start[0] + rope[:, 0], start[2] + rope[:, 2]
+            least[role] = min(least[role], float((z - ground.elevations(x)).min()))
+    for role, column in (("skyline", "rope"), ("mainline", "mainline"), ("haulback", "haulback")):
+        assert path[f"{column}_clearance"] == pytest.approx(least[role], abs=2e-4)
+    assert len(set(least.values())) == 3

@@ -233,7 +233,7 @@ def test_live_and_running_skylines_keep_the_clearance() -> None:
         frame = study.frame
         np.testing.assert_allclose(frame.clearance, 2.0, atol=1e-9)
         assert (frame.payload > 500.0).all()
-        assert set(frame.limited_by) <= {"skyline tension", "mainline tension"}
+        assert set(frame.limited_by) <= {"skyline tension", "haulback tension", "mainline tension"}
         path = rw.load_path(rig, 500.0, [30.0, 120.0], height=4.0)
         np.testing.assert_allclose(path.clearance, 4.0, atol=1e-9)
 
@@ -334,3 +334,34 @@ def test_bad_questions_are_refused() -> None:
         rw.TailSpar("tail", station=1.0, height=-2.0)
     with pytest.raises(rw.InputError, match="no place"):
         rw.TailSpar("tail")
+
+
+def guyed(heights: float, behind: float) -> rw.SkylineRig:
+    """A rig with a guyed headspar; its guylines' anchors at a height z and a distance behind [m]."""
+    guy = rw.Rope(mass_per_length=2.0, axial_stiffness=20e6, breaking_load=250e3)
+    guys = tuple(
+        rw.Guyline(f"g{i}", rope=guy, at=(-behind, y, heights), pretension=10e3) for i, y in enumerate((-12.0, 12.0), 1)
+    )
+    head = rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys)
+    return rw.standing_skyline(
+        None,
+        headspar=head,
+        tailspar=rw.TailSpar("tail", at=(250.0, 60.0)),
+        skyline=ROPE,
+        length=262.0,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+
+
+def test_the_first_of_guylines_that_stand_alike_governs() -> None:
+    frame = rw.payload(guyed(-2.0, 20.0), safety_factor=3.0, stations=np.linspace(20.0, 230.0, 15)).frame
+    assert set(frame.limited_by) == {"guyline g1"}
+
+
+def test_a_guyed_spar_must_stay_on_its_foot() -> None:
+    """Its anchors stand above its top and the skyline rises: with little load it is lifted."""
+    rig = guyed(40.0, 15.0)
+    frame = rw.payload(rig, safety_factor=3.0, stations=[40.0]).frame
+    assert (frame.payload[0], frame.limited_by[0]) == (0.0, "lift-off of head")
+    assert rw.load_path(rig, 0.0, [40.0]).spar_compression[0] < 0.0
+    assert rw.payload(rig, safety_factor=3.0, stations=[40.0], lift_off=False).frame.limited_by[0] != "lift-off of head"
