@@ -355,9 +355,10 @@ class _Study:
         table = active_table(planned.active, 1.0, planned.solution.objective)
         names = sorted({*table.index.get_level_values("limit"), *needed})
         relaxation = {limit: give * problem.unit(limit) for limit, give in needed.items()}
+        least = [f"{limit} by {give:.3g} {UNITS[limit]}".rstrip() for limit, give in relaxation.items()]
         raise InfeasibleScheduleError(
             f"No schedule keeps these limits together: {', '.join(names)}",
-            "The least that would do: " + ", ".join(f"{n} by {g:.3g} {UNITS[n]}" for n, g in relaxation.items()),
+            f"The least that would do: {', '.join(least)}",
             relaxation,
             table,
         )

@@ -1,6 +1,7 @@
 """What a schedule may not be asked for, and limits that cannot be kept together."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -87,6 +88,30 @@ def test_drives_are_kept_within_what_they_have() -> None:
     assert tight.result.full_frame.loc[10.0:, "c3.pressure"].max() < 1.02 * 0.8 * used
     assert tight.objective > free.objective
     assert ("pressure", "c3") in tight.active.index
+
+
+def slippery(friction: float) -> rw.System:
+    line = schedule_lines.line()
+    for name in ("c1", "c2", "c3"):
+        line.components[name] = replace(line.components[name], grip_friction=friction)
+    return line
+
+
+def test_a_grip_is_kept_and_costs_what_its_multiplier_says() -> None:
+    """Against the central difference of what simulations reach."""
+    tight, plan, wide = (
+        plan_of(slippery(0.008), minimise="tension deviation", limits=rw.ScheduleLimits(grip=least))
+        for least in (0.004, 0.0, -0.004)
+    )
+    assert plan.result.full_frame.loc[10.0:].filter(like="grip_margin").min(axis=None) > -0.005
+    cost = plan.active.loc["grip", "cost"].sum()
+    assert cost == pytest.approx((tight.objective - wide.objective) / 0.008, rel=0.05)
+
+
+def test_a_grip_that_cannot_be_kept_is_named() -> None:
+    with pytest.raises(rw.InfeasibleScheduleError, match=r"grip by 0\.0[0-9]+(,|$)") as error:
+        rw.optimise_schedule(slippery(0.01), 20.0, intervals=10)
+    assert "grip" in error.value.colliding.index.get_level_values("limit")
 
 
 def test_wrong_requests_are_typed_errors() -> None:
