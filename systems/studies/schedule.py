@@ -14,6 +14,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
 from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
+from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import component_of
 from ropeway.systems.progress import bar
@@ -37,7 +38,7 @@ from ropeway.systems.studies.scheduling.moments import moments
 from ropeway.systems.studies.scheduling.parts import Parts, Task
 from ropeway.systems.studies.scheduling.plan import Report, Round, SchedulePlan, active_table
 from ropeway.systems.studies.scheduling.problem import ScheduleProblem
-from ropeway.systems.studies.scheduling.run import balancing, carried_over, require_sheave, smoothed
+from ropeway.systems.studies.scheduling.run import balancing, require_sheave, smoothed
 from ropeway.systems.studies.scheduling.solution import Planned
 from ropeway.systems.studies.scheduling.solution import planned as solved
 from ropeway.systems.system import System

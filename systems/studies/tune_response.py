@@ -14,13 +14,14 @@ from scipy.optimize import differential_evolution
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.response import Response, check_precedence
+from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.progress import bar
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.journal import Row
 from ropeway.systems.studies.objectives import objective_weights, objectives
 from ropeway.systems.studies.responses import control_sheaves, with_responses
-from ropeway.systems.studies.scheduling.run import carried_over, require_sheave
+from ropeway.systems.studies.scheduling.run import require_sheave
 from ropeway.systems.studies.sweep import rows_of
 from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System

@@ -140,7 +140,7 @@ class SchedulePlan:
     @property
     def trimmed(self) -> System:
         """The line with trims that correct towards the plan: feed-forward plus trim is
-        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs)`."""
+        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
         from ropeway.systems.studies.scheduling.robustness import trimmed_line
 
         return trimmed_line(self, self.trim)

@@ -135,7 +135,7 @@ def test_wrong_input() -> None:
             tune(**settings)
     with pytest.raises(rw.UnknownNameError, match="'s3' is not a control sheave"):
         tune(sheaves=("s3",))
-    with pytest.raises(rw.InputError, match="start is of another line"):
+    with pytest.raises(rw.InputError, match="start is of another system"):
         tune(start=rw.equilibrium(rw.monocable(ROPE, SUPPORTS.drop(3), tension=45e3)))
     with pytest.raises(rw.InputError, match="no control sheave"):
         rw.tune_response(rw.System("empty"), COARSE, over=OVER, minimise="energy", until=10.0)
