@@ -79,7 +79,8 @@ def optimise_schedule(
     the objective, count [s], as a schedule cannot change what the line starts with; by default 10 s or a quarter of
     the time. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
     start: an equilibrium to start from; trim: how the sheaves of `SchedulePlan.trimmed` correct towards the plan, by
-    default with a gain that suits the line; warm_start: an earlier plan, or schedules.
+    default with a gain that suits the line; warm_start: an earlier plan, or schedules. A plan begins with the first
+    speeds of its warm start, by default with the line's own.
 
     The optimum is simulated, and planned anew around the simulation until both agree. Raises InputError,
     InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
@@ -189,9 +190,13 @@ class _Study:
             found = smoothed(self.balanced, self.grid, self.names)
         else:
             given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
+            if not isinstance(given, Mapping):
+                raise InputError(f"warm_start is {given!r}", "Give an earlier plan, or a rw.Schedule by sheave")
             if missing := [n for n in self.names if n not in given]:
                 raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
             for name in self.names:
+                if not isinstance(given[name], Schedule):
+                    raise InputError(f"warm_start has {given[name]!r} for {name!r}", "Give a rw.Schedule")
                 given[name].require(self.until)
             found = {name: given[name].on(self.grid.tolist()) for name in self.names}
         if self.lead in found:

@@ -134,6 +134,13 @@ def test_wrong_requests_are_typed_errors() -> None:
         )
     with pytest.raises(rw.InputError, match="no schedule of 'c2'"):
         rw.optimise_schedule(line, UNTIL, warm_start={"c1": rw.Schedule((0.0, UNTIL), (1.0, 1.0))})
+    with pytest.raises(rw.InputError, match=r"warm_start has 1\.0 for 'c1'"):
+        rw.optimise_schedule(line, UNTIL, warm_start=dict.fromkeys(("c1", "c2", "c3"), 1.0))
+    with pytest.raises(rw.InputError, match=r"warm_start is 1\.0"):
+        rw.optimise_schedule(line, UNTIL, warm_start=1.0)
+    for wrong in (None, ["energy"]):
+        with pytest.raises(rw.InputError, match="or weigh them"):
+            rw.optimise_schedule(line, UNTIL, minimise=wrong)
     with pytest.raises(rw.InputError, match="nothing to optimise"):
         rw.optimise_schedule(schedule_lines.line(4, 2), UNTIL)
     with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
