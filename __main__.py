@@ -84,6 +84,12 @@ def optimise(
     minimise: Annotated[str, typer.Option(help="peak tension, tension deviation or energy.")] = "peak tension",
     force: Annotated[float, typer.Option(help="Largest force of a drive [N].")] = float("inf"),
     power: Annotated[float, typer.Option(help="Largest power of a drive [W].")] = float("inf"),
+    settle: Annotated[
+        float | None,
+        typer.Option(
+            help="When limits and objective begin to count [s]; by default 10 s or a quarter of the schedule."
+        ),
+    ] = None,
     safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
     out: Out = Path("ropeway-schedule"),
 ) -> None:
@@ -96,7 +102,10 @@ def optimise(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
         )
         limits = rw.ScheduleLimits(force=force, power=power)
-        _report_plan(rw.optimise_schedule(system, until, minimise=minimise, limits=limits, intervals=intervals), out)
+        _report_plan(
+            rw.optimise_schedule(system, until, minimise=minimise, limits=limits, intervals=intervals, settle=settle),
+            out,
+        )
 
 
 @app.command()
@@ -203,6 +212,8 @@ def _report(result: Result, out: Path) -> None:
 
 def _report_plan(plan: SchedulePlan, out: Path) -> None:
     """Prints what a plan brings; writes schedules, limits, robustness and a picture."""
+    from ropeway.systems.studies.scheduling.limits import UNITS
+
     out.mkdir(parents=True, exist_ok=True)
     units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
     rows = [
@@ -216,10 +227,11 @@ def _report_plan(plan: SchedulePlan, out: Path) -> None:
         f"{1e3 * gap.crossing_time:.2g} ms (crossings) and {gap.peak_tension:.2g} N (peak) apart"
     )
     limits = [
-        [*key, f"{r.bound:g}", f"{r.cost:.3g}"]
-        for key, r in zip(plan.active.index, plan.active.itertuples(), strict=True)
+        [limit, at, f"{r.bound:g} {UNITS[limit]}".rstrip(), f"{r.cost:.3g}"]
+        for (limit, at), r in zip(plan.active.index, plan.active.itertuples(), strict=True)
     ]
-    _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", "cost"], limits)
+    cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
+    _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
     robust = plan.robustness()
     over = robust.xs("over plan", axis=1, level=1) * 100.0
     _table(

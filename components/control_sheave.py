@@ -105,8 +105,8 @@ class ControlSheave(Wheel):
         outputs = self.wheel_equations(v)
         t_in, t_out = outputs["tension_in"], outputs["tension_out"]
         xp = namespace(t_in)
-        wrap = outputs["wrap"] + 2.0 * math.pi * v.turns
-        outputs["grip_margin"] = xp.exp(v.grip_friction * wrap) - xp.fmax(t_in, t_out) / xp.fmin(t_in, t_out)
+        tight, slack = xp.fmax(t_in, t_out), xp.fmin(t_in, t_out)
+        outputs["grip_margin"] = grip_margin(v.grip_friction, outputs["wrap"], v.turns, tight, slack)
         if self.hydraulic is None:
             speed, force, rates = (v.speed + v.correction) * (1 - v.brake), t_in - t_out, {}
         else:
@@ -128,3 +128,8 @@ class ControlSheave(Wheel):
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]
         return self.hydraulic.demand(v)
+
+
+def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:
+    """What is left of a rope's grip on a sheave: exp(mu wrap) less tight over slack tension."""
+    return namespace(tight).exp(friction * (wrap + 2.0 * math.pi * turns)) - tight / slack

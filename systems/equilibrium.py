@@ -14,6 +14,7 @@ from ropeway.components import catenary
 from ropeway.components.component import Kind, Node
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
+from ropeway.systems.carrying import carried_over, declared_alike
 from ropeway.systems.continuation import solve_algebraic
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
@@ -152,7 +153,7 @@ def equilibrium(
     given: values that variables, outputs or loads must take (`{"a_b.tension_a": 150e3}`), and solve_for: as
     many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
     inputs, states (a drive's travel) and load masses of this solve. start: a nearby equilibrium of the same
-    model, for a warm start.
+    declarations, for a warm start.
 
     After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Raises
     InputError, UnknownNameError, UnbalancedSystemError before, EquilibriumError after a failed solve.
@@ -169,12 +170,11 @@ def equilibrium(
     model = system if isinstance(system, Model) else assemble(system)
     if start is None:
         state = LineState.cold(model)
-    elif start.model.z.names == model.z.names:
-        state = LineState(start.model, start.point.copy(), start.runs, start.passed)
+    else:
+        rest = start if declared_alike(start, model.system) else carried_over(start, model)
+        state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         for r, k, _ in state.standing():
             state.release(r, k)
-    else:
-        raise InputError("start is the equilibrium of another system", "Start from one of the same components")
     if parameters:
         state.set(parameters)
         state.restart() if start is None else state.write_slots()

@@ -95,7 +95,8 @@ class Moving:
             return None
         saved, drop = self.state.copy(), self.rewind()
         window = drives.window(self.state.point, stop - self.time, motion.x, self.slope(stop))
-        while (coming := loads.next_crossing(self.state, motion.travel)) is not None:
+        alone = True
+        while alone and (coming := loads.next_crossing(self.state, motion.travel)) is not None:
             if coming.time > stop - self.time:
                 break
             motion = self._follow(window, self.time + coming.time, motion)
@@ -112,13 +113,17 @@ class Moving:
                     now = loads.gap_of(self.state, coming, motion.travel)
                     if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
                         continue
+            # A crossing can bring a drive to a limit that it has left again before the stop.
+            alone = drives.decoupled(self.state.point)
             motion = self._cross(now, motion, stop, exact=False)
-            if self.state.standing():
+            alone = alone and drives.decoupled(self.state.point)
+            if alone and self.state.standing():
                 return self.solve(stop)
-        motion = self._follow(window, stop, motion)
-        motion = self.solve(stop)
-        if drives.decoupled(self.state.point):
-            return motion
+        if alone:
+            motion = self._follow(window, stop, motion)
+            motion = self.solve(stop)
+            if drives.decoupled(self.state.point):
+                return motion
         self.state = saved
         drop()
         return None

@@ -13,6 +13,7 @@ from ropeway.components.errors import InputError, RopewayError, SimulationError,
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
+from ropeway.systems.carrying import carried_over, declared_alike
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.intervention import Intervention
 from ropeway.systems.model import Model, component_of, nearest
@@ -40,9 +41,10 @@ def simulate(
     """Simulate a system from its equilibrium.
 
     until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
-    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from;
-    interventions: brakes, failures, an emergency stop; tolerance: of IDAS, absolute on scaled variables;
-    stop_at: names of events at which to stop; progress: show a bar (by default only on a terminal).
+    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from, of
+    the same declarations but for responses and speeds; interventions: brakes, failures, an emergency stop;
+    tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop; progress: show
+    a bar (by default only on a terminal).
 
     Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
     """
@@ -55,7 +57,10 @@ def simulate(
     if unknown := [event for event in stop_at if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
-    rest = equilibrium(model) if start is None else start
+    if start is None:
+        rest = equilibrium(model)
+    else:
+        rest = start if declared_alike(start, model.system) else carried_over(start, model)
     run = _Simulation(rest, signals, interventions, tolerance, tuple(stop_at))
     with bar("simulate", until, progress) as advance:
         try:

@@ -84,8 +84,9 @@ def test_payload(tmp_path: Path) -> None:
 
 def test_optimise(tmp_path: Path) -> None:
     line = str(EXAMPLES / "line.csv")
-    done = ropeway("optimise", line, "--until", "12", "--intervals", "6", "--out", "o", cwd=tmp_path)
+    done = ropeway("optimise", line, "--until", "12", "--intervals", "6", "--settle", "4", "--out", "o", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+    assert "From 4 s on" in done.stdout
     assert "optimised" in done.stdout
     assert "masses +10 %" in done.stdout
     table = pd.read_csv(tmp_path / "o" / "schedule.csv", index_col=0)

@@ -44,6 +44,8 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
 
 def objective_weights(minimise: str | Mapping[str, float]) -> dict[str, float]:
     """The weight of each objective that counts. Raises InputError."""
+    if not isinstance(minimise, (str, Mapping)):
+        raise InputError(f"minimise is {minimise!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}, or weigh them")
     given = {minimise: 1.0} if isinstance(minimise, str) else dict(minimise)
     for name, weight in given.items():
         if name not in OBJECTIVES:

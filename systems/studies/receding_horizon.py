@@ -13,6 +13,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
+from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
@@ -21,7 +22,6 @@ from ropeway.systems.studies.responses import control_sheaves, with_responses
 from ropeway.systems.studies.schedule import check_intervals, optimise_schedule
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
 from ropeway.systems.studies.scheduling.plan import SchedulePlan
-from ropeway.systems.studies.scheduling.run import carried_over
 from ropeway.systems.system import System
 
 

@@ -14,6 +14,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
 from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
+from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import component_of
 from ropeway.systems.progress import bar
@@ -37,7 +38,7 @@ from ropeway.systems.studies.scheduling.moments import moments
 from ropeway.systems.studies.scheduling.parts import Parts, Task
 from ropeway.systems.studies.scheduling.plan import Report, Round, SchedulePlan, active_table
 from ropeway.systems.studies.scheduling.problem import ScheduleProblem
-from ropeway.systems.studies.scheduling.run import balancing, carried_over, require_sheave, smoothed
+from ropeway.systems.studies.scheduling.run import balancing, require_sheave, smoothed
 from ropeway.systems.studies.scheduling.solution import Planned
 from ropeway.systems.studies.scheduling.solution import planned as solved
 from ropeway.systems.system import System
@@ -78,7 +79,8 @@ def optimise_schedule(
     the objective, count [s], as a schedule cannot change what the line starts with; by default 10 s or a quarter of
     the time. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
     start: an equilibrium to start from; trim: how the sheaves of `SchedulePlan.trimmed` correct towards the plan, by
-    default with a gain that suits the line; warm_start: an earlier plan, or schedules.
+    default with a gain that suits the line; warm_start: an earlier plan, or schedules. A plan begins with the first
+    speeds of its warm start, by default with the line's own.
 
     The optimum is simulated, and planned anew around the simulation until both agree. Raises InputError,
     InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
@@ -188,9 +190,13 @@ class _Study:
             found = smoothed(self.balanced, self.grid, self.names)
         else:
             given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
+            if not isinstance(given, Mapping):
+                raise InputError(f"warm_start is {given!r}", "Give an earlier plan, or a rw.Schedule by sheave")
             if missing := [n for n in self.names if n not in given]:
                 raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
             for name in self.names:
+                if not isinstance(given[name], Schedule):
+                    raise InputError(f"warm_start has {given[name]!r} for {name!r}", "Give a rw.Schedule")
                 given[name].require(self.until)
             found = {name: given[name].on(self.grid.tolist()) for name in self.names}
         if self.lead in found:
@@ -355,9 +361,10 @@ class _Study:
         table = active_table(planned.active, 1.0, planned.solution.objective)
         names = sorted({*table.index.get_level_values("limit"), *needed})
         relaxation = {limit: give * problem.unit(limit) for limit, give in needed.items()}
+        least = [f"{limit} by {give:.3g} {UNITS[limit]}".rstrip() for limit, give in relaxation.items()]
         raise InfeasibleScheduleError(
             f"No schedule keeps these limits together: {', '.join(names)}",
-            "The least that would do: " + ", ".join(f"{n} by {g:.3g} {UNITS[n]}" for n, g in relaxation.items()),
+            f"The least that would do: {', '.join(least)}",
             relaxation,
             table,
         )

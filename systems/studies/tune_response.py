@@ -14,11 +14,14 @@ from scipy.optimize import differential_evolution
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.response import Response, check_precedence
+from ropeway.systems.carrying import carried_over
+from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.progress import bar
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.journal import Row
 from ropeway.systems.studies.objectives import objective_weights, objectives
 from ropeway.systems.studies.responses import control_sheaves, with_responses
+from ropeway.systems.studies.scheduling.run import require_sheave
 from ropeway.systems.studies.sweep import rows_of
 from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System
@@ -51,6 +54,8 @@ def tune_response(
     settle: float = 0.0,
     target: float | None = None,
     every: float = 1.0,
+    sheaves: Sequence[str] | None = None,
+    start: Equilibrium | None = None,
     generations: int = 10,
     population: int = 6,
     seed: int = 0,
@@ -62,11 +67,12 @@ def tune_response(
     over: what may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of
     "precedence" the names to choose from. minimise: "peak tension", "tension deviation" (from `target` [N]) or
     "energy", or a weight for each, of each run until `until`, from `settle` on [s]; every: interval of the records
-    [s].
+    [s]. sheaves: those that get the response, by default all control sheaves; start: an equilibrium that every run
+    starts from, as `balanced` makes, by default the line's own.
     generations, population: rounds, and simulations in a round for each quantity tuned. workers: as for
     `sweep`. The response as it is given counts too: what comes out is never worse.
 
-    Raises InputError; SimulationError where every run has failed.
+    Raises InputError, UnknownNameError; SimulationError where every run has failed.
     """
     check.positive(until, "tune_response", "until", "s")
     if not 0.0 <= settle < until:
@@ -75,7 +81,15 @@ def tune_response(
     weights = objective_weights(minimise)
     if "tension deviation" in weights and target is None:
         raise InputError("The tension deviation has no target", "Give target= [N]: runs count from the same tension")
-    trial = _Trial(line, response, control_sheaves(line), weights, until, settle, target, every)
+    known = control_sheaves(line)
+    chosen = known if sheaves is None else list(sheaves)
+    if not chosen:
+        raise InputError("tune_response has nothing to tune", f"Name sheaves, as {known[0]!r}, or leave them out")
+    for name in chosen:
+        require_sheave(name, known)
+    # Without responses: the start's own are not those that are tuned.
+    bare = None if start is None else carried_over(start, with_responses(line, dict.fromkeys(known)))
+    trial = _Trial(line, response, chosen, weights, until, settle, target, every, bare)
     space = _Space(over)
     space.check(response)
     given = {name: getattr(response, name, line.precedence) for name in over}
@@ -110,9 +124,9 @@ def tune_response(
     best = history[int(table["objective"].to_numpy().argmin())]
     if not np.isfinite(best["objective"]):
         raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
-    chosen, precedence = trial.variant({name: best[name] for name in over})
+    tuned, precedence = trial.variant({name: best[name] for name in over})
     return TunedResponse(
-        trial.line_with(chosen, precedence), chosen, precedence, best["objective"], history[0]["objective"], table
+        trial.line_with(tuned, precedence), tuned, precedence, best["objective"], history[0]["objective"], table
     )
 
 
@@ -188,14 +202,17 @@ class _Trial:
     settle: float
     target: float | None
     every: float
+    start: Equilibrium | None
 
     def __call__(self, **changes: Any) -> dict[str, float]:
-        result = simulate(self.line_with(*self.variant(changes)), self.until, every=self.every)
+        line = self.line_with(*self.variant(changes))
+        start = None if self.start is None else carried_over(self.start, line)
+        result = simulate(line if start is None else start.model, self.until, every=self.every, start=start)
         found = objectives(result, settle=self.settle, target=self.target)
         return {"objective": sum(weight * found[name] for name, weight in self.weights.items())}
 
     def line_with(self, response: Response, precedence: str) -> System:
-        """The line with one response at all its control sheaves."""
+        """The line with one response at all the sheaves."""
         return with_responses(self.line, dict.fromkeys(self.sheaves, response), precedence)
 
     def variant(self, changes: Mapping[str, Any]) -> tuple[Response, str]:

@@ -88,7 +88,7 @@ def test_a_dragging_log_comes_off_the_ground() -> None:
     assert hanging["log.normal"] == pytest.approx(0.0, abs=1e-6)
     assert hanging["log.gap"] > 0.0
     for drop in (0.66, 0.5):
-        short = rw.equilibrium(eq.model, parameters={"carriage_log.length": drop}, start=hanging)
+        short = rw.equilibrium(hanging.model, parameters={"carriage_log.length": drop}, start=hanging)
         assert short["log.normal"] == pytest.approx(0.0, abs=1e-6)
         assert short["log.line_pull"] == pytest.approx(1200.0 * G, rel=1e-9)
 

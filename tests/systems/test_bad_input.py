@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import pandas as pd
 import pytest
 
 import ropeway as rw
@@ -294,6 +295,27 @@ def test_a_start_of_another_system() -> None:
     other.string(ROPE, anchor("a", 0.0), anchor("b", 100.0), length=101.0)
     start = rw.equilibrium(other)
     refused(s, lambda: rw.equilibrium(s, start=start), "another system")
+    refused(s, lambda: rw.simulate(s, 1.0, start=start), "another system")
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [({"load_mass": 310.0}, "other loads"), ({"speed": 0.5}, ""), ({"tension": 41e3}, "another"),
+     ({"gravity": 9.81}, "another")],
+)  # fmt: skip
+def test_a_start_of_a_line_of_the_same_names(other: dict[str, float], words: str) -> None:
+    """It would answer for the other line."""
+    table = pd.DataFrame(
+        [("d0", 0.0, "drum"), ("c1", 100.0, "control"), ("s1", 200.0, "idler"), ("d1", 300.0, "drum")],
+        columns=["name", "x", "kind"],
+    ).assign(y=0.0, z=0.0)
+    mine = {"tension": 40e3, "load_mass": 300.0, "load_spacing": 60.0}
+    line, start = rw.monocable(ROPE, table, **mine), rw.equilibrium(rw.monocable(ROPE, table, **{**mine, **other}))
+    if not words:
+        assert rw.simulate(line, 2.0, start=start).frame["c1.travel"].iloc[-1] == pytest.approx(2.0)
+        return
+    refused(line, lambda: rw.equilibrium(line, start=start), words)
+    refused(line, lambda: rw.simulate(line, 1.0, start=start), words)
 
 
 def test_a_payload_that_no_rope_bears() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import schedule_lines
 
 import ropeway as rw
 
@@ -108,6 +109,22 @@ def test_both_ways_of_going_on_agree() -> None:
 
 
 @pytest.mark.slow
+def test_a_limit_that_binds_for_a_moment_is_not_passed_over() -> None:
+    """A crossing opens a relief valve that has closed again before the next record."""
+    drive = rw.HydraulicDrive(
+        displacement=127e-6,
+        gear_ratio=20.0,
+        sheave_radius=0.5,
+        relief_pressure=15e5,
+        pump_flow=7e-3,
+        engine_power=60e3,
+        inertia=800.0,
+    )
+    seldom, often = (rw.simulate(schedule_lines.line(drive=drive), 60.0, every=every).frame for every in (10.0, 0.25))
+    for name in ("c1.travel", "c2.travel", "c3.travel"):
+        assert seldom[name].to_numpy() == pytest.approx(often.loc[seldom.index, name].to_numpy(), abs=5e-5)
+
+
 def test_energy_balance_over_half_an_hour() -> None:
     drive = rw.HydraulicDrive(**DRIVE, drag=100.0)
     result = rw.simulate(line(drive=drive, response=RULE), until=1800.0)

@@ -90,8 +90,7 @@ def broken_limits(task: Task, after: Simulated) -> dict[str, list[float]]:
     excess = {"tension": np.maximum(low - ends.min(axis=1), ends.max(axis=1) - high).to_numpy() - PEAK_GAP}
     for row in (row for rows in task.rows for row in rows):
         values = frame[row.output].to_numpy() / equations.y_unit[equations.model.y.index[row.output]]
-        spare = _SPARE * max(abs(bound) for bound in (row.low, row.high) if np.isfinite(bound))
-        excess[row.output] = np.maximum(row.low - values, values - row.high) - spare
+        excess[row.output] = np.maximum(row.low - values, values - row.high) - _SPARE * row.size
     found = {name: _peaks(frame, values) for name, values in excess.items()}
     return {name: times for name, times in found.items() if times}
 

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.component import Node
-from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.control_sheave import ControlSheave, grip_margin
 from ropeway.components.errors import InputError
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Point, expanded
@@ -34,6 +34,12 @@ class Row:
     high: float
     limit: str
     peak: bool = False
+
+    @property
+    def size(self) -> float:
+        """What shares of the limit count from: its bounds, or 1, a ratio of tensions, for a margin of grip."""
+        bounds = [] if self.limit == "grip" else [abs(b) for b in (self.low, self.high) if np.isfinite(b)]
+        return max(bounds, default=1.0)
 
     def near(self, value: float) -> bool:
         """Whether a value is within half of the bounds' size of them, or 0.5 of a single one."""
@@ -152,20 +158,20 @@ class LineEquations:
         slacks: dict[str, ca.SX] = {}
         gives = any(row.limit == GIVE for row in rows)
         for row in rows:
-            value = self._y[self.model.y.index[row.output]]
-            if row.peak:
-                written, kept, signs = [*written, value - self._peak], [*kept, row], [*signs, 0]
-            elif row.limit == GIVE:
-                written, kept, signs = [*written, self._give - value], [*kept, row], [*signs, 0]
-            elif not relaxed:
-                written, kept, signs = [*written, value], [*kept, row], [*signs, 0]
-            else:
-                for sign, bound in ((1, row.low), (-1, row.high)):
-                    if np.isfinite(bound):
-                        slack = slacks.setdefault(side(row.limit, high=sign < 0), ca.SX.sym("slack"))
-                        written.append(value + sign * slack)
-                        kept.append(row)
-                        signs.append(sign)
+            for value in self._values(row):
+                if row.peak:
+                    written, kept, signs = [*written, value - self._peak], [*kept, row], [*signs, 0]
+                elif row.limit == GIVE:
+                    written, kept, signs = [*written, self._give - value], [*kept, row], [*signs, 0]
+                elif not relaxed:
+                    written, kept, signs = [*written, value], [*kept, row], [*signs, 0]
+                else:
+                    for sign, bound in ((1, row.low), (-1, row.high)):
+                        if np.isfinite(bound):
+                            slack = slacks.setdefault(side(row.limit, high=sign < 0), ca.SX.sym("slack"))
+                            written.append(value + sign * slack)
+                            kept.append(row)
+                            signs.append(sign)
         every = ca.vertcat(equations, *written, cost)
         places = {
             name: np.unique(np.array(ca.jacobian_sparsity(every, symbol).get_col(), dtype=int))
@@ -194,6 +200,19 @@ class LineEquations:
             tuple(kept),
             np.array(signs, dtype=int),
         )
+
+    def _values(self, row: Row) -> tuple[ca.SX, ...]:
+        """What a row bounds: its output; the margin of a grip with either side as the tight one, as it bends where
+        both are alike."""
+        y, index = self._y, self.model.y.index
+        if row.limit != "grip":
+            return (y[index[row.output]],)
+        name = row.output.partition(".")[0]
+        friction, turns = (self.parameters[self.model.p.index[f"{name}.{q}"]] for q in ("grip_friction", "turns"))
+        wrap = y[index[f"{name}.wrap"]] * self.y_unit[index[f"{name}.wrap"]]
+        ends = (y[index[f"{name}.tension_in"]], y[index[f"{name}.tension_out"]])
+        unit = self.y_unit[index[row.output]]
+        return tuple(grip_margin(friction, wrap, turns, *sides) / unit for sides in (ends, ends[::-1]))
 
     def excess(self, point: Point, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States and inputs of a point less the speeds of the driven supports that a schedule gives them."""

@@ -140,7 +140,7 @@ class SchedulePlan:
     @property
     def trimmed(self) -> System:
         """The line with trims that correct towards the plan: feed-forward plus trim is
-        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs)`."""
+        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
         from ropeway.systems.studies.scheduling.robustness import trimmed_line
 
         return trimmed_line(self, self.trim)
@@ -173,11 +173,15 @@ def active_table(active: list[Active], size: float, objective: float) -> pd.Data
     """The limits that bind and matter: to give way by the whole limit would change the objective by a thousandth.
     `size`: of the objective in the problem's one."""
     rows = pd.DataFrame(
-        [(a.limit, a.component.split(".")[0], a.time, a.bound, a.multiplier * size) for a in active],
-        columns=["limit", "component", "time", "bound", "cost"],
+        [(a.limit, a.component.split(".")[0], a.time, a.bound, a.size, a.multiplier * size) for a in active],
+        columns=["limit", "component", "time", "bound", "size", "cost"],
     )
     table = rows.groupby(["limit", "component"]).agg(
-        times=("time", "nunique"), first=("time", "min"), bound=("bound", "first"), cost=("cost", "sum")
+        times=("time", "nunique"),
+        first=("time", "min"),
+        bound=("bound", "first"),
+        size=("size", "max"),
+        cost=("cost", "sum"),
     )
-    table = table[table["cost"] * table["bound"].abs() > 1e-3 * abs(objective)]
+    table = table[table["cost"] * table.pop("size") > 1e-3 * abs(objective)]
     return table.sort_values("cost", ascending=False)

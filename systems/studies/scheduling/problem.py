@@ -349,8 +349,7 @@ class ScheduleProblem:
             return task.acceleration
         if limit == "speed":
             return max(abs(bound) for bounds in task.speed for bound in bounds)
-        bounds = [b for rows in task.rows for r in rows if r.limit == limit for b in (r.low, r.high)]
-        return max([abs(b) for b in bounds if np.isfinite(b) and b], default=1.0)
+        return max((r.size for rows in task.rows for r in rows if r.limit == limit), default=1.0)
 
     def unit(self, limit: str) -> float:
         """The problem's unit of a limit, in its own."""

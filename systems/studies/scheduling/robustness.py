@@ -13,13 +13,14 @@ from ropeway.components import check
 from ropeway.components.errors import InputError, RopewayError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
+from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.newton import newton_of
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
 from ropeway.systems.studies.objectives import objectives
 from ropeway.systems.studies.responses import with_responses
-from ropeway.systems.studies.scheduling.run import carried_over, require_sheave
+from ropeway.systems.studies.scheduling.run import require_sheave
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:

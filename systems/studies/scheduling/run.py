@@ -6,15 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
+from ropeway.components.errors import EquilibriumError, UnknownNameError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
-from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import nearest
-from ropeway.systems.newton import VECTORS, Point, newton_of
+from ropeway.systems.newton import newton_of
 from ropeway.systems.result import Result
-from ropeway.systems.state import LineState
 from ropeway.systems.studies.responses import control_sheaves
 from ropeway.systems.system import System
 
@@ -80,23 +78,3 @@ def require_sheave(name: str, sheaves: Sequence[str]) -> None:
     """Raises UnknownNameError unless a name is one of a line's control sheaves."""
     if name not in sheaves:
         raise UnknownNameError(f"{name!r} is not a control sheave", nearest(name, sheaves))
-
-
-def carried_over(start: Equilibrium, line: System) -> Equilibrium:
-    """The same place and loads on another declaration of the line, as one with other responses. Raises InputError."""
-    old = start.model
-    if other := sorted(old.system.components.keys() ^ line.components.keys()):
-        raise InputError(
-            f"start is of another line than {line.name!r}: {other[0]!r} is in one of them only",
-            "Give an equilibrium of this line",
-        )
-    model = assemble(line)
-    point = Point(0.0, *(model.tables[kind].values.copy() for kind in VECTORS))
-    for kind in VECTORS:
-        known, values = old.tables[kind].index, start.point.vector(kind)
-        for i, name in enumerate(model.tables[kind].names):
-            if name in known:
-                point.vector(kind)[i] = values[known[name]]
-    state = LineState(model, point, start.runs, start.passed)
-    state.write_slots()
-    return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), start.held)

@@ -18,13 +18,14 @@ _REACHED, _MULTIPLIER = 1e-3, 1e-7
 
 @dataclass(frozen=True)
 class Active:
-    """A limit that binds: how it is named, of which component, when [s], its bound, and what the objective would
-    change per unit of it."""
+    """A limit that binds: how it is named, of which component, when [s], its bound and size, and what the objective
+    would change per unit of it."""
 
     limit: str
     component: str
     time: float
     bound: float
+    size: float
     multiplier: float
 
 
@@ -109,7 +110,8 @@ def active_limits(problem: ScheduleProblem, solution: Solution, times: np.ndarra
                 unit = equations.y_unit[equations.model.y.index[row.output]]
                 name = side(row.limit, high=solution.multipliers[at] > 0.0)
                 cost = float(abs(solution.multipliers[at]) / unit)
-                found.append(Active(name, row.output, float(times[moment]), float(bound * unit), cost))
+                size = problem.size(name) * unit
+                found.append(Active(name, row.output, float(times[moment]), float(bound * unit), float(size), cost))
         offset += m * use.n
     for k, limit, i, j in problem.motion_rows:
         at = offset + k
@@ -118,5 +120,5 @@ def active_limits(problem: ScheduleProblem, solution: Solution, times: np.ndarra
             unit = problem.step if limit == "acceleration" else 1.0
             name, when = equations.nodes[i].name, float(problem.task.grid[j])
             cost = float(abs(solution.multipliers[at]) * unit)
-            found.append(Active(limit, name, when, float(bound / unit), cost))
+            found.append(Active(limit, name, when, float(bound / unit), problem.size(limit), cost))
     return found

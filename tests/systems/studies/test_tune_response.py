@@ -57,6 +57,18 @@ def test_its_objective_is_that_of_its_line(tuned: rw.TunedResponse) -> None:
     assert tuned.line.precedence == tuned.precedence
 
 
+def test_the_sheaves_that_respond_and_the_start_can_be_chosen() -> None:
+    start = rw.balanced(tune(generations=0, over={"hold": (1.0, 2.0)}).line)  # with a response of its own
+    found = tune(generations=0, sheaves=("s4",), start=start, over={"increment": (0.002, 0.01)}, workers=2)
+    assert found.line.components["s2"].response is None
+    assert found.line.components["s4"].response == found.response
+    by_hand = with_responses(line(), {"s4": found.response})
+    rest = rw.balanced(by_hand)
+    again = rw.objectives(rw.simulate(rest.model, 40.0, start=rest), target=46e3)
+    assert again["tension deviation"] == pytest.approx(found.objective, rel=1e-6)
+    assert found.objective != pytest.approx(found.baseline, rel=1e-3)
+
+
 def test_processes_and_seed_do_not_change_it(tuned: rw.TunedResponse) -> None:
     pd.testing.assert_frame_equal(tune(workers=2).history, tuned.history, check_exact=True)
     first = tune(seed=1, generations=0).history
@@ -117,9 +129,14 @@ def test_wrong_input() -> None:
         ({"settle": 40.0}, "settle is 40.0"),
         ({"until": 0.0}, "until"),
         ({"seed": -1}, "seed"),
+        ({"sheaves": ()}, "nothing to tune"),
     ):
         with pytest.raises(rw.InputError, match=message):
             tune(**settings)
+    with pytest.raises(rw.UnknownNameError, match="'s3' is not a control sheave"):
+        tune(sheaves=("s3",))
+    with pytest.raises(rw.InputError, match="start is of another system"):
+        tune(start=rw.equilibrium(rw.monocable(ROPE, SUPPORTS.drop(3), tension=45e3)))
     with pytest.raises(rw.InputError, match="no control sheave"):
         rw.tune_response(rw.System("empty"), COARSE, over=OVER, minimise="energy", until=10.0)
     short = line(rw.Schedule((0.0, 5.0), (1.0, 1.0)))

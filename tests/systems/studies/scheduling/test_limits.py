@@ -1,6 +1,7 @@
 """What a schedule may not be asked for, and limits that cannot be kept together."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,6 +90,30 @@ def test_drives_are_kept_within_what_they_have() -> None:
     assert ("pressure", "c3") in tight.active.index
 
 
+def slippery(friction: float) -> rw.System:
+    line = schedule_lines.line()
+    for name in ("c1", "c2", "c3"):
+        line.components[name] = replace(line.components[name], grip_friction=friction)
+    return line
+
+
+def test_a_grip_is_kept_and_costs_what_its_multiplier_says() -> None:
+    """Against the central difference of what simulations reach."""
+    tight, plan, wide = (
+        plan_of(slippery(0.008), minimise="tension deviation", limits=rw.ScheduleLimits(grip=least))
+        for least in (0.004, 0.0, -0.004)
+    )
+    assert plan.result.full_frame.loc[10.0:].filter(like="grip_margin").min(axis=None) > -0.005
+    cost = plan.active.loc["grip", "cost"].sum()
+    assert cost == pytest.approx((tight.objective - wide.objective) / 0.008, rel=0.05)
+
+
+def test_a_grip_that_cannot_be_kept_is_named() -> None:
+    with pytest.raises(rw.InfeasibleScheduleError, match=r"grip by 0\.0[0-9]+(,|$)") as error:
+        rw.optimise_schedule(slippery(0.01), 20.0, intervals=10)
+    assert "grip" in error.value.colliding.index.get_level_values("limit")
+
+
 def test_wrong_requests_are_typed_errors() -> None:
     line = schedule_lines.line()
     with pytest.raises(rw.InputError, match="minimise is 'comfort'"):
@@ -109,13 +134,20 @@ def test_wrong_requests_are_typed_errors() -> None:
         )
     with pytest.raises(rw.InputError, match="no schedule of 'c2'"):
         rw.optimise_schedule(line, UNTIL, warm_start={"c1": rw.Schedule((0.0, UNTIL), (1.0, 1.0))})
+    with pytest.raises(rw.InputError, match=r"warm_start has 1\.0 for 'c1'"):
+        rw.optimise_schedule(line, UNTIL, warm_start=dict.fromkeys(("c1", "c2", "c3"), 1.0))
+    with pytest.raises(rw.InputError, match=r"warm_start is 1\.0"):
+        rw.optimise_schedule(line, UNTIL, warm_start=1.0)
+    for wrong in (None, ["energy"]):
+        with pytest.raises(rw.InputError, match="or weigh them"):
+            rw.optimise_schedule(line, UNTIL, minimise=wrong)
     with pytest.raises(rw.InputError, match="nothing to optimise"):
         rw.optimise_schedule(schedule_lines.line(4, 2), UNTIL)
     with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
         rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(force={"c1": 1e3, "c9": 1e3}))
     with pytest.raises(rw.InputError, match=r"limits is \{\}"):
         rw.optimise_schedule(line, UNTIL, limits={})
-    with pytest.raises(rw.InputError, match=r"another line .* 'c4'"):
+    with pytest.raises(rw.InputError, match=r"another system .* another"):
         rw.optimise_schedule(line, UNTIL, start=rw.equilibrium(schedule_lines.line(10)))
     with pytest.raises(rw.InputError, match="trim is ThresholdResponse"):
         rw.optimise_schedule(line, UNTIL, trim=rw.ThresholdResponse(low=40e3, high=50e3, increment=0.01))

@@ -5,6 +5,7 @@ import pytest
 import schedule_lines
 
 import ropeway as rw
+from ropeway.systems.studies.responses import with_responses
 
 UNTIL = 40.0
 
@@ -33,6 +34,24 @@ def test_trim_does_nothing_when_all_is_as_planned(plan: rw.SchedulePlan) -> None
     row = plan.robustness([rw.Disturbance("as planned")]).loc["as planned"]
     for name in ("peak tension", "tension deviation", "energy"):
         assert row["trimmed", name] == pytest.approx(plan.objectives[name], rel=1e-4)
+
+
+def test_the_trimmed_line_runs_from_the_start_of_the_plan(plan: rw.SchedulePlan) -> None:
+    faster = {**plan.inputs, "c2.speed": rw.Disturbance("", sheave="c2", speed=1.001).schedules(plan.schedules)["c2"]}
+    table = plan.robustness([rw.Disturbance("fast", sheave="c2", speed=1.001)])
+    for kind, line in (("trimmed", plan.trimmed), ("open loop", plan.line)):
+        system = line if kind == "trimmed" else with_responses(line, dict.fromkeys(plan.schedules))
+        run = rw.simulate(system, UNTIL, every=0.5, inputs=faster, start=plan.start)
+        found = rw.objectives(run, settle=plan.settle, target=plan.target)
+        for name in ("peak tension", "tension deviation"):
+            assert found[name] == pytest.approx(table.loc["fast", (kind, name)], rel=1e-9)
+
+
+def test_a_start_brings_no_responses_of_its_own(plan: rw.SchedulePlan) -> None:
+    coarse, fine = (rw.ThresholdResponse(low=40e3, high=50e3, increment=step) for step in (0.01, 0.002))
+    start = rw.balanced(with_responses(plan.line, dict.fromkeys(plan.schedules, coarse)))
+    run = rw.simulate(with_responses(plan.line, dict.fromkeys(plan.schedules, fine)), 1.0, start=start)
+    assert run.record(0)["c1.response_increment"] == 0.002
 
 
 def test_the_sheave_that_keeps_the_speed_has_no_trim(plan: rw.SchedulePlan) -> None:
