@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
-from ropeway.components.errors import UnbalancedSystemError
+from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
 from ropeway.systems.links import differences, with_links, with_residuals
@@ -27,8 +27,10 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     """The flat model of a system.
 
     slots: least number of load slots of each span of each run; by default what the loads need.
-    Deterministic: the same declarations give the same model. Raises UnbalancedSystemError.
+    Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
     """
+    if not isinstance(system, System):
+        raise InputError(f"{system!r:.60} is no system", "Give a System, or what assemble(system) has made of it")
     system.require_complete()
     runs = find_runs(system)
     starts = [run_start(run, system.gravity) for run in runs]

@@ -19,6 +19,16 @@ if TYPE_CHECKING:
 _DRIVEN = ("response", "speed")
 """What may differ between two declarations of one line: how its supports are driven."""
 
+_DECLARED = {
+    "gravity": "gravity",
+    "connections": "joints",
+    "supplies": "supplies",
+    "links": "links",
+    "hung": "loads",
+    "feeds": "loads that come in",
+}
+"""What else a system declares, and what a user calls it."""
+
 
 def declared_alike(start: Equilibrium, system: System) -> bool:
     """Whether a start is of the same declarations; not, where supports are driven otherwise. Raises InputError where
@@ -34,8 +44,7 @@ def declared_alike(start: Equilibrium, system: System) -> bool:
         if type(one) is not type(other) or _undriven(one) != _undriven(other):
             _refuse(system, f"another {name!r}")
         alike = False
-    for what, words in (("gravity", "gravity"), ("connections", "joints"), ("supplies", "supplies"),
-                        ("links", "links"), ("hung", "loads"), ("feeds", "loads that come in")):  # fmt: skip
+    for what, words in _DECLARED.items():
         if getattr(old, what) != getattr(system, what):
             _refuse(system, f"other {words}")
     return alike

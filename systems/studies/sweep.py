@@ -71,6 +71,8 @@ def sweep(
         if path is not None and getattr(study, "__name__", "") == "<lambda>":
             raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
         task, mark = study, _mark(study)
+    if path is not None and Path(path).suffix != ".parquet":
+        raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
     journal = None if path is None else Journal(path, mark, cases)
     finished = None if journal is None else journal.finished()
     if finished is not None:
