@@ -160,6 +160,26 @@ def test_a_rope_breaks_in_mid_run(name: str, open_fmu: Opener, request: pytest.F
     assert first <= float(told.split("t = ")[1].split(" s")[0]) <= first + 0.5
 
 
+@pytest.mark.parametrize("size", [1.0, 10.0, 120.0, 240.0])
+def test_a_rope_that_breaks_within_a_long_step_is_told(size: float, tmp_path: Path, open_fmu: Opener) -> None:
+    """The load is heaviest on its rope in mid-span; the tension is below the limit again when it crosses, at 140 s."""
+    line = rw.System("long spans")
+    ends = rw.Drum("d0", at=(0.0, 0.0), speed=2.0), rw.Drum("d1", at=(650.0, 0.0), tension=60e3)
+    middle = rw.Sheave("s1", at=(300.0, 5.0)), rw.ControlSheave("c1", at=(600.0, 0.0), speed=2.0)
+    line.hang(rw.Load("l1", mass=900.0), line.string(ROPE, ends[0], *middle, ends[1], tension=60e3), at=20.0)
+    tension = rw.simulate(line, 240.0).frame["d0_s1.utilisation"] * ROPE.breaking_load
+    limit = 0.1 * tension.min() + 0.9 * tension.max()
+    above = (tension > limit).to_numpy()
+    rises = list(tension.index[1:][above[1:] & ~above[:-1]])
+    assert len(rises) == 2
+    one = open_fmu(export(line, tmp_path / "long.fmu"))
+    one.set(d0_s1__breaking_load=limit)
+    one.initialize()
+    one.run(0.0, 240.0, size, ["d0_s1.utilisation"])
+    told = [float(text.split("t = ")[1].split(" s")[0]) for text in one.log if "d0_s1.tension_above_MBL" in text]
+    assert told == pytest.approx(rises, abs=2.0)
+
+
 def test_a_breaking_rope_is_an_event(line2: Path, open_fmu: Opener) -> None:
     limit, _ = breaking(line2, open_fmu, 30.0)
     name = "s4_c1.utilisation"
