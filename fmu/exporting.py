@@ -146,7 +146,7 @@ def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:
     spans = sum(len(run.spans) for run in rest.runs)
     return description.About(
         name=name,
-        identifier=re.sub(r"\W", "_", name) if name[:1].isalpha() else re.sub(r"\W", "_", f"system_{name}"),
+        identifier=_identifier(name),
         fingerprint=found[1] if found else "",
         description=f"Cable system of {spans} spans on {len(rest.runs)} ropes, {len(rest.loads)} loads at the start",
         version=ropeway.__version__,
@@ -154,6 +154,12 @@ def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:
         tolerance=tolerance,
         step=0.1,
     )
+
+
+def _identifier(name: str) -> str:
+    """A name as a C identifier: what FMI wants of a model's, and a file name on every platform."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return plain if re.match("[A-Za-z]", plain) else f"system_{plain}"
 
 
 def _binaries(

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from fmus import one_span, short_line
+from fmus import ROPE, one_span, short_line
 
 import ropeway as rw
 from ropeway.fmu import compiler, export
@@ -69,6 +69,16 @@ def test_chosen_variables_only(tmp_path: Path) -> None:
     wanted = {"c1.speed", "c1.tension_in", "c1.tension_out", "c1.loads_passed", "start.load_mass[1]"}
     assert {n for n in shown if "travel" not in n} == wanted
     assert validate_fmu(str(path)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "identifier"), [("Seilbahn Süd", "Seilbahn_S_d"), ("3 Spans", "system_3_Spans"), ("Öd", "system__d")]
+)
+def test_identifier_is_one_of_c(name: str, identifier: str, tmp_path: Path) -> None:
+    system = rw.System(name)
+    system.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(90.0, 5.0)), length=92.0)
+    description = fmpy.read_model_description(str(export(system, tmp_path / "named.fmu", platforms=())))
+    assert (description.modelName, description.coSimulation.modelIdentifier) == (name, identifier)
 
 
 def test_same_system_same_fingerprint(tmp_path: Path) -> None:
