@@ -250,10 +250,11 @@ rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
     return RW_OK;
 }
 
-/* Change of an unknown variable, after rw_tangent_of. */
+/* Change of an unknown variable, after rw_tangent_of; a state that is an output changes by its own seed. */
 rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
 {
-    if (vr >= DX && vr < Z) *value = m->df[vr - DX];
+    if (vr >= X && vr < DX) *value = m->dx[vr - X];
+    else if (vr >= DX && vr < Z) *value = m->df[vr - DX];
     else if (vr >= Z && vr < U) *value = m->dz[vr - Z];
     else if (vr >= Y && vr < EI) *value = m->dy[vr - Y];
     else {
