@@ -22,15 +22,17 @@ _PAGE = """<!DOCTYPE html>
 <p>{description}</p>
 {picture}
 <p>Made by ropeway {version}. The FMU starts from the equilibrium that was solved when it was made; with other
-parameters it solves the line anew when it is initialised. Inputs are held between communication points. Loads
-that cross supports are events: located inside a step of Co-Simulation, event indicators in Model Exchange.
-A schedule that is part of the model keeps its last value after its end.</p>
+parameters it is solved anew when it is initialised, each load where it is clamped to its rope. Inputs are held between
+communication points. Loads that cross supports are events: located inside a step of Co-Simulation, event indicators in
+Model Exchange. A schedule that is part of the model keeps its last value after its end.</p>
 <p>What goes wrong is a status and a message in the log, never a wrong number: a step that cannot be carried out is
 discarded and leaves the state as it was.</p>
 <h2>Inputs</h2>
 {inputs}
 <h2>Outputs</h2>
 {outputs}
+<h2>Parameters</h2>
+{parameters}
 </body>
 </html>
 """
@@ -47,15 +49,22 @@ def page(about: About, interface: Interface, picture: str | None) -> str:
         picture=image,
         inputs=_table(v for v in variables if v.causality == "input"),
         outputs=_table(v for v in variables if v.causality == "output"),
+        parameters=_table(v for v in variables if v.causality == "parameter"),
     )
 
 
 def _table(variables: Iterable[FmuVariable]) -> str:
     rows = "\n".join(
-        f"<tr><td>{html.escape(v.name)}</td><td>{html.escape(v.unit)}</td><td>{html.escape(v.description)}</td></tr>"
+        f"<tr><td>{html.escape(v.name)}</td><td>{_start(v)}</td><td>{html.escape(v.unit)}</td>"
+        f"<td>{html.escape(v.description)}</td></tr>"
         for v in variables
     )
-    return f"<table>\n<tr><th>name</th><th>unit</th><th></th></tr>\n{rows}\n</table>" if rows else "<p>None.</p>"
+    head = "<tr><th>name</th><th>start</th><th>unit</th><th></th></tr>"
+    return f"<table>\n{head}\n{rows}\n</table>" if rows else "<p>None.</p>"
+
+
+def _start(variable: FmuVariable) -> str:
+    return "" if variable.start is None else f"{variable.start:g}"
 
 
 def picture(rest: Equilibrium) -> bytes:

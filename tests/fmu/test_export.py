@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from fmus import ROPE, one_span, short_line
+from fmus import ROPE, WEAK_UNIT, one_span, open_line, short_line
 
 import ropeway as rw
 from ropeway.fmu import compiler, export
@@ -32,6 +32,22 @@ def test_archive_is_complete_and_small(name: str, request: pytest.FixtureRequest
     assert any(n.startswith("binaries/") for n in names)
     assert "c5.tension_in" in page or "c1.tension_in" in page
     assert picture.startswith(b"\x89PNG")
+
+
+def test_what_a_system_is_in_words(tmp_path: Path) -> None:
+    """A picture of ropes only where there are some."""
+    unit = rw.System("power unit")
+    unit.add(WEAK_UNIT)
+    found = {}
+    for name, system in (("unit", unit), ("span", one_span())):
+        path = export(system, tmp_path / f"{name}.fmu", platforms=())
+        with zipfile.ZipFile(path) as archive:
+            page = archive.read("documentation/index.html").decode()
+            found[name] = fmpy.read_model_description(str(path)).description, "model.png" in archive.namelist()
+        assert ("<img" in page) == found[name][1]
+        assert "<h2>Parameters</h2>" in page
+    assert found["unit"] == ("System of DieselHydraulicUnit unit", False)
+    assert found["span"] == ("Cable system of 1 span on 1 rope, 1 load at the start", True)
 
 
 def test_variables_say_what_they_are(line2: Path) -> None:
@@ -93,6 +109,7 @@ def test_same_system_same_fingerprint(tmp_path: Path) -> None:
         ({"platforms": ("amiga",)}, "'amiga' is not known"),
         ({"platforms": "host"}, "is the text"),
         ({"tolerance": 0.0}, "tolerance"),
+        ({"outputs": "a_b.tension_a"}, "The text 'a_b.tension_a' is given for names"),
         ({"outputs": ["a.b"]}, "'a.b' is not an output"),
         ({"inputs": ["x"]}, "'x' is not an input"),
         ({"parameters": ["x"]}, "'x' is not a parameter"),
@@ -106,6 +123,13 @@ def test_bad_arguments(more: dict[str, object], cause: str, tmp_path: Path) -> N
 def test_wrong_ending(tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match=r"does not end in \.fmu"):
         export(one_span(), tmp_path / "x.zip")
+
+
+def test_open_inputs_say_so(tmp_path: Path) -> None:
+    path = export(open_line(), tmp_path / "open.fmu", platforms=())
+    inputs = [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
+    told = {v.name for v in inputs if "must be given" in v.description}
+    assert told == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
 
 
 def test_open_input_must_be_shown(tmp_path: Path) -> None:
