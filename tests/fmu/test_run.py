@@ -86,6 +86,27 @@ def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> 
         assert error < 1e-5, (kind, where)
 
 
+@pytest.mark.parametrize(("speed", "at"), [(1.0, 100.0), (-1.0, 140.0)])
+def test_a_load_held_between_driven_sheaves(tmp_path: Path, open_fmu: Opener, speed: float, at: float) -> None:
+    """The rope there has its length: forces rise at 500 kN a second, and the load is released after 40 us."""
+    drums = rw.Drum("d0", at=(0.0, 0.0), speed=speed), rw.Drum("d1", at=(250.0, 4.0), tension=60e3)
+    driven = [rw.ControlSheave(n, at=p, speed=speed) for n, p in (("c1", (60.0, 0.0)), ("c2", (170.0, 12.0)))]
+    line = rw.System("driven valley")
+    nodes = drums[0], driven[0], rw.Sheave("h", at=(120.0, 4.0), hold_down=True), driven[1], drums[1]
+    line.hang(rw.Load("l1", mass=260.0), line.string(ROPE, *nodes, tension=60e3), at=at)
+    events = rw.simulate(line, 40.0).events
+    wanted = events["time"][events["event"].str.startswith("load")].to_list()
+    assert len(wanted) == 2
+    path = export(line, tmp_path / "driven_valley.fmu")
+    for size in (0.1, 1.0, 40.0):
+        one = open_fmu(path)
+        one.fmu.setDebugLogging(True, ["logEvents"])
+        one.initialize()
+        one.run(0.0, 40.0, size, ["h.tension_in"])
+        told = [float(text.split("t = ")[1].split(" s")[0]) for text in one.log if "load" in text]
+        assert told == pytest.approx(wanted, abs=1e-6), size
+
+
 def test_a_schedule_runs_inside(tmp_path: Path) -> None:
     ramp = rw.Schedule((0.0, 10.0, 20.0, 40.0), (0.0, 1.0, 0.6, 1.2))
     line = short_line(speed=ramp)
