@@ -143,6 +143,17 @@ def test_compiler_messages_reach_the_user(tmp_path: Path) -> None:
         compiler.compile_library(tmp_path, ["bad.c"], compiler.host(), tmp_path / "bad.so")
 
 
+def test_the_compiler_that_cc_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = compiler.command(compiler.host())
+    if len(own) == 1:
+        monkeypatch.setenv("CC", f"{own[0]} -DNOTHING")
+        assert compiler.command(compiler.host()) == [*own, "-DNOTHING"]
+    monkeypatch.setenv("CC", str(tmp_path / "none"))
+    (tmp_path / "good.c").write_text("int f(void) { return 1; }\n")
+    with pytest.raises(FmuExportError, match=r"cannot be started.*Correct the environment variable CC"):
+        compiler.compile_library(tmp_path, ["good.c"], compiler.host(), tmp_path / "good.so")
+
+
 def test_core_compiles_without_a_warning(tmp_path: Path) -> None:
     path = export(one_span(), tmp_path / "x.fmu", platforms=())
     with zipfile.ZipFile(path) as archive:
