@@ -1,6 +1,7 @@
 """Directional derivatives against finite differences and against the model; dependencies against both."""
 
 from pathlib import Path
+from typing import Literal
 
 import casadi as ca
 import fmpy
@@ -77,7 +78,9 @@ def test_derivatives_by_parameters(span3: Path, open_fmu: Opener) -> None:
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
-def test_every_output_has_the_derivatives_it_lists(fmi: str, tmp_path: Path, open_fmu: Opener) -> None:
+def test_every_output_has_the_derivatives_it_lists(
+    fmi: Literal["2.0", "3.0"], tmp_path: Path, open_fmu: Opener
+) -> None:
     """States that are outputs too: importers ask for all."""
     one = open_fmu(export(short_line(drive=HYDRAULIC), tmp_path / "all.fmu", fmi), kind="ModelExchange")
     one.initialize()

@@ -285,6 +285,7 @@ def test_a_carriage_does_not_run_past_the_end_of_its_span() -> None:
     )
     with pytest.raises(rw.SimulationError, match=r"no rope is left in span 'head_carriage'") as caught:
         rw.simulate(rig.system(0, 100.0, payload=1500.0), 200.0, inputs={"mainline.speed": -1.0})
+    assert isinstance(caught.value.result, rw.Result)
     good = caught.value.result.frame
     assert 90.0 < good.index[-1] < 120.0
     assert (good["head_carriage.length"] > 0.0).all()
