@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ropeway.components.carriage import Carriage
 from ropeway.fmu.description import About
 from ropeway.fmu.interface import FmuVariable, Interface
 from ropeway.systems.equilibrium import Equilibrium
@@ -82,13 +83,25 @@ def picture(rest: Equilibrium) -> bytes:
         for shape in shapes:
             across = np.hypot(shape["x"] - origin[0], shape["y"] - origin[1])
             axes.plot(across, shape["z"], color="tab:blue", linewidth=1.0)
-        axes.plot(np.hypot(*(points[:, :2] - origin).T), points[:, 2], "k^", markersize=4)
+        carriage = np.array([isinstance(node, Carriage) for node in run.nodes])
+        for chosen, marker, what in ((~carriage, "k^", "support"), (carriage, "ks", "carriage")):
+            if np.any(chosen):
+                across = np.hypot(*(points[chosen, :2] - origin).T)
+                axes.plot(across, points[chosen, 2], marker, markersize=4, label=what)
         loads = rest.loads[rest.loads["span"].isin([span.name for span in run.spans])]
         axes.plot(
-            np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]), loads["z"], "o", color="tab:red", markersize=2.5
+            np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]),
+            loads["z"],
+            "o",
+            color="tab:red",
+            markersize=2.5,
+            label="load" if len(loads) else None,
         )
     axes.set_xlabel("distance [m]")
     axes.set_ylabel("elevation [m]")
+    handles, labels = axes.get_legend_handles_labels()
+    named = dict(zip(labels, handles, strict=True))  # each once, on whatever rope
+    axes.legend(named.values(), named.keys())
     file = io.BytesIO()
     figure.savefig(file, format="png")
     return file.getvalue()
