@@ -87,7 +87,7 @@ class ControlSheave(Wheel):
         drive = () if self.hydraulic is None else self.hydraulic.variables(site.force, first_speed(self.speed))
         return (
             *self.place(),
-            Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction),
+            Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, positive=True),
             Variable("turns", par, "1", "turns of the rope around the sheave", self.turns),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
             Variable("travel", Kind.STATE, "m", "unstretched rope that has run over"),

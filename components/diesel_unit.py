@@ -98,16 +98,28 @@ class DieselHydraulicUnit(Component):
             Variable("rated_power", par, "W", "rated power of the engine", self.rated_power, 1e5, positive=True),
             Variable("rated_speed", par, "rad/s", "rated speed of the engine", self.rated_speed, 1e2, positive=True),
             Variable("inertia", par, "kg.m2", "inertia of all that turns", self.inertia, positive=True),
-            Variable("displacement", par, "m3/rad", "displacement of the pump", self.displacement, 1e-4),
-            Variable("relief_pressure", par, "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
-            Variable("charge_pressure", par, "Pa", "pressure that is always there", self.charge_pressure, 1e6),
+            Variable("displacement", par, "m3/rad", "displacement of the pump", self.displacement, 1e-4, positive=True),
+            Variable(
+                "relief_pressure",
+                par,
+                "Pa",
+                "opening pressure of the relief valve",
+                self.relief_pressure,
+                1e7,
+                positive=True,
+            ),
+            Variable(
+                "charge_pressure", par, "Pa", "pressure that is always there", self.charge_pressure, 1e6, positive=True
+            ),
             Variable("droop", par, "1", "gain of speed from full load to none", self.droop, 0.1, positive=True),
             Variable("torque_rise", par, "1", "peak torque over rated torque, less 1", self.torque_rise),
             Variable("drag", par, "1", "torque that turns the engine without fuel", self.drag),
             Variable("governor_time", par, "s", "time constant of the fuel rack", self.governor_time, positive=True),
             Variable("pressure_time", par, "s", "time constant of the pressure", self.pressure_time, positive=True),
             Variable("efficiency", par, "1", "efficiency of the pump", self.efficiency, positive=True),
-            Variable("volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency),
+            Variable(
+                "volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency, positive=True
+            ),
             Variable("load_power", Kind.INPUT, "W", "power that the drives take", nominal=1e4),
             Variable("speed", state, "rad/s", "speed of the engine", speed, 1e2),
             Variable("rack", state, "1", "fuel rack, 0 to 1", rack),

@@ -111,21 +111,21 @@ class HydraulicDrive:
         par, dis, out = Kind.PARAMETER, Kind.DISCRETE, Kind.OUTPUT
         limit = 10.0 * self.relief_force if self.brake_force is None else self.brake_force
         lag = Variable("command", Kind.STATE, "m/s", "command after its lag", speed)
-        delayed = (lag, Variable("command_lag", par, "s", "time constant of the command", self.command_lag))
+        delayed = (lag, _given("command_lag", "s", "time constant of the command", self.command_lag))
         return (
             Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed),
             *(delayed if self.command_lag > 0.0 else ()),
-            Variable("volume_per_metre", par, "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
+            _given("volume_per_metre", "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
             _given("relief_pressure", "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
             _given("pump_flow", "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
-            Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4),
-            Variable("inertia", par, "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
-            Variable("mechanical_efficiency", par, "1", "mechanical efficiency", self.mechanical_efficiency),
-            Variable("volumetric_efficiency", par, "1", "volumetric efficiency", self.volumetric_efficiency),
-            Variable("response_time", par, "s", "time constant of the speed control", self.response_time),
+            _given("engine_power", "W", "largest power of the engine", self.engine_power, 1e4),
+            _given("inertia", "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
+            _given("mechanical_efficiency", "1", "mechanical efficiency", self.mechanical_efficiency),
+            _given("volumetric_efficiency", "1", "volumetric efficiency", self.volumetric_efficiency),
+            _given("response_time", "s", "time constant of the speed control", self.response_time),
             Variable("bearing_friction", par, "1", "bearing friction referred to the rope", self.friction),
             Variable("drag", par, "N.s/m", "viscous loss at the rope", self.drag),
-            Variable("brake_force", par, "N", "most that the brake holds", limit, force),
+            _given("brake_force", "N", "most that the brake holds", limit, force),
             Variable("pressure_lost", dis, "1", "1: the drive has no pressure"),
             Variable("pressure", out, "Pa", "pressure difference over the motor", nominal=1e7),
             Variable("flow", out, "m3/s", "flow of the pump", nominal=1e-3),
@@ -210,11 +210,11 @@ class HydraulicDrive:
         )
 
 
-def _given(name: str, unit: str, description: str, value: float | None, nominal: float) -> Variable:
-    """A parameter, or an input where it has no value."""
+def _given(name: str, unit: str, description: str, value: float | None, nominal: float = 1.0) -> Variable:
+    """A parameter above zero, or an input where it has no value."""
     if value is None:
         return Variable(name, Kind.INPUT, unit, description, nominal, nominal)
-    return Variable(name, Kind.PARAMETER, unit, description, value, nominal)
+    return Variable(name, Kind.PARAMETER, unit, description, value, nominal, positive=True)
 
 
 class Motion(NamedTuple):

@@ -81,7 +81,7 @@ class Response(ABC):
         """Variables that the response adds to its sheave."""
         dis, queue = Kind.DISCRETE, self.waiting
         return (
-            Variable("response_limit", Kind.PARAMETER, "m/s", "largest correction", self.limit),
+            Variable("response_limit", Kind.PARAMETER, "m/s", "largest correction", self.limit, positive=True),
             *self.own_variables(),
             Variable("response_target", dis, "m/s", "correction decided on"),
             *(
@@ -147,8 +147,10 @@ class ThresholdResponse(Response):
         par = Kind.PARAMETER
         return (
             Variable("response_low", par, "N", "low end of the tension range", self.low, 1e4),
-            Variable("response_high", par, "N", "high end of the tension range", self.high, 1e4),
-            Variable("response_increment", par, "m/s", "step of speed at an action", self.increment, 0.01),
+            Variable("response_high", par, "N", "high end of the tension range", self.high, 1e4, positive=True),
+            Variable(
+                "response_increment", par, "m/s", "step of speed at an action", self.increment, 0.01, positive=True
+            ),
             Variable("response_initiation", par, "N", "how far outside the range it acts", self.initiation, 1e3),
             Variable("response_hold", par, "s", "time without need before it goes back", self.hold),
             Variable("response_calm", Kind.DISCRETE, "s", "time without need"),
@@ -217,9 +219,9 @@ class ProportionalResponse(Response):
             aim = plan if self.target is None else self.target
             aims = (Variable("response_aim", par, "N", "tension, or difference of tension, aimed at", aim, 1e4),)
         return (
-            Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5),
+            Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5, positive=True),
             *aims,
-            Variable("response_rate", par, "m/s2", "largest rate of the correction", self.rate, 0.01),
+            Variable("response_rate", par, "m/s2", "largest rate of the correction", self.rate, 0.01, positive=True),
         )
 
     def decide(self, v: Any) -> Decision:

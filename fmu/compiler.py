@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shlex
 import shutil
 import struct
 import subprocess
@@ -65,7 +66,7 @@ def command(platform: str) -> list[str]:
     """The compiler for a platform. Raises FmuExportError when there is none."""
     own = os.environ.get("CC") or shutil.which("cc")
     if platform == host() and own:
-        return [own]
+        return shlex.split(own)
     if importlib.util.find_spec("ziglang") is None:
         raise FmuExportError(f"No C compiler for {platform}", 'Install one: pip install "ropeway[fmu]"')
     return [sys.executable, "-m", "ziglang", "cc", "-target", _TARGETS[platform]]
@@ -86,7 +87,11 @@ def compile_library(folder: Path, sources: Sequence[str], platform: str, library
 
 
 def _run(command: Sequence[str], folder: Path, platform: str) -> None:
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    except OSError as error:
+        remedy = "Correct the environment variable CC, or unset it"
+        raise FmuExportError(f"The compiler for {platform} cannot be started: {error}", remedy) from error
     if done.returncode != 0:
         raise FmuExportError(
             f"Compiling for {platform} failed: {done.stderr.strip()[-2000:]}",

@@ -22,15 +22,20 @@ from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind
 from ropeway.fmu.slave import Slave, require_causality
 from ropeway.fmu.stepping import StepControl, Stepper
+from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.system import System
 
 
 @dataclass(frozen=True)
 class _Participant:
+    """`open`: inputs that somebody must give."""
+
     fmu: Fmu
     kind: str
     start: Mapping[str, float]
+    open: tuple[str, ...]
 
 
 class CoSimulation:
@@ -70,19 +75,23 @@ class CoSimulation:
     def add(
         self,
         name: str,
-        participant: System | Fmu | str | Path,
+        participant: System | Model | Equilibrium | Fmu | str | Path,
         *,
         kind: Literal["CoSimulation", "ModelExchange"] | None = None,
         start: Mapping[str, float] | None = None,
     ) -> Fmu:
         """Adds an FMU, or a system, which is exported first; returns the FMU. kind: how it is moved on, "ModelExchange"
         by an integrator here; by default "CoSimulation" where the FMU is for it. start: values of its parameters and
-        inputs. Raises InputError, FmuImportError, FmuVariableError."""
+        inputs, 0 or 1 for Booleans. What a system leaves open must be connected or have a value here. Raises
+        InputError, FmuImportError, FmuVariableError."""
         check.name(name, "slave")
         if name in self._participants:
             raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
-        if isinstance(participant, System):
-            participant = export(participant, self._folder / f"{name}.fmu")
+        left: tuple[str, ...] = ()
+        if isinstance(participant, System | Model | Equilibrium):
+            rest = participant if isinstance(participant, Equilibrium) else equilibrium(participant)
+            left = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
+            participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
         values = {key: float(value) for key, value in (start or {}).items()}
         for key, value in values.items():
@@ -94,7 +103,7 @@ class CoSimulation:
             require_kind(fmu, kind)
         else:
             kind = "CoSimulation" if "CoSimulation" in fmu.kinds else "ModelExchange"
-        self._participants[name] = _Participant(fmu, kind, values)
+        self._participants[name] = _Participant(fmu, kind, values, left)
         return fmu
 
     def connect(self, source: str, target: str) -> Connection:
@@ -122,6 +131,11 @@ class CoSimulation:
         check.positive(until, "run", "until", "s")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
+        driven = {c.target for c in self._connections}
+        for name, participant in self._participants.items():
+            for entry in participant.open:
+                if entry not in participant.start and f"{name}.{entry}" not in driven:
+                    raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
             slaves = {name: stack.enter_context(Slave(p.fmu, name, p.kind)) for name, p in self._participants.items()}

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ropeway.components.carriage import Carriage
 from ropeway.fmu.description import About
 from ropeway.fmu.interface import FmuVariable, Interface
 from ropeway.systems.equilibrium import Equilibrium
@@ -22,15 +23,17 @@ _PAGE = """<!DOCTYPE html>
 <p>{description}</p>
 {picture}
 <p>Made by ropeway {version}. The FMU starts from the equilibrium that was solved when it was made; with other
-parameters it solves the line anew when it is initialised. Inputs are held between communication points. Loads
-that cross supports are events: located inside a step of Co-Simulation, event indicators in Model Exchange.
-A schedule that is part of the model keeps its last value after its end.</p>
+parameters it is solved anew when it is initialised, each load where it is clamped to its rope. Inputs are held between
+communication points. Loads that cross supports are events: located inside a step of Co-Simulation, event indicators in
+Model Exchange. A schedule that is part of the model keeps its last value after its end.</p>
 <p>What goes wrong is a status and a message in the log, never a wrong number: a step that cannot be carried out is
 discarded and leaves the state as it was.</p>
 <h2>Inputs</h2>
 {inputs}
 <h2>Outputs</h2>
 {outputs}
+<h2>Parameters</h2>
+{parameters}
 </body>
 </html>
 """
@@ -47,15 +50,22 @@ def page(about: About, interface: Interface, picture: str | None) -> str:
         picture=image,
         inputs=_table(v for v in variables if v.causality == "input"),
         outputs=_table(v for v in variables if v.causality == "output"),
+        parameters=_table(v for v in variables if v.causality == "parameter"),
     )
 
 
 def _table(variables: Iterable[FmuVariable]) -> str:
     rows = "\n".join(
-        f"<tr><td>{html.escape(v.name)}</td><td>{html.escape(v.unit)}</td><td>{html.escape(v.description)}</td></tr>"
+        f"<tr><td>{html.escape(v.name)}</td><td>{_start(v)}</td><td>{html.escape(v.unit)}</td>"
+        f"<td>{html.escape(v.description)}</td></tr>"
         for v in variables
     )
-    return f"<table>\n<tr><th>name</th><th>unit</th><th></th></tr>\n{rows}\n</table>" if rows else "<p>None.</p>"
+    head = "<tr><th>name</th><th>start</th><th>unit</th><th></th></tr>"
+    return f"<table>\n{head}\n{rows}\n</table>" if rows else "<p>None.</p>"
+
+
+def _start(variable: FmuVariable) -> str:
+    return "" if variable.start is None else f"{variable.start:g}"
 
 
 def picture(rest: Equilibrium) -> bytes:
@@ -73,13 +83,25 @@ def picture(rest: Equilibrium) -> bytes:
         for shape in shapes:
             across = np.hypot(shape["x"] - origin[0], shape["y"] - origin[1])
             axes.plot(across, shape["z"], color="tab:blue", linewidth=1.0)
-        axes.plot(np.hypot(*(points[:, :2] - origin).T), points[:, 2], "k^", markersize=4)
+        carriage = np.array([isinstance(node, Carriage) for node in run.nodes])
+        for chosen, marker, what in ((~carriage, "k^", "support"), (carriage, "ks", "carriage")):
+            if np.any(chosen):
+                across = np.hypot(*(points[chosen, :2] - origin).T)
+                axes.plot(across, points[chosen, 2], marker, markersize=4, label=what)
         loads = rest.loads[rest.loads["span"].isin([span.name for span in run.spans])]
         axes.plot(
-            np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]), loads["z"], "o", color="tab:red", markersize=2.5
+            np.hypot(loads["x"] - origin[0], loads["y"] - origin[1]),
+            loads["z"],
+            "o",
+            color="tab:red",
+            markersize=2.5,
+            label="load" if len(loads) else None,
         )
     axes.set_xlabel("distance [m]")
     axes.set_ylabel("elevation [m]")
+    handles, labels = axes.get_legend_handles_labels()
+    named = dict(zip(labels, handles, strict=True))  # each once, on whatever rope
+    axes.legend(named.values(), named.keys())
     file = io.BytesIO()
     figure.savefig(file, format="png")
     return file.getvalue()

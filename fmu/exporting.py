@@ -69,13 +69,11 @@ def export(
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))
-    picture = "model.png" if fmi == "2.0" else "documentation/diagram.png"
+    place, seen = ("model.png", "../model.png") if fmi == "2.0" else ("documentation/diagram.png", "diagram.png")
     content: dict[str, bytes] = {
         "modelDescription.xml": description.model_description(fmi, about, interface, compiled),
-        picture: documentation.picture(rest),
-        "documentation/index.html": documentation.page(
-            about, interface, "../model.png" if fmi == "2.0" else "diagram.png"
-        ).encode(),
+        **({place: documentation.picture(rest)} if rest.runs else {}),
+        "documentation/index.html": documentation.page(about, interface, seen if rest.runs else None).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         "sources/buildDescription.xml": description.build_description(about, compiled),
         **_binaries(sources, compiled, fmi, about.identifier, names),
@@ -143,17 +141,31 @@ def _spared(code: str) -> str:
 def _about(rest: Equilibrium, data: str, tolerance: float) -> description.About:
     found = re.search(r'rw_fingerprint\[\d+\] = "([^"]+)"', data)
     name = rest.model.name
-    spans = sum(len(run.spans) for run in rest.runs)
     return description.About(
         name=name,
-        identifier=re.sub(r"\W", "_", name) if name[:1].isalpha() else re.sub(r"\W", "_", f"system_{name}"),
+        identifier=_identifier(name),
         fingerprint=found[1] if found else "",
-        description=f"Cable system of {spans} spans on {len(rest.runs)} ropes, {len(rest.loads)} loads at the start",
+        description=_described(rest),
         version=ropeway.__version__,
         generated=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         tolerance=tolerance,
         step=0.1,
     )
+
+
+def _described(rest: Equilibrium) -> str:
+    """What a system consists of, in a line."""
+    if not rest.runs:
+        return f"System of {', '.join(f'{type(c).__name__} {c.name}' for c in rest.model.system.components.values())}"
+    numbers = (sum(len(run.spans) for run in rest.runs), "span"), (len(rest.runs), "rope"), (len(rest.loads), "load")
+    spans, ropes, loads = (f"{n} {what}{'' if n == 1 else 's'}" for n, what in numbers)
+    return f"Cable system of {spans} on {ropes}, {loads} at the start"
+
+
+def _identifier(name: str) -> str:
+    """A name as a C identifier: what FMI wants of a model's, and a file name on every platform."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    return plain if re.match("[A-Za-z]", plain) else f"system_{plain}"
 
 
 def _binaries(

@@ -13,7 +13,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 
-from ropeway.fmu.errors import FmuImportError, FmuRunError
+from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
 from ropeway.fmu.imported import Fmu
 
 _CLASSES = {
@@ -24,6 +24,7 @@ _CLASSES = {
 }
 _IN_3 = {
     "setReal": "setFloat64",
+    "setInteger": "setInt32",
     "getReal": "getFloat64",
     "getFMUstate": "getFMUState",
     "setFMUstate": "setFMUState",
@@ -62,6 +63,7 @@ class Instance:
         self.differentiates = bool(section.providesDirectionalDerivative)
         self._three = fmu.fmi != "2.0"
         self._references = {str(n): int(r) for n, r in fmu.variables["reference"].items()}
+        self._kinds = {str(n): str(kind) for n, kind in fmu.variables["kind"].items()}
         self._open = False
         self._folder = tempfile.mkdtemp(prefix="ropeway-")
         try:
@@ -134,9 +136,19 @@ class Instance:
         return [self._references[n] if n in self._references else int(self.fmu.variable(n)["reference"]) for n in names]
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Sets real variables. Raises FmuRunError, FmuVariableError."""
-        if values:
-            self.call(f"values for {', '.join(values)}", "setReal", self._where(values), list(values.values()))
+        """Sets variables, Booleans by 0 and 1. Raises FmuRunError, FmuVariableError."""
+        for kind in dict.fromkeys(self._kinds.get(name, "Real") for name in values):
+            own = {name: value for name, value in values.items() if self._kinds.get(name, "Real") == kind}
+            numbers = list(own.values()) if kind == "Real" else self._whole(own, kind)
+            self.call(f"values for {', '.join(own)}", f"set{kind}", self._where(own), numbers)
+
+    def _whole(self, values: Mapping[str, float], kind: str) -> list[int]:
+        for name, value in values.items():
+            if kind not in ("Boolean", "Integer") or value not in ((0, 1) if kind == "Boolean" else (round(value),)):
+                cause = f"{name!r} of {self.fmu.path.name} is a {kind}: it cannot be {value!r}"
+                remedy = "Give 0 or 1" if kind == "Boolean" else "Give a whole number to an Integer, set nothing else"
+                raise FmuVariableError(cause, remedy, name)
+        return [int(value) for value in values.values()]
 
     def get(self, names: Sequence[str]) -> np.ndarray:
         """Values of real variables. Raises FmuRunError, FmuVariableError."""

@@ -171,8 +171,14 @@ class Interface:
     def _given(self) -> list[FmuVariable]:
         m, point, first = self.equations.model, self.equations.state.point, self.first
         inputs = [
-            replace(v, reference=first.u + i, causality="input", start=float(point.u[i]))
-            for i, v in enumerate(_rows(m.u))
+            replace(
+                v,
+                reference=first.u + i,
+                causality="input",
+                start=float(point.u[i]),
+                description=v.description if signal is not None else f"{v.description} (open: must be given)",
+            )
+            for i, (v, signal) in enumerate(zip(_rows(m.u), m.signals, strict=True))
             if v.name in self.inputs
         ]
         fixed = FmuVariable("", -1, "Real", "parameter", "fixed", "mass of the load", "kg", initial="exact")
@@ -301,6 +307,8 @@ class Interface:
 
 
 def _known(names: Sequence[str], every: Sequence[str], what: str) -> list[str]:
+    if isinstance(names, str):
+        raise InputError(f"The text {names!r} is given for names", f"Give a sequence: ({names!r},)")
     known = set(every)
     for name in names:
         if name not in known:

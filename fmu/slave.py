@@ -48,7 +48,7 @@ class Slave:
             self._integrator.begin()
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Sets real variables. Raises FmuRunError, FmuVariableError."""
+        """Sets variables, Booleans by 0 and 1. Raises FmuRunError, FmuVariableError."""
         self._instance.set(values)
 
     def get(self, names: Sequence[str]) -> np.ndarray:

@@ -88,6 +88,7 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     _limits(tables, m, interface)
     _clocks(tables, m)
     tables.integers("positive", m.p.positive)
+    tables.integers("is_mass", [unit == "kg" for unit in m.p.units])
     return tables
 
 

@@ -257,11 +257,9 @@ def _let_out(state: LineState) -> None:
 
 def _check(state: LineState) -> None:
     """Raises EquilibriumError for a root that no rope can have: a piece of no length, or an unstable balance."""
-    for r, run in enumerate(state.runs):
-        length = np.diff(state.rope(r))
-        if np.any(length <= 0.0):
-            name = run.spans[int(np.argmin(length))].name
-            raise EquilibriumError(f"No rope is left in span {name!r}", "Give the run more rope", name)
+    bare = state.without_rope()
+    if bare is not None:
+        raise EquilibriumError(f"No rope is left in span {bare!r}", "Give the run more rope", bare)
     unstable = _unstable(state)
     if unstable is not None:
         raise EquilibriumError(

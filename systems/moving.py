@@ -83,6 +83,10 @@ class Moving:
             motion = self._as_whole(motion, stop) if done is None else done
         self._motion_now = motion
         self.set_time(stop)
+        bare = self.state.without_rope()
+        if bare is not None:
+            cause = f"At t = {stop:g} s no rope is left in span {bare!r}"
+            raise SimulationError(cause, "End the run before, or turn the drive", stop)
 
     def disturb(self) -> None:
         """Says that something else than time has changed how the line moves."""

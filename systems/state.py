@@ -211,6 +211,14 @@ class LineState:
             self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
         self.write_slots()
 
+    def without_rope(self) -> str | None:
+        """The span in which no rope is left, if any."""
+        for r, run in enumerate(self.runs):
+            length = np.diff(self.rope(r))
+            if np.any(length <= 0.0):
+                return run.spans[int(np.argmin(length))].name
+        return None
+
     def unpin(self) -> None:
         """Clamps pinned loads to the rope where they hang, so that they travel with it."""
         for r, run in enumerate(self.runs):

@@ -161,6 +161,13 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
     return RW_OK;
 }
 
+/* What a parameter's value must be; NULL when it is. */
+static const char *demand(unsigned vr, double value)
+{
+    if (vr < MASS && rw_positive[vr - P]) return value > 0.0 ? NULL : "be above zero";
+    return (vr >= MASS || rw_is_mass[vr - P]) && value < 0.0 ? "not be below zero" : NULL;
+}
+
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
 {
     int access = vr < LIMIT ? rw_access[vr] : HIDDEN, early = m->s.mode <= RW_INITIALIZATION;
@@ -169,8 +176,8 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
         rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
         return RW_ERROR;
     }
-    if (access == PARAMETER && (vr < MASS ? rw_positive[vr - P] && value <= 0.0 : value < 0.0)) {
-        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must be above zero", vr);
+    if (access == PARAMETER && demand(vr, value)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must %s", vr, demand(vr, value));
         return RW_ERROR;
     }
     if (access == INPUT) {
@@ -250,10 +257,11 @@ rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
     return RW_OK;
 }
 
-/* Change of an unknown variable, after rw_tangent_of. */
+/* Change of an unknown variable, after rw_tangent_of; a state that is an output changes by its own seed. */
 rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
 {
-    if (vr >= DX && vr < Z) *value = m->df[vr - DX];
+    if (vr >= X && vr < DX) *value = m->dx[vr - X];
+    else if (vr >= DX && vr < Z) *value = m->df[vr - DX];
     else if (vr >= Z && vr < U) *value = m->dz[vr - Z];
     else if (vr >= Y && vr < EI) *value = m->dy[vr - Y];
     else {

@@ -12,6 +12,8 @@
 #define GAMMA (1767732205903.0 / 4055673282236.0)
 #define STANDING_STEP 0.02 /* s, while a load stands on a sheave */
 #define LEAST_STEP 1e-11   /* s */
+#define ENOUGH (30.0 * RW_FORCE_NEAR) /* N, by which a side is ahead when a load is released: well above rounding */
+#define LOOK 0.01          /* part of a mean span by which the rope moves at most between two looks at the limits */
 
 static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
 static const double stage_weight[4][3] = {
@@ -126,6 +128,7 @@ static rw_status step_to_event(rw_instance *m, double h, double stop)
     int standing = rw_standing(m);
     rw_status status = standing ? rw_release(m, &leaving, &before) : RW_OK;
     if (status != RW_OK) return status;
+    if (before >= ENOUGH) return after_event(m, rw_let_go(m, &leaving));
     for (int turn = 0; turn < 40; turn++) {
         status = step(m, &from, &h, stop);
         if (status != RW_OK) return status;
@@ -137,9 +140,8 @@ static rw_status step_to_event(rw_instance *m, double h, double stop)
             if (!standing) return RW_OK;
             status = rw_release(m, &leaving, &ahead);
             if (status != RW_OK || ahead <= RW_FORCE_NEAR) return status;
-            if (ahead <= 1e3 * RW_FORCE_NEAR || before >= 0.0 || h < 1e-6)
-                return after_event(m, rw_let_go(m, &leaving));
-            h *= before / (before - ahead) * (1.0 + 1e-6);
+            if (ahead <= 1e3 * RW_FORCE_NEAR || h < 1e-6) return after_event(m, rw_let_go(m, &leaving));
+            h *= turn < 20 ? (ENOUGH - before) / (ahead - before) : 0.5;
         }
         if (h < LEAST_STEP) break;
         status = back_to(m, &from);
@@ -202,6 +204,14 @@ static int tick_due(const rw_instance *m)
     return 0;
 }
 
+/* How soon to look at the limits again, at the present rates: a load is heaviest on its rope in mid-span. */
+static double next_look(const rw_instance *m)
+{
+    double soon = INFINITY;
+    for (int k = 0; k < RW_NK; k++) soon = fmin(soon, LOOK * rw_span_scale[rw_run_of[k]] / fabs(rw_travel_rate(m, k)));
+    return soon;
+}
+
 static rw_status advance(rw_instance *m, double end)
 {
     rw_status status = rw_rates(m);
@@ -224,6 +234,7 @@ static rw_status advance(rw_instance *m, double end)
         if (some) h = fmin(h, coming.time);
         if (rw_standing(m)) h = fmin(h, STANDING_STEP);
         if (RW_COUPLED) h = fmin(h, m->s.h);
+        if (RW_NL) h = fmin(h, next_look(m));
         status = step_to_event(m, h, stop);
         if (status == RW_OK) status = rw_lengths(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);

@@ -1,10 +1,12 @@
 """Coupled slaves."""
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 import pytest
+from fmus import HYDRAULIC, one_span, open_line, short_line
 
 import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError
@@ -44,12 +46,41 @@ def test_result_has_units(driven: Path, line2: Path) -> None:
 
 
 def test_a_system_is_exported_on_the_way() -> None:
-    from fmus import one_span
-
     together = CoSimulation(1.0)
     together.add("span", one_span())
     rest = rw.equilibrium(one_span())
     assert together.run(1.0)["span.a_b.tension_a"].to_list() == pytest.approx([rest["a_b.tension_a"]] * 2, rel=1e-9)
+
+
+def test_an_equilibrium_takes_part_as_it_stands() -> None:
+    rest = rw.equilibrium(one_span(), given={"a_b.tension_a": 40e3}, solve_for="turn.mass")
+    together = CoSimulation(1.0)
+    together.add("span", rest)
+    assert together.run(1.0)["span.a_b.tension_a"].to_list() == pytest.approx([40e3] * 2, rel=1e-9)
+
+
+def test_what_a_system_leaves_open_must_be_given() -> None:
+    values = {"c1.relief_pressure": 300e5, "c1.pump_flow": 0.02}
+    for given in (0, 1):
+        together = CoSimulation(0.1)
+        together.add("line", open_line(), start=dict(list(values.items())[:given]))
+        with pytest.raises(rw.InputError, match=rf"Input '{list(values)[given]}' of 'line' is open\. Connect it"):
+            together.run(0.1)
+    together = CoSimulation(0.1)
+    together.add("line", open_line(), start=values)
+    assert together.run(0.1)["line.c1.rope_speed"].iloc[-1] == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_switches_among_the_start_values(tmp_path: Path, fmi: Literal["2.0", "3.0"]) -> None:
+    path = rw.fmu.export(short_line(drive=HYDRAULIC), tmp_path / "line.fmu", fmi, inputs=["c1.speed", "c1.brake"])
+    together = CoSimulation(0.5)
+    together.add("line", path, start={"c1.brake": True, "c1.speed": 1.1})
+    assert together.run(5.0)["line.c1.rope_speed"].iloc[-1] == pytest.approx(0.0, abs=1e-6)
+    wrong = CoSimulation(0.5)
+    wrong.add("line", path, start={"c1.brake": 0.5})
+    with pytest.raises(FmuVariableError, match=r"'c1\.brake' of line\.fmu is a Boolean.*Give 0 or 1"):
+        wrong.run(1.0)
 
 
 def test_what_does_not_fit(driven: Path, line2: Path) -> None:

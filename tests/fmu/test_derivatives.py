@@ -1,6 +1,7 @@
 """Directional derivatives against finite differences and against the model; dependencies against both."""
 
 from pathlib import Path
+from typing import Literal
 
 import casadi as ca
 import fmpy
@@ -74,6 +75,23 @@ def test_derivatives_by_parameters(span3: Path, open_fmu: Opener) -> None:
             sides.append(np.array(one.fmu.getFloat64(rows)))
         one.fmu.setFloat64([reference], [value])
         assert list(exact) == pytest.approx(list((sides[0] - sides[1]) / (2 * h)), rel=1e-5)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_every_output_has_the_derivatives_it_lists(
+    fmi: Literal["2.0", "3.0"], tmp_path: Path, open_fmu: Opener
+) -> None:
+    """States that are outputs too: importers ask for all."""
+    one = open_fmu(export(short_line(drive=HYDRAULIC), tmp_path / "all.fmu", fmi), kind="ModelExchange")
+    one.initialize()
+    own = set(states(one))
+    listed = [u for u in one.description.outputs if u.variable.type in ("Real", "Float64")]
+    assert own <= {u.variable.name for u in listed}
+    for output in listed:
+        for known in output.dependencies:
+            pair = [output.variable.valueReference], [known.valueReference]
+            (found,) = one.fmu.getDirectionalDerivative(*pair, [1.0])
+            assert output.variable.name not in own or found == float(output.variable.name == known.name)
 
 
 def test_every_dependency_is_listed(moved: Opened) -> None:

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from fmus import one_span, short_line
+from fmus import ROPE, WEAK_UNIT, one_span, open_line, short_line
 
 import ropeway as rw
 from ropeway.fmu import compiler, export
@@ -32,6 +32,22 @@ def test_archive_is_complete_and_small(name: str, request: pytest.FixtureRequest
     assert any(n.startswith("binaries/") for n in names)
     assert "c5.tension_in" in page or "c1.tension_in" in page
     assert picture.startswith(b"\x89PNG")
+
+
+def test_what_a_system_is_in_words(tmp_path: Path) -> None:
+    """A picture of ropes only where there are some."""
+    unit = rw.System("power unit")
+    unit.add(WEAK_UNIT)
+    found = {}
+    for name, system in (("unit", unit), ("span", one_span())):
+        path = export(system, tmp_path / f"{name}.fmu", platforms=())
+        with zipfile.ZipFile(path) as archive:
+            page = archive.read("documentation/index.html").decode()
+            found[name] = fmpy.read_model_description(str(path)).description, "model.png" in archive.namelist()
+        assert ("<img" in page) == found[name][1]
+        assert "<h2>Parameters</h2>" in page
+    assert found["unit"] == ("System of DieselHydraulicUnit unit", False)
+    assert found["span"] == ("Cable system of 1 span on 1 rope, 1 load at the start", True)
 
 
 def test_variables_say_what_they_are(line2: Path) -> None:
@@ -71,6 +87,16 @@ def test_chosen_variables_only(tmp_path: Path) -> None:
     assert validate_fmu(str(path)) == []
 
 
+@pytest.mark.parametrize(
+    ("name", "identifier"), [("Seilbahn Süd", "Seilbahn_S_d"), ("3 Spans", "system_3_Spans"), ("Öd", "system__d")]
+)
+def test_identifier_is_one_of_c(name: str, identifier: str, tmp_path: Path) -> None:
+    system = rw.System(name)
+    system.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(90.0, 5.0)), length=92.0)
+    description = fmpy.read_model_description(str(export(system, tmp_path / "named.fmu", platforms=())))
+    assert (description.modelName, description.coSimulation.modelIdentifier) == (name, identifier)
+
+
 def test_same_system_same_fingerprint(tmp_path: Path) -> None:
     one, two = (export(one_span(), tmp_path / f"{n}.fmu", platforms=()) for n in "ab")
     assert fmpy.read_model_description(str(one)).guid == fmpy.read_model_description(str(two)).guid
@@ -83,6 +109,7 @@ def test_same_system_same_fingerprint(tmp_path: Path) -> None:
         ({"platforms": ("amiga",)}, "'amiga' is not known"),
         ({"platforms": "host"}, "is the text"),
         ({"tolerance": 0.0}, "tolerance"),
+        ({"outputs": "a_b.tension_a"}, "The text 'a_b.tension_a' is given for names"),
         ({"outputs": ["a.b"]}, "'a.b' is not an output"),
         ({"inputs": ["x"]}, "'x' is not an input"),
         ({"parameters": ["x"]}, "'x' is not a parameter"),
@@ -98,6 +125,13 @@ def test_wrong_ending(tmp_path: Path) -> None:
         export(one_span(), tmp_path / "x.zip")
 
 
+def test_open_inputs_say_so(tmp_path: Path) -> None:
+    path = export(open_line(), tmp_path / "open.fmu", platforms=())
+    inputs = [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
+    told = {v.name for v in inputs if "must be given" in v.description}
+    assert told == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
+
+
 def test_open_input_must_be_shown(tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match="is open"):
         export(short_line(speed=None), tmp_path / "x.fmu", inputs=[])
@@ -107,6 +141,17 @@ def test_compiler_messages_reach_the_user(tmp_path: Path) -> None:
     (tmp_path / "bad.c").write_text("int f(void) { return wrong; }\n")
     with pytest.raises(FmuExportError, match="wrong"):
         compiler.compile_library(tmp_path, ["bad.c"], compiler.host(), tmp_path / "bad.so")
+
+
+def test_the_compiler_that_cc_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = compiler.command(compiler.host())
+    if len(own) == 1:
+        monkeypatch.setenv("CC", f"{own[0]} -DNOTHING")
+        assert compiler.command(compiler.host()) == [*own, "-DNOTHING"]
+    monkeypatch.setenv("CC", str(tmp_path / "none"))
+    (tmp_path / "good.c").write_text("int f(void) { return 1; }\n")
+    with pytest.raises(FmuExportError, match=r"cannot be started.*Correct the environment variable CC"):
+        compiler.compile_library(tmp_path, ["good.c"], compiler.host(), tmp_path / "good.so")
 
 
 def test_core_compiles_without_a_warning(tmp_path: Path) -> None:

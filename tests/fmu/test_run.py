@@ -86,6 +86,27 @@ def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> 
         assert error < 1e-5, (kind, where)
 
 
+@pytest.mark.parametrize(("speed", "at"), [(1.0, 100.0), (-1.0, 140.0)])
+def test_a_load_held_between_driven_sheaves(tmp_path: Path, open_fmu: Opener, speed: float, at: float) -> None:
+    """The rope there has its length: forces rise at 500 kN a second, and the load is released after 40 us."""
+    drums = rw.Drum("d0", at=(0.0, 0.0), speed=speed), rw.Drum("d1", at=(250.0, 4.0), tension=60e3)
+    driven = [rw.ControlSheave(n, at=p, speed=speed) for n, p in (("c1", (60.0, 0.0)), ("c2", (170.0, 12.0)))]
+    line = rw.System("driven valley")
+    nodes = drums[0], driven[0], rw.Sheave("h", at=(120.0, 4.0), hold_down=True), driven[1], drums[1]
+    line.hang(rw.Load("l1", mass=260.0), line.string(ROPE, *nodes, tension=60e3), at=at)
+    events = rw.simulate(line, 40.0).events
+    wanted = events["time"][events["event"].str.startswith("load")].to_list()
+    assert len(wanted) == 2
+    path = export(line, tmp_path / "driven_valley.fmu")
+    for size in (0.1, 1.0, 40.0):
+        one = open_fmu(path)
+        one.fmu.setDebugLogging(True, ["logEvents"])
+        one.initialize()
+        one.run(0.0, 40.0, size, ["h.tension_in"])
+        told = [float(text.split("t = ")[1].split(" s")[0]) for text in one.log if "load" in text]
+        assert told == pytest.approx(wanted, abs=1e-6), size
+
+
 def test_a_schedule_runs_inside(tmp_path: Path) -> None:
     ramp = rw.Schedule((0.0, 10.0, 20.0, 40.0), (0.0, 1.0, 0.6, 1.2))
     line = short_line(speed=ramp)
@@ -158,6 +179,26 @@ def test_a_rope_breaks_in_mid_run(name: str, open_fmu: Opener, request: pytest.F
     told = next(text for text in one.log if "s4_c1.tension_above_MBL" in text)
     first = 0.5 * int(np.argmax(above))
     assert first <= float(told.split("t = ")[1].split(" s")[0]) <= first + 0.5
+
+
+@pytest.mark.parametrize("size", [1.0, 10.0, 120.0, 240.0])
+def test_a_rope_that_breaks_within_a_long_step_is_told(size: float, tmp_path: Path, open_fmu: Opener) -> None:
+    """The load is heaviest on its rope in mid-span; the tension is below the limit again when it crosses, at 140 s."""
+    line = rw.System("long spans")
+    ends = rw.Drum("d0", at=(0.0, 0.0), speed=2.0), rw.Drum("d1", at=(650.0, 0.0), tension=60e3)
+    middle = rw.Sheave("s1", at=(300.0, 5.0)), rw.ControlSheave("c1", at=(600.0, 0.0), speed=2.0)
+    line.hang(rw.Load("l1", mass=900.0), line.string(ROPE, ends[0], *middle, ends[1], tension=60e3), at=20.0)
+    tension = rw.simulate(line, 240.0).frame["d0_s1.utilisation"] * ROPE.breaking_load
+    limit = 0.1 * tension.min() + 0.9 * tension.max()
+    above = (tension > limit).to_numpy()
+    rises = list(tension.index[1:][above[1:] & ~above[:-1]])
+    assert len(rises) == 2
+    one = open_fmu(export(line, tmp_path / "long.fmu"))
+    one.set(d0_s1__breaking_load=limit)
+    one.initialize()
+    one.run(0.0, 240.0, size, ["d0_s1.utilisation"])
+    told = [float(text.split("t = ")[1].split(" s")[0]) for text in one.log if "d0_s1.tension_above_MBL" in text]
+    assert told == pytest.approx(rises, abs=2.0)
 
 
 def test_a_breaking_rope_is_an_event(line2: Path, open_fmu: Opener) -> None:

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmus import Opened, Opener, one_span
+from fmus import Opened, Opener, one_span, skyline
 
 import ropeway as rw
+from ropeway.fmu import export
 
 NAMES = ["c1.tension_in", "c1.tension_out", "c1.travel", "s1.travel"]
 
@@ -117,6 +118,20 @@ def test_a_length_must_be_above_zero(open_fmu: Opener, line: Path) -> None:
     with pytest.raises(FMICallException):
         one.set(start_s1__length_start=-1.0)
     refused(one, "must be above zero")
+
+
+def test_parameters_that_a_component_would_not_take(open_fmu: Opener, driven: Path, tmp_path: Path) -> None:
+    one = open_fmu(driven)
+    for name in ("c1__inertia", "c1__volume_per_metre", "c1__pump_flow", "c1__response_time"):
+        for value in (0.0, -1.0):
+            with pytest.raises(FMICallException):
+                one.set(**{name: value})
+            refused(one, "must be above zero")
+    two = open_fmu(export(skyline(), tmp_path / "skyline.fmu"))
+    two.set(carriage__payload=0.0)
+    with pytest.raises(FMICallException):
+        two.set(carriage__payload=-1.0)
+    refused(two, "must not be below zero")
 
 
 def test_steps_that_make_no_sense_are_refused(open_fmu: Opener, line: Path) -> None:

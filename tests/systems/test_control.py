@@ -312,3 +312,10 @@ def test_summary_names_what_went_wrong() -> None:
     result = rw.simulate(small(drive=weak), until=5.0)
     assert set(result.power().index) == {"c", "line"}
     assert len(result.plot_power().axes) == 2
+
+
+@pytest.mark.parametrize("name", ["inertia", "volume_per_metre", "pump_flow", "response_time", "response_increment"])
+def test_parameters_of_a_drive_stay_above_zero(name: str) -> None:
+    """A sheave of negative inertia would run, and a pump of negative flow."""
+    with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*above zero"):
+        rw.equilibrium(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE), parameters={f"c1.{name}": -1.0})

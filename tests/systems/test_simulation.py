@@ -271,3 +271,21 @@ def test_more_slots_are_made_when_loads_bunch_up() -> None:
     result = rw.simulate(s, until=130.0, every=10.0)
     assert len(result.at(110.0).loads.query("span == 's1_s2'")) == 5
     assert result.frame.shape[0] == 14
+
+
+def test_a_carriage_does_not_run_past_the_end_of_its_span() -> None:
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+        tailspar=rw.TailSpar("tail", at=(200.0, -60.0)),
+        skyline=ROPE,
+        length=213.0,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
+    )
+    with pytest.raises(rw.SimulationError, match=r"no rope is left in span 'head_carriage'") as caught:
+        rw.simulate(rig.system(0, 100.0, payload=1500.0), 200.0, inputs={"mainline.speed": -1.0})
+    assert isinstance(caught.value.result, rw.Result)
+    good = caught.value.result.frame
+    assert 90.0 < good.index[-1] < 120.0
+    assert (good["head_carriage.length"] > 0.0).all()
