@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -152,7 +152,8 @@ def equilibrium(
 
     given: values that variables, outputs or loads must take (`{"a_b.tension_a": 150e3}`), and solve_for: as
     many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
-    inputs, states (a drive's travel) and load masses of this solve. start: a nearby equilibrium of the same
+    inputs, states (a drive's travel) and load masses of this solve; the length of one span over idlers counts from
+    those that all spans have at rest. start: a nearby equilibrium of the same
     declarations, for a warm start.
 
     After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Raises
@@ -176,6 +177,8 @@ def equilibrium(
         for r, k, _ in state.standing():
             state.release(r, k)
     if parameters:
+        if start is None:
+            _share_lengths(state, parameters)
         state.set(parameters)
         state.restart() if start is None else state.write_slots()
     if wanted:
@@ -186,6 +189,20 @@ def equilibrium(
             _let_out(state)
     state.rezero()
     return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
+
+
+def _share_lengths(state: LineState, names: Iterable[str]) -> None:
+    """Where the length of a span over idlers is among the names: gives all spans those they have at rest, as the
+    user knows them, instead of those of the first guess."""
+    spans = {name.rpartition(".length")[0] for name in names}
+    runs = [run for run in state.model.runs if any(node.balance is not None for node in run.nodes)]
+    if spans.isdisjoint(span.name for run in runs for span in run.spans):
+        return
+    rest = LineState.cold(state.model)
+    solve(rest)
+    rest.rezero()
+    for layout in state.model.layouts:
+        state.point.p[layout.length_start] = rest.point.p[layout.length_start]
 
 
 def solve(state: LineState) -> None:

@@ -245,6 +245,12 @@ def test_a_rope_that_changes_on_its_way() -> None:
     refused(s, lambda: rw.equilibrium(s), "one", "two", "one rope")
 
 
+def test_what_is_no_system() -> None:
+    for study in (rw.equilibrium, lambda line: rw.simulate(line, until=1.0)):
+        with pytest.raises(rw.InputError, match=r"'line\.csv' is no system"):
+            study("line.csv")
+
+
 def test_a_rope_that_nothing_holds() -> None:
     s = rw.System("line")
     ends = (rw.Drum("a", at=(0.0, 0.0), tension=2e4), rw.Drum("b", at=(100.0, 0.0), tension=2e4))

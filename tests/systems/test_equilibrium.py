@@ -218,3 +218,19 @@ def test_a_moved_support_is_where_it_was_moved_to() -> None:
     np.testing.assert_allclose(eq.points(0), [[0, 0, 0], [90, 0, 9], [200, 0, 0]])
     at_sheave = eq.profile("s_b", [0.0])
     assert (at_sheave["x"][0], at_sheave["z"][0]) == (90.0, 9.0)
+
+
+@pytest.mark.parametrize("name", ["a_s1.length", "a_s1.length_start"])
+def test_length_of_one_span_over_idlers_counts_from_those_at_rest(name: str) -> None:
+    s = rw.System("idlers")
+    ends = rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(300.0, 12.0))
+    idlers = rw.Sheave("s1", at=(100.0, 5.0)), rw.Sheave("s2", at=(210.0, 2.0))
+    spans = s.string(ROPE, ends[0], *idlers, ends[1], length=303.0)
+    s.hang(rw.Load("l1", mass=400.0), spans, at=150.0)
+    eq = rw.equilibrium(s)
+    same = rw.equilibrium(s, parameters={name: eq["a_s1.length"]})
+    assert same["a_s1.tension_a"] == pytest.approx(eq["a_s1.tension_a"], rel=1e-10)
+    longer = rw.equilibrium(s, parameters={name: eq["a_s1.length"] + 0.1})
+    assert sum(longer[f"{span.name}.length"] for span in spans) == pytest.approx(303.1, abs=1e-9)
+    warm = rw.equilibrium(s, parameters={name: eq["a_s1.length"] + 0.1}, start=eq)
+    assert longer["s2_b.tension_b"] == pytest.approx(warm["s2_b.tension_b"], rel=1e-9)

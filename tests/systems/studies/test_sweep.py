@@ -299,9 +299,9 @@ def test_wrong_input_comes_before_the_first_case() -> None:
         rw.sweep(lambda error: error, {"error": [1.0]}, workers=1)
     with pytest.raises(rw.InputError, match="cannot tell"):
         rw.sweep(lambda width: width, {"width": [1.0]}, workers=1, path="never.parquet")
-    for folder in (".", "no/such/folder/a.parquet"):
-        with pytest.raises(rw.InputError, match="cannot be written"):
-            rw.sweep(area, {"width": [1.0]}, workers=1, path=folder)
+    for place, words in ((".", "end it in .parquet"), ("a.csv", "as Parquet"), ("no/such/a.parquet", "be written")):
+        with pytest.raises(rw.InputError, match=words):
+            rw.sweep(area, {"width": [1.0]}, workers=1, path=place)
     with pytest.raises(rw.InputError, match="no cases"):
         rw.sweep(area, {"width": []})
     for workers in (0, "2"):
