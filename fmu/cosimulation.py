@@ -124,10 +124,10 @@ class CoSimulation:
         return connection
 
     def run(self, until: float, *, progress: bool | None = None) -> pd.DataFrame:
-        """Runs from 0 to `until` [s]. Returns all real outputs over time, columns "slave.variable"; in `attrs` their
-        "units", and with a step control how many steps were "repeated" and the "inexact" times, where the least step
-        missed the tolerance. progress: show a bar (by default only on a terminal). Raises InputError, FmuImportError,
-        FmuRunError."""
+        """Runs from 0 to `until` [s]. Returns all outputs over time, columns "slave.variable", the real ones first; in
+        `attrs` their "units", and with a step control how many steps were "repeated" and the "inexact" times, where the
+        least step missed the tolerance. progress: show a bar (by default only on a terminal). Raises InputError,
+        FmuImportError, FmuRunError."""
         check.positive(until, "run", "until", "s")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
@@ -148,17 +148,19 @@ class CoSimulation:
             coupling.initialise()
             for slave in slaves.values():
                 slave.leave()
-            times, rows = [0.0], [coupling.outputs()]
+            times, rows, discrete = [0.0], [coupling.outputs()], [coupling.discrete()]
             while times[-1] < until:
                 if stepper is None:
                     times.append(self._take_fixed(coupling, len(times) - 1, until))
                 else:
                     times.append(stepper.step(times[-1], until))
                 rows.append(coupling.outputs())
+                discrete.append(coupling.discrete())
                 advance(times[-1])
-        frame = pd.DataFrame(rows, index=pd.Index(times, name="time"), columns=coupling.names)
+        index = pd.Index(times, name="time")
+        frame = pd.DataFrame(rows, index, coupling.names).join(pd.DataFrame(discrete, index))
         units = [str(s.fmu.variables.loc[v, "unit"]) for s in slaves.values() for v in s.fmu.names("output")]
-        frame.attrs["units"] = dict(zip(coupling.names, units, strict=True))
+        frame.attrs["units"] = dict.fromkeys(frame.columns, "1") | dict(zip(coupling.names, units, strict=True))
         if stepper is not None:
             frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
         return frame

@@ -74,6 +74,15 @@ class Coupling:
         """All real outputs, as in `names`. Raises FmuRunError."""
         return np.concatenate([self.slaves[name].get(outputs) for name, outputs in self._outputs.items()])
 
+    def discrete(self) -> dict[str, bool | int]:
+        """All Boolean and integer outputs, by name. Raises FmuRunError."""
+        found: dict[str, bool | int] = {}
+        for name, slave in self.slaves.items():
+            for kind, read in (("Boolean", bool), ("Integer", int)):
+                variables = slave.fmu.names("output", kind)
+                found.update((f"{name}.{v}", read(x)) for v, x in zip(variables, slave.get(variables), strict=True))
+        return found
+
     def _read(self, name: str, values: np.ndarray) -> None:
         """Writes what a slave gives to its connections into `values`."""
         ends = self._sources[name]

@@ -45,9 +45,9 @@ class Fmu:
         row: pd.Series = self.variables.loc[name]
         return row
 
-    def names(self, causality: str) -> list[str]:
-        """Names of the real variables of a causality."""
-        chosen = (self.variables["causality"] == causality) & (self.variables["kind"] == "Real")
+    def names(self, causality: str, *kinds: str) -> list[str]:
+        """Names of the variables of a causality and of these kinds, by default the real ones."""
+        chosen = (self.variables["causality"] == causality) & self.variables["kind"].isin(kinds or ("Real",))
         return [str(n) for n in self.variables.index[chosen]]
 
 

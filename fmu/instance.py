@@ -26,6 +26,7 @@ _IN_3 = {
     "setReal": "setFloat64",
     "setInteger": "setInt32",
     "getReal": "getFloat64",
+    "getInteger": "getInt32",
     "getFMUstate": "getFMUState",
     "setFMUstate": "setFMUState",
     "freeFMUstate": "freeFMUState",
@@ -135,10 +136,16 @@ class Instance:
     def _where(self, names: Iterable[str]) -> list[int]:
         return [self._references[n] if n in self._references else int(self.fmu.variable(n)["reference"]) for n in names]
 
+    def _by_kind(self, names: Iterable[str]) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for name in names:
+            found.setdefault(self._kinds.get(name, "Real"), []).append(name)
+        return found
+
     def set(self, values: Mapping[str, float]) -> None:
         """Sets variables, Booleans by 0 and 1. Raises FmuRunError, FmuVariableError."""
-        for kind in dict.fromkeys(self._kinds.get(name, "Real") for name in values):
-            own = {name: value for name, value in values.items() if self._kinds.get(name, "Real") == kind}
+        for kind, names in self._by_kind(values).items():
+            own = {name: values[name] for name in names}
             numbers = list(own.values()) if kind == "Real" else self._whole(own, kind)
             self.call(f"values for {', '.join(own)}", f"set{kind}", self._where(own), numbers)
 
@@ -151,10 +158,12 @@ class Instance:
         return [int(value) for value in values.values()]
 
     def get(self, names: Sequence[str]) -> np.ndarray:
-        """Values of real variables. Raises FmuRunError, FmuVariableError."""
-        if not names:
-            return np.zeros(0)
-        return np.array(self.call(f"to show {', '.join(names)}", "getReal", self._where(names)), dtype=float)
+        """Values of variables, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
+        values: dict[str, float] = {}
+        for kind, own in self._by_kind(names).items():
+            found = self.call(f"to show {', '.join(own)}", f"get{kind}", self._where(own))
+            values.update(zip(own, found, strict=True))
+        return np.array([values[name] for name in names], dtype=float)
 
     def set_rates(self, rates: Mapping[str, float]) -> None:
         """Sets rates of inputs in the next step (FMI 2.0). Raises FmuRunError."""

@@ -52,7 +52,7 @@ class Slave:
         self._instance.set(values)
 
     def get(self, names: Sequence[str]) -> np.ndarray:
-        """Values of real variables. Raises FmuRunError, FmuVariableError."""
+        """Values of variables, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
         return self._instance.get(names)
 
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:

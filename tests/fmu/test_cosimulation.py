@@ -45,6 +45,24 @@ def test_result_has_units(driven: Path, line2: Path) -> None:
     assert frame.attrs["units"]["second.c1.tension_in"] == "N"
 
 
+def test_result_counts_loads_and_tells_limits(line2: Path, line3: Path) -> None:
+    """Booleans and integers, of both versions: as in one simulation. A rope is above its safe working load, or not."""
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=140e3)
+    s = rw.System("tight")
+    s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0)), tension=60e3)
+    together = CoSimulation(5.0)
+    for name, slave in (("two", line2), ("three", line3), ("tight", s)):
+        together.add(name, slave)
+    frame = together.run(60.0)
+    assert frame["two.c1.loads_passed"].dtype == int
+    assert frame["two.c1.loads_passed"].iloc[-1] > 0
+    pd.testing.assert_series_equal(frame["two.c1.loads_passed"], frame["three.c1.loads_passed"], check_names=False)
+    above = frame.filter(regex="SWL")
+    assert set(above.dtypes.astype(str)) == {"bool"}
+    assert above.filter(like="tight.").all(axis=None)
+    assert not above.drop(columns=above.filter(like="tight.")).any(axis=None)
+
+
 def test_a_system_is_exported_on_the_way() -> None:
     together = CoSimulation(1.0)
     together.add("span", one_span())
