@@ -171,10 +171,10 @@ def test_a_step_that_fails_leaves_the_state(open_fmu: Opener, line: Path) -> Non
     one = started(open_fmu, line)
     one.step(0.0, 1.0)
     before = one.get(*NAMES)
-    one.set(c1__speed=60.0, c2__speed=-60.0)  # takes all rope out of the spans between them
+    one.set(c1__speed=60.0, c2__speed=-60.0)  # more loads come between them than the FMU has room for
     with pytest.raises(FMICallException):
         one.step(1.0, 60.0)
-    assert any(t in one.log[-1] for t in ("No rope is left", "Newton", "singular", "no value", "cannot be located"))
+    assert "which has room for 3" in one.log[-1]
     one.set(c1__speed=1.0, c2__speed=1.0)
     assert one.get("time") == [1.0]
     assert one.get(*NAMES) == pytest.approx(before, rel=1e-12)
