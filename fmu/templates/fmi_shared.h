@@ -189,7 +189,7 @@ FMI(Status) FMI_GET_RATES(void *c, double rate[], size_t n)
 
 FMI(Status) FMI(GetEventIndicators)(void *c, double indicator[], size_t n)
 {
-    NEEDS(n == RW_NK + RW_NL && !CORE->co_simulation, "GetEventIndicators");
+    NEEDS(n == RW_NK + RW_NL + RW_NB && !CORE->co_simulation, "GetEventIndicators");
     return (FMI(Status))rw_event_indicators(CORE, indicator);
 }
 

@@ -14,12 +14,11 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.newton import Point, newton_of, outputs_of
+from ropeway.systems.newton import newton_of, outputs_of
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.simulation import simulate
-from ropeway.systems.state import LineState
 from ropeway.systems.studies.load_path import row, units_of
-from ropeway.systems.studies.places import Places
+from ropeway.systems.studies.places import Places, require_pulled
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.stations import SIDE
 from ropeway.systems.studies.terrain import Profile
@@ -76,8 +75,7 @@ def inhaul(
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
     check.not_negative(payload, rig.name, "payload", "kg")
-    if rig.mainline is None or rig.carriage.clamped:
-        raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")
+    require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
         raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
@@ -128,7 +126,7 @@ class _Run:
         way = -1 if speed > 0.0 else 1
         last = self.places.placed(end).place
         at = self.places.placed(start)
-        eq = self.rest(at, self.places.solve(at, start))
+        eq = at.rest(self.places.solve(at, start))
         self.record(at, eq, speed)
         while at.place != last:
             beyond = self.next(at, last, way)
@@ -156,13 +154,6 @@ class _Run:
         """Where the carriage goes over with the payload that it has by then [m]."""
         return self.places.border(at, beyond, way)
 
-    def rest(self, at: SpanModel, point: Point) -> Equilibrium:
-        """An equilibrium from a solved point, its travels the new zero."""
-        state = LineState.cold(at.model)
-        whole = LineState(at.model, point.copy(), at.model.runs, state.passed)
-        whole.rezero()
-        return Equilibrium(at.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
-
     def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
         """On to a station of the same place, stopping where the payload changes."""
         while True:
@@ -180,7 +171,7 @@ class _Run:
             point = eq.point.copy()
             at.load(point, self.payload)
             newton_of(at.model).solve(point)
-            eq = self.rest(at, point)
+            eq = at.rest(point)
             self.record(at, eq, speed)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
@@ -193,7 +184,7 @@ class _Run:
         for part in np.full(max(1, int(np.ceil(duration / most))), duration / max(1, int(np.ceil(duration / most)))):
             point = eq.point.copy()
             at.ground_under(point)
-            eq = self.integrate_smooth(at, self.rest(at, point), float(part), speed)
+            eq = self.integrate_smooth(at, at.rest(point), float(part), speed)
         return eq
 
     def integrate_smooth(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
@@ -213,7 +204,7 @@ class _Run:
         for t in np.arange(first, self.time + duration + 1e-9, self.every):
             self.record(at, result.at(min(t - self.time, duration)), speed, float(t))
         self.time += duration
-        return self.rest(at, result.at(duration).point)
+        return at.rest(result.at(duration).point)
 
     def pace(self, at: SpanModel, duration: float, speed: float) -> float:
         """Longest step [s]: the balance turns fast on a shoe, and where a log drags over a vertex of the ground."""
@@ -246,7 +237,7 @@ class _Run:
             beyond.check(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
-        return self.rest(beyond, point)
+        return beyond.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs

@@ -5,16 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, newton
 
-from ropeway.components.errors import EquilibriumError
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import STEEPEST, SkylineRig
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.stations import SIDE, Stations
 
 EDGE = 1e-3
-"""A carriage leaves a shoe, or comes on to it, where this much rope [m] would come off it."""
+"""A carriage leaves a shoe where this much rope [m] would come off it."""
+
+TOUCH = 0.5 * EDGE
+"""A carriage comes on to a shoe where so much rope [m] is left between them: less than is there when it has left, so
+that it does not go to and fro."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +83,16 @@ class Places:
             reach = min(1.5 * reach, far)
         return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
 
+    def touch(self, at: SpanModel, k: int) -> float:
+        """Where the carriage comes on to the shoe of support k out of a span [m]."""
+        side = -1 if at.span == k else 1
+        edge, free = self.edge(k, side), at.model.y.index[f"{at.free_span(k)}.length"]
+
+        def left(x: float) -> float:
+            return float(at.outputs(self.solve(at, x))[free]) - TOUCH
+
+        return float(newton(left, edge, x1=edge + 0.1 * side * EDGE, tol=1e-11))
+
     def laid(self, at: SpanModel) -> bool:
         """Whether a place is one that the carriage comes through: the mainline lies on a roller before the carriage
         only where it sags enough."""
@@ -95,7 +109,7 @@ class Places:
         if at.on is not None:
             return self.edge(k, way)
         if beyond.on is not None or at.span != beyond.span:
-            return self.edge(k, -1 if at.span == k else 1)
+            return self.touch(at, k)
         rolled = at if at.place.rollers is not None else beyond
         roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
 
@@ -113,3 +127,9 @@ class Places:
         """Length of the mainline [m, unstretched], what lies on rollers too."""
         layout = at.model.layouts[at.roles.index("mainline")]
         return float(point.p[layout.length_start].sum() + layout.travel.read(point.x, point.z)[0])
+
+
+def require_pulled(rig: SkylineRig) -> None:
+    """Raises InputError for a rig whose carriage no mainline pulls."""
+    if rig.mainline is None or rig.carriage.clamped:
+        raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")

@@ -14,6 +14,7 @@ from ropeway.components.component import Node, Seat
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assemble
+from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, outputs_of
 from ropeway.systems.rigs import carriage_start
@@ -61,12 +62,14 @@ class SpanModel:
         self.roles = tuple(_role(rig, run) for run in m.runs)
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
         # Ropes whose length or tension is an unknown have a slack root besides the taut one.
-        self._taut = [
-            [m.y.index[f"{s.name}.{quantity}"] for quantity in ("horizontal", "vertical_a", "vertical_b")]
+        self.taut = tuple(
+            s.name
             for run, role in zip(m.runs, self.roles, strict=True)
             for s in run.spans
             if role in ("mainline", "haulback") or (role == "skyline" and by_height)
-        ]
+        )
+        ends = ("horizontal", "vertical_a", "vertical_b")
+        self._taut = [[m.y.index[f"{name}.{quantity}"] for quantity in ends] for name in self.taut]
 
     def load(self, point: Point, payload: float) -> None:
         """Gives a point a payload [kg]."""
@@ -302,6 +305,17 @@ class SpanModel:
     def _carriage_in(self, r: int) -> int:
         """The carriage's place among the nodes of a rope."""
         return [node.name for node in self.model.runs[r].nodes].index(self.rig.carriage.name)
+
+    def rest(self, point: Point) -> Equilibrium:
+        """An equilibrium from a solved point, its travels the new zero."""
+        whole = LineState(self.model, point.copy(), self.model.runs, LineState.cold(self.model).passed)
+        whole.rezero()
+        return Equilibrium(self.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
+
+    def free_span(self, k: int) -> str:
+        """Name of the skyline's span between the carriage, in a span, and support k."""
+        support, carriage = self.rig.supports[k].name, self.rig.carriage.name
+        return f"{carriage}_{support}" if self.span == k else f"{support}_{carriage}"
 
     @property
     def skyline(self) -> int:
