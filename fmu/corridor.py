@@ -13,7 +13,7 @@ import numpy as np
 
 from ropeway.components import check, shoe
 from ropeway.components.catenary import Strain
-from ropeway.components.errors import InputError
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.model import Limits, Table
 from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import SkylineRig
@@ -63,7 +63,8 @@ class Corridor:
         self.rest = at.rest(self._places.solve(at, station))
         self._zero: dict[tuple[str, str, str], float] = {}
         start = self._zeroed(at, self.rest.point)
-        self.order = [p for p in self._places.in_order() if p == at.place or self._places.laid(span_model(rig, p))]
+        self._masses = (mass, 0.0, mass + 10.0 * rig.carriage.mass)
+        self.order = [p for p in self._places.in_order() if p == at.place or self._laid(p)]
         self.margins = {place: tuple(self._margins(span_model(rig, place))) for place in self.order}
         """Of each place, in order."""
         borders = {
@@ -139,13 +140,28 @@ class Corridor:
             layout.travel.write(zero - rope, found.x, found.z)
         return found
 
+    def _laid(self, place: Place) -> bool:
+        """Whether the carriage comes through a place with its payload, or with none."""
+        return any(Places(self.rig, mass).laid(span_model(self.rig, place)) for mass in self._masses[:2])
+
     def _border(self, place: Place, target: Place) -> tuple[Point, Point]:
-        """The points of both places where the carriage goes over from one to the other."""
+        """The points of both places where the carriage goes over from one to the other: with its payload, or with
+        another where it does so with that only."""
         at, beyond = span_model(self.rig, place), span_model(self.rig, target)
         way = 1 if self.order.index(target) > self.order.index(place) else -1
-        x = self._places.border(at, beyond, way)
-        before, after = (self._zeroed(one, self._places.solve(one, x)) for one in (at, beyond))
-        return before, after
+        last: EquilibriumError | None = None
+        for mass in self._masses:
+            places = Places(self.rig, mass)
+            try:
+                x = places.border(at, beyond, way)
+                points = [self._zeroed(one, places.solve(one, x)) for one in (at, beyond)]
+            except EquilibriumError as error:
+                last = error
+                continue
+            for one, point in zip((at, beyond), points, strict=True):
+                one.load(point, self._places.payload)
+            return points[0], points[1]
+        raise last or EquilibriumError("The carriage comes to no border", "Look at its supports")
 
     def _margins(self, at: SpanModel) -> Iterator[Margin]:
         if at.on is not None:
@@ -162,6 +178,10 @@ class Corridor:
             return SLACK - reduce(ca.fmax, turns)
 
         yield Margin(None, f"a line of {carriage} hangs slack", taut)
+        spans = [span.name for run in at.model.runs for span in run.spans]
+        yield Margin(
+            None, "no rope is left in a span", lambda read: reduce(ca.fmin, [read(f"{s}.length") for s in spans])
+        )
 
     def _off_shoe(self, at: SpanModel, k: int) -> Iterator[Margin]:
         """From the shoe of support k, on either side."""

@@ -162,7 +162,9 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
         "canSerializeFMUState": True,
         "providesDirectionalDerivatives": True,
     }
-    ElementTree.SubElement(root, "ModelExchange", _attributes(**can))
+    # A carriage goes on from the last step that was accepted.
+    accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
+    ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
     ElementTree.SubElement(root, "CoSimulation", _attributes(**can, canHandleVariableCommunicationStepSize=True))
     _common(root, about, interface)
     by_name = {v.name: v for v in interface.variables}

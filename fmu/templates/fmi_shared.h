@@ -147,6 +147,7 @@ FMI(Status) FMI(CompletedIntegratorStep)(void *c, FMI(Boolean) final, FMI(Boolea
     NEEDS(MODE == RW_CONTINUOUS && enterEvent && terminate, "CompletedIntegratorStep");
     *enterEvent = *terminate = 0;
     status = rw_solve(CORE);
+    if (status == RW_OK) rw_hold(CORE);
     return (FMI(Status))(status == RW_OK ? rw_lengths(CORE) : status);
 }
 

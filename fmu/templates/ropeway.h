@@ -39,8 +39,8 @@ typedef struct {
     int beyond_schedule;
     int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
     double h;                          /* step that the error control asks for */
-    rw_point now, held;                /* held: the last point of the way, and its algebraic variables */
-    int place;                         /* of the carriage, as it was told */
+    rw_point now, held;                /* held: the point from which the carriage goes on */
+    int place;                         /* of the carriage at the point held */
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
@@ -116,7 +116,7 @@ rw_status rw_lengths(rw_instance *m);
 
 /* ropeway_places.c */
 void rw_start_place(rw_instance *m);
-void rw_report_place(rw_instance *m);
+void rw_hold(rw_instance *m);
 rw_status rw_follow(rw_instance *m);
 rw_status rw_border_indicators(rw_instance *m, double *indicator);
 

@@ -1,13 +1,14 @@
 /* A carriage that goes from place to place: spans of a skyline and the shoes between them. Each place has equations of
  * its own, and margins: how far the carriage is from where it goes over to another place, or from where it cannot go
  * on. Where it is follows from the way that the states have come: the algebraic variables are solved along it, place
- * by place, from the last point that they were found at. So there is an answer at any states that can be reached, also
- * at those that an importer of Model Exchange tries beyond an event. */
+ * by place, from the last point that is held. So there is an answer at any states that can be reached, also at those
+ * that an importer of Model Exchange tries beyond an event; it holds what is accepted. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
 #define NEAR 1e-9  /* a margin is kept down to this much below zero */
+#define CLOSE 1e-13 /* of the way: a border within it is there */
 #define TRIALS 1000
 #define CHANGES 50 /* of the place within one solution */
 
@@ -24,7 +25,7 @@ void rw_start_place(rw_instance *m)
     m->s.place = place_of(m);
 }
 
-/* Says by what the carriage has come from one place to another. */
+/* Says how the carriage has come from one place to another. */
 static void report(rw_instance *m, int from, int to)
 {
     for (int row = rw_passage_first[from]; row < rw_passage_first[from + 1]; row++)
@@ -34,10 +35,12 @@ static void report(rw_instance *m, int from, int to)
         }
 }
 
-void rw_report_place(rw_instance *m)
+/* Takes the present point, which is solved, as one of the way. */
+void rw_hold(rw_instance *m)
 {
-    if (!RW_NPL || m->s.place == place_of(m)) return;
-    report(m, m->s.place, place_of(m));
+    if (!RW_NPL) return;
+    if (!m->co_simulation && m->s.place != place_of(m)) report(m, m->s.place, place_of(m));
+    m->s.held = m->s.now;
     m->s.place = place_of(m);
 }
 
@@ -78,10 +81,7 @@ static rw_status go_over(rw_instance *m, int i, const rw_point *from, const rw_p
     m->s.d[0] = beyond;
     for (int n = 0; n < RW_NZ; n++) m->s.now.z[n] += rw_passage_jump[row * RW_NZ + n];
     m->s.lu.valid = 0;
-    if (m->co_simulation && to->t > from->t) {
-        report(m, place, beyond);
-        m->s.place = beyond;
-    }
+    if (m->co_simulation && to->t > from->t) report(m, place, beyond);
     return solve_at(m, from, to, share);
 }
 
@@ -91,7 +91,7 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
     rw_point *q = &m->s.now;
     rw_log_function log = m->log;
     double before[RW_NG + 1], good[RW_NZ + 1], reached = 0.0, step = 1.0, beyond = 2.0, over = 0.0;
-    int border = -1, changes = 0;
+    int border = -1, inside = 0, changes = 0;
     rw_status status;
     memcpy(q->z, from->z, RW_NZ * sizeof(double));
     m->s.lu.valid = 0;
@@ -110,6 +110,8 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
             if (reached == 1.0) return RW_OK;
             step *= 2.0;
             over *= 0.5;
+            inside++;
+            if (reached >= beyond) border = -1; /* another solution had told of it */
         } else {
             memcpy(q->z, good, RW_NZ * sizeof(double));
             m->s.lu.valid = 0;
@@ -117,19 +119,22 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
                 border = out;
                 beyond = next;
                 over = m->margin[out];
+                inside = 0;
             } else if ((step = 0.5 * (next - reached)) < 1e-9)
                 break;
             memcpy(m->margin, before, sizeof before);
             status = RW_OK;
         }
-        if (border >= 0 && m->margin[border] <= NEAR) {
+        if (border >= 0 && (m->margin[border] <= NEAR || beyond - reached < CLOSE)) {
             status = solve_at(m, from, to, reached);
             if (status == RW_OK) status = ++changes > CHANGES ? RW_DISCARD : go_over(m, border, from, to, reached);
             border = -1;
             beyond = 2.0;
             step = 1.0;
-        } else if (border >= 0)
-            step = fmin(step, (beyond - reached) * fmax(0.1, m->margin[border] / (m->margin[border] - over)));
+        } else if (border >= 0) {
+            double share = turn % 3 == 2 ? 0.5 : m->margin[border] / (m->margin[border] - over);
+            step = fmin(step, (beyond - reached) * (inside > 4 ? 1.0 : fmax(share, 0.1)));
+        }
     }
     if (status != RW_ERROR) {
         status = RW_DISCARD;
@@ -142,18 +147,23 @@ rw_status rw_follow(rw_instance *m)
 {
     rw_point from = m->s.held, to = m->s.now;
     rw_log_function log = m->log;
-    double place = m->s.d[0], far[RW_NG + 1];
+    double far[RW_NG + 1];
     rw_status status;
+    if (place_of(m) != m->s.place) { /* an importer has tried what is beyond */
+        m->s.d[0] = m->s.place;
+        memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
+        m->s.lu.valid = 0;
+    }
     for (int i = 0; i < RW_NG; i++) far[i] = INFINITY;
     m->log = NULL;
     status = solve_at(m, &from, &to, 1.0);
     m->log = log;
     if (status != RW_OK || run_out(m, far) >= 0) status = along(m, &from, &to);
     if (status == RW_OK) {
-        m->s.held = m->s.now;
+        if (m->s.mode != RW_CONTINUOUS) rw_hold(m);
         return RW_OK;
     }
-    m->s.d[0] = place;
+    m->s.d[0] = m->s.place;
     m->s.now = to;
     memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
     m->s.solved = m->s.rated = m->s.shown = m->s.lu.valid = 0;

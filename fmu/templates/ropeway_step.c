@@ -292,7 +292,7 @@ rw_status rw_event_update(rw_instance *m)
     rw_crossing leaving;
     double ahead;
     rw_status status = rw_rates(m);
-    if (status == RW_OK) rw_report_place(m);
+    if (status == RW_OK) rw_hold(m);
     if (status == RW_OK) status = rw_cross(m, NULL);
     if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
     if (status == RW_OK && rw_standing(m)) {
