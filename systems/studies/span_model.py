@@ -140,7 +140,9 @@ class SpanModel:
             if k < len(more):
                 more[k] -= on_shoe(node, node.through(seat) or seat)
         travel = np.append(np.cumsum(more[::-1])[::-1], 0.0)
-        layout.travel.write(travel, point.x, point.z)
+        # A drum that is not to be found stays as it is.
+        x = point.x if role != "skyline" or self.by_height else point.x.copy()
+        layout.travel.write(travel, x, point.z)
         if self.rig.carriage.clamped and role == "skyline":
             point.p[self.model.p.index[f"{self.rig.carriage.name}.travel"]] = travel[self._carriage_in(r)]
 
