@@ -20,6 +20,7 @@ from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.state import LineState
 from ropeway.systems.studies.places import EDGE, TOUCH, Places, require_pulled
 from ropeway.systems.studies.span_model import SLACK, Place, SpanModel, span_model
+from ropeway.systems.studies.stations import SIDE
 from ropeway.systems.united import Part, Read, United
 
 PENETRATION = 1e-7
@@ -37,7 +38,7 @@ class Margin:
 
 
 class Passage(NamedTuple):
-    """What is beyond a margin: the place by its number, or -1; what happens there, and how the unknowns change (nz,)."""
+    """What is beyond a margin: the place by its number, or -1; what happens there; how the unknowns change, (nz,)."""
 
     to: int
     event: str
@@ -47,8 +48,8 @@ class Passage(NamedTuple):
 class Corridor:
     """All places that a rig's carriage comes through with a payload [kg], as one model.
 
-    `rest`: where it starts, at a station [m, by default in the middle of the first span], with the model of its place; `state`: the same with the model of all.
-    Raises InputError, EquilibriumError.
+    `rest`: where it starts, at a station [m, by default in the middle of the first span], with the model of its place;
+    `state`: the same with the model of all. Raises InputError, EquilibriumError.
     """
 
     def __init__(self, rig: SkylineRig, station: float | None = None, payload: float | None = None) -> None:
@@ -219,14 +220,14 @@ class Corridor:
         elif k > 0:
             yield Margin(Place(k - 1, k - 1), f"reaches {supports[k - 1].name}", touch(k - 1))
         else:
-            yield Margin(None, end, lambda read: read(f"{carriage}.x") - rig.stands[0].at[0])
+            yield Margin(None, end, lambda read: read(f"{carriage}.x") - rig.stands[0].at[0] - SIDE)
         if k < len(supports):
             yield Margin(Place(k, k), f"reaches {supports[k].name}", touch(k))
             if at.place != rolled and rolled in self.order:
                 event = f"mainline lies on the roller of {supports[k].name}"
                 yield Margin(rolled, event, self._over_roller(at, k))
         else:
-            yield Margin(None, end, lambda read: rig.stands[-1].at[0] - read(f"{carriage}.x"))
+            yield Margin(None, end, lambda read: rig.stands[-1].at[0] - read(f"{carriage}.x") - SIDE)
 
     def _over_roller(self, at: SpanModel, k: int) -> Callable[[Read], ca.SX]:
         """How far the mainline passes over the roller of support k [m]."""

@@ -75,7 +75,7 @@ static rw_status go_over(rw_instance *m, int i, const rw_point *from, const rw_p
 {
     int place = place_of(m), row = rw_passage_first[place] + i, beyond = rw_passage_to[row];
     if (beyond < 0) {
-        rw_message(m, RW_ERROR, "logStatusError", "The %s at t = %.9g s", rw_passage_event[row], m->s.now.t);
+        rw_message(m, RW_ERROR, "logStatusError", "At t = %.9g s: %s", m->s.now.t, rw_passage_event[row]);
         return RW_ERROR;
     }
     m->s.d[0] = beyond;
