@@ -90,7 +90,7 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
 {
     rw_point *q = &m->s.now;
     rw_log_function log = m->log;
-    double before[RW_NG + 1], good[RW_NZ + 1], reached = 0.0, step = 1.0, beyond = 2.0, over = 0.0;
+    double before[RW_NG + 1], good[RW_NZ + 1], reached = 0.0, step = 0.5, beyond = 2.0, over = 0.0;
     int border = -1, inside = 0, changes = 0;
     rw_status status;
     memcpy(q->z, from->z, RW_NZ * sizeof(double));
