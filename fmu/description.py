@@ -11,7 +11,7 @@ from ropeway.fmu.interface import FmuVariable, Interface
 
 CATEGORIES = {
     "logAll": "everything",
-    "logEvents": "loads that cross, are held and released",
+    "logEvents": "loads that cross, are held and released; carriages that come to supports and leave them",
     "logStatusWarning": "limits: tension above the safe or breaking load, lift-off",
     "logStatusDiscard": "a call that could not be carried out here",
     "logStatusError": "a call that is not allowed, and failures",

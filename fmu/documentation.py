@@ -23,7 +23,7 @@ _PAGE = """<!DOCTYPE html>
 {picture}
 <p>Made by ropeway {version}. The FMU starts from the equilibrium that was solved when it was made; with other
 parameters it solves the line anew when it is initialised. Inputs are held between communication points. Loads
-that cross supports are events: located inside a step of Co-Simulation, event indicators in Model Exchange.
+and carriages that pass supports are events: located inside a step of Co-Simulation, event indicators in Model Exchange.
 A schedule that is part of the model keeps its last value after its end.</p>
 <p>What goes wrong is a status and a message in the log, never a wrong number: a step that cannot be carried out is
 discarded and leaves the state as it was.</p>

@@ -147,18 +147,17 @@ rw_status rw_follow(rw_instance *m)
 {
     rw_point from = m->s.held, to = m->s.now;
     rw_log_function log = m->log;
-    double far[RW_NG + 1];
+    double none[RW_NG + 1] = {0};
     rw_status status;
     if (place_of(m) != m->s.place) { /* an importer has tried what is beyond */
         m->s.d[0] = m->s.place;
         memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
         m->s.lu.valid = 0;
     }
-    for (int i = 0; i < RW_NG; i++) far[i] = INFINITY;
     m->log = NULL;
     status = solve_at(m, &from, &to, 1.0);
     m->log = log;
-    if (status != RW_OK || run_out(m, far) >= 0) status = along(m, &from, &to);
+    if (status != RW_OK || run_out(m, none) >= 0) status = along(m, &from, &to);
     if (status == RW_OK) {
         if (m->s.mode != RW_CONTINUOUS) rw_hold(m);
         return RW_OK;
