@@ -64,8 +64,12 @@ class Corridor:
         self.rest = at.rest(self._places.solve(at, station))
         self._zero: dict[tuple[str, str, str], float] = {}
         start = self._zeroed(at, self.rest.point)
-        self._masses = (mass, 0.0, mass + 10.0 * rig.carriage.mass)
-        self.order = [p for p in self._places.in_order() if p == at.place or self._laid(p)]
+        self._masses = (mass, 0.0, *(mass + share * rig.carriage.mass for share in (1.0, 3.0, 10.0)))
+        self._rolls = [self._places.rolls(k) for k in range(len(rig.supports))]
+        self.order = [p for p in self._places.in_order() if p == at.place or self._comes_through(p)]
+        for k, rolls in enumerate(self._rolls):
+            if not rolls:
+                self._require_run_over(k, at.place)
         self.margins = {place: tuple(self._margins(span_model(rig, place))) for place in self.order}
         """Of each place, in order."""
         borders = {
@@ -117,16 +121,10 @@ class Corridor:
         require_pulled(rig)
         if rig.turn is not None and rig.terrain is not None:
             raise InputError(f"{rig.turn.log.label} drags over ground that changes", "Export the rig without its turn")
-        for k, support in enumerate(rig.supports):
+        for support in rig.supports:
             if support.radius <= 0.0:
                 raise InputError(
                     f"On the point saddle of {support.name!r} a carriage waits, then jumps", "Give it a radius"
-                )
-            if not self._places.rolls(k):
-                raise InputError(
-                    f"The mainline stretches by more than the shoe of {support.name!r} is wide: the carriage would "
-                    "run over it at once",
-                    "Give the support a larger radius, or the rig a haulback",
                 )
 
     def _zeroed(self, at: SpanModel, point: Point) -> Point:
@@ -141,8 +139,32 @@ class Corridor:
             layout.travel.write(zero - rope, found.x, found.z)
         return found
 
-    def _laid(self, place: Place) -> bool:
+    def _require_run_over(self, k: int, start: Place) -> None:
+        """Raises InputError unless the carriage, which does not roll over the shoe of support k, runs over it at once,
+        both ways, as the mainline gives."""
+        places, shoe_of = self._places, self.rig.supports[k].name
+        sides = [span_model(self.rig, self._to(k, way)) for way in (-1, 1)]
+        paid = [
+            [places.paid_out(at, places.solve(at, x)) for x in (places.touch(at, k), places.edge(k, way))]
+            for at, way in zip(sides, (-1, 1), strict=True)
+        ]
+        if start.on == k or paid[0][0] <= paid[1][1] or paid[1][0] >= paid[0][1]:
+            raise InputError(
+                f"The carriage neither rolls over the shoe of {shoe_of!r} as the drum turns nor runs over it at once",
+                "Give the support another radius, or the carriage another start",
+            )
+
+    def _to(self, k: int, way: int) -> Place:
+        """The place that the carriage comes to off the shoe of support k, or when it runs over it."""
+        rolled = Place(k, rollers=k + 1)
+        if way > 0:
+            return Place(k + 1)
+        return rolled if self._places.laid(span_model(self.rig, rolled)) else Place(k)
+
+    def _comes_through(self, place: Place) -> bool:
         """Whether the carriage comes through a place with its payload, or with none."""
+        if place.on is not None:
+            return self._rolls[place.on]
         return any(Places(self.rig, mass).laid(span_model(self.rig, place)) for mass in self._masses[:2])
 
     def _border(self, place: Place, target: Place) -> tuple[Point, Point]:
@@ -154,8 +176,10 @@ class Corridor:
         for mass in self._masses:
             places = Places(self.rig, mass)
             try:
-                x = places.border(at, beyond, way)
-                points = [self._zeroed(one, places.solve(one, x)) for one in (at, beyond)]
+                there = here = places.border(at, beyond, way)
+                if at.on is None and beyond.on is None and at.span != beyond.span:
+                    there = places.edge(min(at.span, beyond.span), way)
+                points = [self._zeroed(one, places.solve(one, x)) for one, x in ((at, here), (beyond, there))]
             except EquilibriumError as error:
                 last = error
                 continue
@@ -210,24 +234,27 @@ class Corridor:
         carriage, supports = rig.carriage.name, rig.supports
         end = f"{carriage} is at the end of its way"
 
-        def touch(shoe_of: int) -> Callable[[Read], ca.SX]:
-            return lambda read: read(f"{at.free_span(shoe_of)}.length") - TOUCH
-
         if at.place == rolled:
             roller = f"{supports[k].name}_mainline"
             event = f"mainline leaves the roller of {supports[k].name}"
             yield Margin(Place(k), event, lambda read: read(f"{roller}.a_rope") - read(f"{roller}.b_rope"))
         elif k > 0:
-            yield Margin(Place(k - 1, k - 1), f"reaches {supports[k - 1].name}", touch(k - 1))
+            yield self._touch(at, k - 1, -1)
         else:
             yield Margin(None, end, lambda read: read(f"{carriage}.x") - rig.stands[0].at[0] - SIDE)
         if k < len(supports):
-            yield Margin(Place(k, k), f"reaches {supports[k].name}", touch(k))
+            yield self._touch(at, k, 1)
             if at.place != rolled and rolled in self.order:
                 event = f"mainline lies on the roller of {supports[k].name}"
                 yield Margin(rolled, event, self._over_roller(at, k))
         else:
             yield Margin(None, end, lambda read: rig.stands[-1].at[0] - read(f"{carriage}.x") - SIDE)
+
+    def _touch(self, at: SpanModel, k: int, way: int) -> Margin:
+        """To the shoe of support k, which the carriage rolls on to, or runs over."""
+        target, what = (Place(k, k), "reaches") if self._rolls[k] else (self._to(k, way), "runs over")
+        event = f"{what} {self.rig.supports[k].name}"
+        return Margin(target, event, lambda read: read(f"{at.free_span(k)}.length") - TOUCH)
 
     def _over_roller(self, at: SpanModel, k: int) -> Callable[[Read], ca.SX]:
         """How far the mainline passes over the roller of support k [m]."""

@@ -162,14 +162,19 @@ def test_the_end_of_the_way_is_an_error(speed: float, x: float, corridor3: Path,
         (corridor(rw.live_skyline), 2500.0, 345.0, 150.0),
         (corridor(haulback_block=rw.Block("block", at=(470.0, 0.0, -60.0))), 500.0, 150.0, 345.0),
         (corridor(supports=[], haulback=None, haulback_tension=None), 500.0, 300.0, 100.0),
+        (corridor(haulback=None, haulback_tension=None), 0.0, 345.0, 120.0),
     ],
-    ids=["live", "haulback over a block", "one span"],
+    ids=["live", "haulback over a block", "one span", "runs over its shoes at once"],
 )
 def test_other_rigs(rig: rw.SkylineRig, payload: float, start: float, end: float, kind: str, tmp_path: Path) -> None:
     path = export(rig, tmp_path / "rig.fmu", "3.0", station=start, payload=payload)
     assert validate_fmu(str(path)) == []
     run = rw.inhaul(rig, payload=payload, start=start, end=end, speed=2.0, every=EVERY)
     assert deviation(path, kind, run, {"mainline.speed": 2.0 if end > start else -2.0}) < 1e-8
+
+
+def small_shoe() -> rw.SkylineRig:
+    return corridor(supports=[rw.IntermediateSupport("jack", at=(160.0, 40.0), radius=0.5)])
 
 
 def point_saddle() -> rw.SkylineRig:
@@ -194,11 +199,7 @@ def on_ground() -> rw.SkylineRig:
     ("rig", "how", "cause"),
     [
         (point_saddle, {}, "point saddle of 'jack'"),
-        (
-            lambda: corridor(haulback=None, haulback_tension=None),
-            {"payload": 2500.0},
-            "stretches by more than the shoe",
-        ),
+        (small_shoe, {"payload": 2500.0, "station": 345.0}, "neither rolls over the shoe of 'jack'"),
         (lambda: corridor(mainline=None), {}, "no mainline"),
         (on_ground, {}, "ground that changes"),
         (corridor, {"station": 500.0}, "outside the skyline"),
