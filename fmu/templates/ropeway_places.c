@@ -39,7 +39,8 @@ static void report(rw_instance *m, int from, int to)
 void rw_hold(rw_instance *m)
 {
     if (!RW_NPL) return;
-    if (!m->co_simulation && m->s.place != place_of(m)) report(m, m->s.place, place_of(m));
+    if (!m->co_simulation && m->s.mode > RW_INITIALIZATION && m->s.place != place_of(m))
+        report(m, m->s.place, place_of(m));
     m->s.held = m->s.now;
     m->s.place = place_of(m);
 }
