@@ -66,9 +66,9 @@ def picture(rest: Equilibrium) -> bytes:
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    for run in rest.runs:
-        points = run.points
-        origin = points[0, :2]
+    places = [rest.points(r) for r in range(len(rest.runs))]
+    for run, points in zip(rest.runs, places, strict=True):
+        origin = places[0][0, :2]
         shapes = [rest.profile(span.name, 31) for span in run.spans]
         for shape in shapes:
             across = np.hypot(shape["x"] - origin[0], shape["y"] - origin[1])
