@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ropeway.components.catenary import Vector, namespace, norm
+from ropeway.components.catenary import Strain, Vector, namespace, norm, segment
 from ropeway.components.component import Kind, Variable
 
 Plane = tuple[Any, Any]
@@ -73,6 +73,19 @@ def side(angle: Any, normal: Plane, along: Plane, radius: Any, force: Vector, ca
     tension = norm(force)
     aside = (forth * along[0] + out * normal[0], forth * along[1] + out * normal[1])
     return Side(angle, aside, radius * angle / (2 * carried / tension - 1))
+
+
+def clearance(end: Plane, force: Vector, weight: Any, strain: Strain, radius: Any) -> Any:
+    """How far a rope passes over a shoe that it comes to lie on [m], or how far its `end` is still before the shoe
+    where that is more. end: (x, z) from the shoe's centre, with the tension vector `force` there [N]; weight [N/m]."""
+    xp = namespace(*force)
+    back: Any = 0.0
+    for _ in range(5):  # to the point nearest to the centre; a rope is straighter than a shoe by far
+        way = (force[0], force[2] - weight * back)
+        reach = segment((force[0], force[1], way[1]), weight, back, strain).reach
+        point = (end[0] - reach[0], end[1] - reach[2])
+        back = back + (point[0] * way[0] + point[1] * way[1]) / xp.sqrt(way[0] ** 2 + way[1] ** 2)
+    return xp.fmax(xp.sqrt(point[0] ** 2 + point[1] ** 2) - radius, -back)
 
 
 def side_variables(seat: str) -> tuple[Variable, ...]:

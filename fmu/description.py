@@ -11,7 +11,7 @@ from ropeway.fmu.interface import FmuVariable, Interface
 
 CATEGORIES = {
     "logAll": "everything",
-    "logEvents": "loads that cross, are held and released",
+    "logEvents": "loads that cross, are held and released; carriages that come to supports and leave them",
     "logStatusWarning": "limits: tension above the safe or breaking load, lift-off",
     "logStatusDiscard": "a call that could not be carried out here",
     "logStatusError": "a call that is not allowed, and failures",
@@ -162,7 +162,9 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
         "canSerializeFMUState": True,
         "providesDirectionalDerivatives": True,
     }
-    ElementTree.SubElement(root, "ModelExchange", _attributes(**can))
+    # A carriage goes on from the last step that was accepted.
+    accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
+    ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
     ElementTree.SubElement(root, "CoSimulation", _attributes(**can, canHandleVariableCommunicationStepSize=True))
     _common(root, about, interface)
     by_name = {v.name: v for v in interface.variables}

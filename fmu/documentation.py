@@ -24,8 +24,8 @@ _PAGE = """<!DOCTYPE html>
 {picture}
 <p>Made by ropeway {version}. The FMU starts from the equilibrium that was solved when it was made; with other
 parameters it is solved anew when it is initialised, each load where it is clamped to its rope. Inputs are held between
-communication points. Loads that cross supports are events: located inside a step of Co-Simulation, event indicators in
-Model Exchange. A schedule that is part of the model keeps its last value after its end.</p>
+communication points. Loads and carriages that pass supports are events: located inside a step of Co-Simulation, event
+indicators in Model Exchange. A schedule that is part of the model keeps its last value after its end.</p>
 <p>What goes wrong is a status and a message in the log, never a wrong number: a step that cannot be carried out is
 discarded and leaves the state as it was.</p>
 <h2>Inputs</h2>
@@ -76,9 +76,9 @@ def picture(rest: Equilibrium) -> bytes:
     figure = Figure(figsize=(8.0, 4.0), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
-    for run in rest.runs:
-        points = run.points
-        origin = points[0, :2]
+    places = [rest.points(r) for r in range(len(rest.runs))]
+    for run, points in zip(rest.runs, places, strict=True):
+        origin = places[0][0, :2]
         shapes = [rest.profile(span.name, 31) for span in run.spans]
         for shape in shapes:
             across = np.hypot(shape["x"] - origin[0], shape["y"] - origin[1])

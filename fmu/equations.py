@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 
 import casadi as ca
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
 from ropeway.components.schedule import Schedule
+from ropeway.fmu.corridor import Corridor
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.intervention import SWITCHED
 from ropeway.systems.model import Model
@@ -22,9 +24,10 @@ from ropeway.systems.state import LineState
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a line that stands in an equilibrium. `state` is where the FMU starts: its loads ride
-    with the rope."""
+    with the rope. `corridor`: of a skyline's carriage, the places that it comes through."""
 
     state: LineState
+    corridor: Corridor | None = None
 
     @classmethod
     def at(cls, rest: Equilibrium) -> Equations:
@@ -59,7 +62,10 @@ class Equations:
         """(t, x, z, u, p, d) -> derivatives of (ode, alg) by (x, z); its pattern holds the diagonal of the states."""
         x, z = self.symbols[1], self.symbols[2]
         whole = ca.vertcat(*self.model.dae(*self.symbols))
-        matrix = ca.horzcat(ca.jacobian(whole, x), ca.jacobian(whole, z))
+        if self.corridor is None:
+            matrix = ca.horzcat(ca.jacobian(whole, x), ca.jacobian(whole, z))
+        else:
+            matrix = self.corridor.united.jacobian(*self.symbols)
         n, nx = matrix.shape[0], x.numel()
         diagonal = ca.Sparsity.triplet(n, n, list(range(nx)), list(range(nx)))
         return ca.Function("rw_jacobian", self.symbols, [ca.project(matrix, matrix.sparsity() + diagonal)])
@@ -77,7 +83,8 @@ class Equations:
     @property
     def functions(self) -> tuple[ca.Function, ...]:
         """All functions that the C core calls."""
-        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks)
+        margins = () if self.corridor is None else (self.corridor.function,)
+        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks, *margins)
 
     @cached_property
     def clocks(self) -> tuple[ca.Function, ...]:
@@ -124,6 +131,11 @@ class Equations:
         own = {variable for variable, _ in SWITCHED.values()}
         return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
 
+    @property
+    def borders(self) -> int:
+        """Borders between places of a carriage."""
+        return 0 if self.corridor is None else len(self.corridor.order) - 1
+
     @cached_property
     def mass_names(self) -> list[list[str]]:
         """For each run the names of its masses that can be set: of its loads, or of those that its feed repeats."""
@@ -161,6 +173,8 @@ class Dependencies:
         self.z = self._eliminated(self._direct(m.dae, 1))
         self.rates = self._through(m.dae, 0)
         self.outputs = self._through(m.outputs, 0)
+        margins = [] if equations.corridor is None else self._through(equations.corridor.function, 0)
+        self.margins = reduce(or_, margins, 0)
 
     def _slot_masks(self, equations: Equations) -> list[int]:
         """For each discrete variable what it is made of: parameters and masses, or a switch."""

@@ -18,15 +18,24 @@ import ropeway
 from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu import compiler, description, documentation, tables
+from ropeway.fmu.corridor import Corridor
 from ropeway.fmu.equations import Equations
 from ropeway.fmu.errors import FmuExportError
 from ropeway.fmu.interface import Interface
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import Model
+from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.system import System
 
 _TEMPLATES = Path(__file__).with_name("templates")
-_CORE = ("ropeway_instance.c", "ropeway_step.c", "ropeway_loads.c", "ropeway_solve.c", "ropeway_sparse.c")
+_CORE = (
+    "ropeway_instance.c",
+    "ropeway_step.c",
+    "ropeway_loads.c",
+    "ropeway_places.c",
+    "ropeway_solve.c",
+    "ropeway_sparse.c",
+)
 _HEADERS = {
     "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
@@ -35,7 +44,7 @@ _NAMESPACE = uuid.UUID("6f1f3d52-6c2b-4c0e-9d5b-1d0d3c7a9f10")
 
 
 def export(
-    system: System | Model | Equilibrium,
+    system: System | Model | Equilibrium | SkylineRig,
     path: str | Path,
     fmi: Literal["2.0", "3.0"] = "2.0",
     *,
@@ -44,10 +53,14 @@ def export(
     parameters: Sequence[str] | None = None,
     platforms: Sequence[str] = ("host",),
     tolerance: float = 1e-6,
+    station: float | None = None,
+    payload: float | None = None,
 ) -> Path:
     """Writes a system as an FMU; returns its path.
 
-    It starts from the system's equilibrium, or from the one given. inputs, outputs, parameters: names of the
+    It starts from the system's equilibrium, or from the one given. Of a skyline rig the carriage starts at a `station`
+    [m] with a `payload` [kg], by default in the middle of the first span with that of the carriage; it runs over the
+    supports as the mainline's drum turns. inputs, outputs, parameters: names of the
     variables to show; by default all inputs that no Schedule drives; all outputs, states, travels and coordinates; all
     parameters and load masses. inputs may name switches too: `c1.brake` and `c1.pressure_lost`, Booleans. platforms:
     "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator in
@@ -62,10 +75,17 @@ def export(
     if target.suffix != ".fmu":
         raise InputError(f"{target.name!r} does not end in .fmu", f"Call it {target.with_suffix('.fmu').name}")
     names = compiler.resolved(platforms)
-    rest = system if isinstance(system, Equilibrium) else equilibrium(system)
+    if isinstance(system, SkylineRig):
+        corridor = Corridor(system, station, payload)
+        rest, equations = corridor.rest, Equations(corridor.state, corridor)
+    elif station is not None or payload is not None:
+        raise InputError("station and payload are for skyline rigs", "Leave them out")
+    else:
+        rest = system if isinstance(system, Equilibrium) else equilibrium(system)
+        equations = Equations.at(rest)
     if rest.model.external:
         raise FmuExportError(f"A part of {rest.model.name!r} is an FMU itself", "Export the rest, use CoSimulation")
-    interface = Interface(Equations.at(rest), inputs, outputs, parameters)
+    interface = Interface(equations, inputs, outputs, parameters)
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))

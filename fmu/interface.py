@@ -71,7 +71,8 @@ class Interface:
         self.equations = equations
         self.supports = [(r, k) for r, run in enumerate(equations.state.runs) for k in range(len(run.nodes))]
         sizes = [1, len(m.x), len(m.x), len(m.z), len(m.u), len(m.p), len(equations.masses), len(m.y)]
-        sizes += [len(self.supports) + len(m.limits.output), len(m.limits.output), len(self.supports)]
+        sizes += [len(self.supports) + len(m.limits.output) + equations.borders]
+        sizes += [len(m.limits.output), len(self.supports)]
         sizes += [len(equations.switches)]
         self.first = References(*(int(n) for n in np.cumsum(sizes)))
         self._mass_names = [name for names in equations.mass_names for name in names]
@@ -93,11 +94,13 @@ class Interface:
 
     def _outputs(self, names: Sequence[str] | None) -> tuple[str, ...]:
         m = self.equations.model
-        places = [n for n, unit in zip(m.z.names, m.z.units, strict=True) if unit == "m"]
+        local = frozenset() if self.equations.corridor is None else self.equations.corridor.united.local
+        everywhere = [n for n in m.z.names if n not in local]
+        places = [n for n, unit in zip(m.z.names, m.z.units, strict=True) if unit == "m" and n not in local]
         discrete = [*self.limit_names, *self.passed_names.values()]
         if names is None:
             return (*(n for n in m.y.names if ".slot_" not in n), *m.x.names, *places, *discrete)
-        return tuple(_known(names, (*m.y.names, *m.z.names, *m.x.names, *discrete), "an output"))
+        return tuple(_known(names, (*m.y.names, *everywhere, *m.x.names, *discrete), "an output"))
 
     def _parameters(self, names: Sequence[str] | None) -> tuple[str, ...]:
         every = (*self.equations.model.p.names, *self._mass_names)
@@ -238,6 +241,9 @@ class Interface:
         for j, name in enumerate(self.limit_names):
             names.append((f"event_indicator[{len(self.supports) + j + 1}]", f"margin to {name}"))
             masks.append(self._dependencies.outputs[int(m.limits.output[j])])
+        for j in range(self.equations.borders):
+            names.append((f"event_indicator[{len(names) + 1}]", f"border {j + 1} of the places of the carriage"))
+            masks.append(self._dependencies.margins)
         return [
             FmuVariable(n, first + i, "Real", "local", "continuous", d, initial="calculated", knowns=mask)
             for i, ((n, d), mask) in enumerate(zip(names, masks, strict=True))

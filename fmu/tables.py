@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ropeway.components.errors import InputError
+from ropeway.fmu.corridor import Corridor
 from ropeway.fmu.interface import Interface
 from ropeway.systems.model import Model
 from ropeway.systems.state import LineState
@@ -87,6 +88,7 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     _runs(tables, interface)
     _limits(tables, m, interface)
     _clocks(tables, m)
+    _places(tables, equations.corridor)
     tables.integers("positive", m.p.positive)
     tables.integers("is_mass", [unit == "kg" for unit in m.p.units])
     return tables
@@ -196,6 +198,19 @@ def _clocks(tables: Tables, m: Model) -> None:
     tables.integers("clock_entry", [e for clock in m.clocks for e in clock.entries])
     tables.integers("clock_corrects", [e in clock.corrections for clock in m.clocks for e in clock.entries])
     tables.functions("clock_update", [f"rw_clock_{i}" for i in range(len(m.clocks))])
+
+
+def _places(tables: Tables, corridor: Corridor | None) -> None:
+    passages = [] if corridor is None else corridor.passages
+    tables.size("NPL", len(passages))
+    tables.size("NB", max(0, len(passages) - 1))
+    tables.size("NG", 0 if corridor is None else corridor.count)
+    rows = [passage for of in passages for passage in of]
+    tables.integers("passage_first", _offsets([len(of) for of in passages]))
+    tables.integers("passage_to", [passage.to for passage in rows])
+    tables.texts("passage_event", [passage.event for passage in rows])
+    tables.numbers("passage_jump", np.concatenate([[], *(passage.jump for passage in rows)]))
+    tables.functions("margins", [] if corridor is None else [corridor.function.name()])
 
 
 def _offsets(sizes: Sequence[int]) -> np.ndarray:

@@ -266,6 +266,8 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         while f"{s.name}.slot_mass[{n + 1}]" in discrete:
             n += 1
         count.append(n)
+    ways = [(node, node.through(seat) or seat, seat) for node, seat in zip(run.nodes, run.seats, strict=True)]
+    ends = [[(node, out) for node, out, _ in ways[:-1]], [(node, arrives) for node, _, arrives in ways[1:]]]
     return Layout(
         travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
         slots=Slots(count=np.array(count), **first),
@@ -275,6 +277,7 @@ def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
         force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
         held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
         held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+        aside=np.array([where(Kind.ALGEBRAIC, [f"{n.name}.{seat.offset}_rope" for n, seat in end]) for end in ends]),
         grip=where(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
     )
 

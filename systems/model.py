@@ -106,6 +106,7 @@ def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray
 class Layout:
     """A run's places in the vectors of the model: travels, slots, each span's starting length, mass per length,
     compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot;
+    `aside`, (2, spans): rope beside the node that each end of a span is at, -1 where it starts at the node;
     `grip`: the travel that a rough saddle's friction counts from, -1 where there is none."""
 
     travel: Travel
@@ -116,11 +117,17 @@ class Layout:
     force: np.ndarray
     held: np.ndarray
     held_travel: np.ndarray
+    aside: np.ndarray
     grip: np.ndarray
 
     def start(self, p: np.ndarray) -> np.ndarray:
         """The rope at each support at zero travel [m], shape (supports,)."""
         return np.concatenate([[0.0], np.cumsum(p[self.length_start])])
+
+    def free(self, z: np.ndarray) -> np.ndarray:
+        """By how much each span is longer than the rope between its nodes, (spans,) [m]: on shoes it is shorter."""
+        more, less = np.where(self.aside >= 0, z[self.aside], 0.0)
+        return np.asarray(more - less)
 
 
 @dataclass(frozen=True)

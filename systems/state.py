@@ -214,7 +214,7 @@ class LineState:
     def without_rope(self) -> str | None:
         """The span in which no rope is left, if any."""
         for r, run in enumerate(self.runs):
-            length = np.diff(self.rope(r))
+            length = np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
             if np.any(length <= 0.0):
                 return run.spans[int(np.argmin(length))].name
         return None

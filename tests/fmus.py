@@ -64,6 +64,27 @@ def skyline() -> rw.System:
     return rig.system(0, 110.0, payload=2500.0)
 
 
+MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+
+
+def corridor(make: Any = rw.standing_skyline, **how: Any) -> rw.SkylineRig:
+    """A skyline over two supports with shoes."""
+    supports = [
+        rw.IntermediateSupport("s1", at=(160.0, 40.0), radius=3.0),
+        rw.IntermediateSupport("s2", at=(330.0, -20.0), radius=3.0),
+    ]
+    parts = {"supports": supports, "mainline": MAIN, "haulback": MAIN, "haulback_tension": 6e3, "tension": 70e3}
+    rig: rw.SkylineRig = make(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 100.0)),
+        tailspar=rw.TailSpar("tail", at=(480.0, -70.0)),
+        skyline=ROPE,
+        carriage=rw.Carriage("carriage", mass=450.0),
+        **{**parts, **how},
+    )
+    return rig
+
+
 def valley(speed: float, at: float) -> rw.System:
     """A hold-down sheave in a valley: a load is pushed back there from either side."""
     s = rw.System("valley")

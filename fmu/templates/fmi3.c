@@ -233,7 +233,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needUpdate, fmi
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n)
 {
     NEEDS(n, "GetNumberOfEventIndicators");
-    *n = RW_NK + RW_NL;
+    *n = RW_NK + RW_NL + RW_NB;
     return fmi3OK;
 }
 

@@ -147,6 +147,7 @@ FMI(Status) FMI(CompletedIntegratorStep)(void *c, FMI(Boolean) final, FMI(Boolea
     NEEDS(MODE == RW_CONTINUOUS && enterEvent && terminate, "CompletedIntegratorStep");
     *enterEvent = *terminate = 0;
     status = rw_solve(CORE);
+    if (status == RW_OK) rw_hold(CORE);
     return (FMI(Status))(status == RW_OK ? rw_lengths(CORE) : status);
 }
 
@@ -189,7 +190,7 @@ FMI(Status) FMI_GET_RATES(void *c, double rate[], size_t n)
 
 FMI(Status) FMI(GetEventIndicators)(void *c, double indicator[], size_t n)
 {
-    NEEDS(n == RW_NK + RW_NL && !CORE->co_simulation, "GetEventIndicators");
+    NEEDS(n == RW_NK + RW_NL + RW_NB && !CORE->co_simulation, "GetEventIndicators");
     return (FMI(Status))rw_event_indicators(CORE, indicator);
 }
 

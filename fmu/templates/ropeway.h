@@ -39,7 +39,8 @@ typedef struct {
     int beyond_schedule;
     int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
     double h;                          /* step that the error control asks for */
-    rw_point now;
+    rw_point now, held;                /* held: the point from which the carriage goes on */
+    int place;                         /* of the carriage at the point held */
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
@@ -61,6 +62,7 @@ typedef struct {
     rw_state backup;
     double sample[RW_NQ + 1], fresh[RW_ND + 1];
     unsigned char changes[RW_ND + 1];
+    double margin[RW_NG + 1];
     double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
     int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
     const double *arg[RW_SZ_ARG];
@@ -79,6 +81,8 @@ typedef struct {
 void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg);
 rw_status rw_solve(rw_instance *m);
+rw_status rw_solve_here(rw_instance *m);
+rw_status rw_margins_of(rw_instance *m);
 rw_status rw_show(rw_instance *m);
 rw_status rw_rates(rw_instance *m);
 rw_status rw_tangent_of(rw_instance *m);
@@ -109,6 +113,12 @@ int rw_standing(const rw_instance *m);
 rw_status rw_overrun_settle(rw_instance *m);
 rw_status rw_limits(rw_instance *m);
 rw_status rw_lengths(rw_instance *m);
+
+/* ropeway_places.c */
+void rw_start_place(rw_instance *m);
+void rw_hold(rw_instance *m);
+rw_status rw_follow(rw_instance *m);
+rw_status rw_border_indicators(rw_instance *m, double *indicator);
 
 /* ropeway_step.c */
 rw_status rw_do_step(rw_instance *m, double end);

@@ -15,7 +15,7 @@ enum {
     MASS = P + RW_NP,
     Y = MASS + RW_NM,
     EI = Y + RW_NY,
-    LIMIT = EI + RW_NK + RW_NL,
+    LIMIT = EI + RW_NK + RW_NL + RW_NB,
     PASSED = LIMIT + RW_NL,
     SWITCH = PASSED + RW_NK,
     END = SWITCH + RW_NSW
@@ -38,6 +38,7 @@ void rw_reset(rw_instance *m)
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
     for (int i = 0; i < RW_NSW; i++) s->on[i] = s->d[rw_switch[i]] > 0.0;
     s->h = 1e9;
+    rw_start_place(m);
 }
 
 rw_instance *rw_new(rw_log_function log, void *context, int co_simulation)
@@ -63,6 +64,7 @@ static rw_status take_over(rw_instance *m)
     memcpy(s->d, rw_d_start, RW_ND * sizeof(double));
     for (int i = 0; i < RW_NSW; i++) s->d[rw_switch[i]] = s->on[i];
     memcpy(s->now.z, rw_z_start, RW_NZ * sizeof(double));
+    rw_start_place(m);
     memcpy(p, s->p, sizeof p);
     memcpy(mass, s->mass, sizeof mass);
     memcpy(x, s->now.x, sizeof x);
@@ -152,7 +154,7 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
         else if (vr < U) *value = m->s.now.z[vr - Z];
         else if (vr < EI) *value = m->s.y[vr - Y];
         else {
-            double indicator[RW_NK + RW_NL + 1];
+            double indicator[RW_NK + RW_NL + RW_NB + 1];
             status = rw_event_indicators(m, indicator);
             if (status != RW_OK) return status;
             *value = indicator[vr - EI];

@@ -233,9 +233,15 @@ failed:
 /* Solves the algebraic variables at the present point. */
 rw_status rw_solve(rw_instance *m)
 {
+    if (m->s.solved) return RW_OK;
+    return RW_NPL ? rw_follow(m) : rw_solve_here(m);
+}
+
+/* Solves them with the equations that hold now. */
+rw_status rw_solve_here(rw_instance *m)
+{
     rw_point *q = &m->s.now;
     rw_status status;
-    if (m->s.solved) return RW_OK;
     rw_inputs_at(m, q->t, m->us);
     status = rw_newton(m, q->t, q->x, q->z, m->us, q->x, 0.0);
     if (status != RW_OK) return status;
@@ -247,6 +253,15 @@ rw_status rw_solve(rw_instance *m)
     m->s.rated = m->s.shown = 0;
     m->s.lu.exact = 0;
     return RW_OK;
+}
+
+/* Margins of the carriage's place at the present solution, in m->margin. */
+rw_status rw_margins_of(rw_instance *m)
+{
+    rw_inputs_at(m, m->s.now.t, m->us);
+    point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->res[0] = m->margin;
+    return rw_margins[0](m->arg, m->res, m->iw, m->cw, 0) || !all_finite(m->margin, RW_NG) ? RW_DISCARD : RW_OK;
 }
 
 /* Solves, and computes the outputs. */

@@ -102,6 +102,7 @@ static rw_status step(rw_instance *m, const rw_point *from, double *h, double st
             if (wish > m->s.h || error > 0.3) m->s.h = wish;
             return rw_rates(m);
         }
+        if (status == RW_ERROR) return status;
         *h *= status == RW_OK && error < 1e9 ? fmax(0.2, 0.9 / cbrt(error)) : 0.25;
         m->s.h = *h;
         if (*h < LEAST_STEP) {
@@ -293,7 +294,7 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
         double inside = fmin(rw_limit_high[i] - value, value - rw_limit_low[i]);
         indicator[RW_NK + i] = (m->s.broken[i] ? slack - inside : inside) / rw_limit_scale[i];
     }
-    return RW_OK;
+    return RW_NB ? rw_border_indicators(m, indicator + RW_NK + RW_NL) : RW_OK;
 }
 
 /* All that is due at the present time. */
@@ -302,6 +303,7 @@ rw_status rw_event_update(rw_instance *m)
     rw_crossing leaving;
     double ahead;
     rw_status status = rw_rates(m);
+    if (status == RW_OK) rw_hold(m);
     if (status == RW_OK) status = rw_cross(m, NULL);
     if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
     if (status == RW_OK && rw_standing(m)) {

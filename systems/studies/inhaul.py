@@ -10,26 +10,21 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.newton import Point, newton_of, outputs_of
-from ropeway.systems.rigs.skyline import STEEPEST, SkylineRig
+from ropeway.systems.newton import newton_of, outputs_of
+from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.simulation import simulate
-from ropeway.systems.state import LineState
 from ropeway.systems.studies.load_path import row, units_of
+from ropeway.systems.studies.places import Places, require_pulled
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
-from ropeway.systems.studies.stations import SIDE, Stations
+from ropeway.systems.studies.stations import SIDE
 from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-EDGE = 1e-3
-"""A carriage leaves a shoe, or comes on to it, where this much rope [m] would come off it."""
 
 
 class Happening(NamedTuple):
@@ -83,8 +78,7 @@ def inhaul(
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
     check.not_negative(payload, rig.name, "payload", "kg")
-    if rig.mainline is None or rig.carriage.clamped:
-        raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")
+    require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
         raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
@@ -133,127 +127,41 @@ class _Run:
     def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
         way = -1 if speed > 0.0 else 1
-        places, last = self.places(), self.placed(end).place
-        at = self.placed(start)
-        eq = self.rest(at, self.solve(at, start))
+        last = self.places.placed(end).place
+        at = self.places.placed(start)
+        eq = at.rest(self.places.solve(at, start))
         self.record(at, eq, speed)
         while at.place != last:
-            beyond = self.next(at, places, last, way)
+            beyond = self.next(at, last, way)
             eq = self.through(at, eq, partial(self.border, at, beyond, way), speed)
             eq = self.over(at, beyond, eq, way, speed)
             at = beyond
         eq = self.through(at, eq, lambda: end, speed)
         self.record(at, eq, speed)
 
-    def next(self, at: SpanModel, places: list[Place], last: Place, way: int) -> SpanModel:
+    @property
+    def places(self) -> Places:
+        """The places of the carriage with its present payload."""
+        return Places(self.rig, self.payload)
+
+    def next(self, at: SpanModel, last: Place, way: int) -> SpanModel:
         """The next place that the carriage comes through."""
-        beyond = span_model(self.rig, places[places.index(at.place) + way])
-        while beyond.place != last and (not self.laid(beyond) or (beyond.on is not None and not self.rolls(beyond.on))):
-            beyond = span_model(self.rig, places[places.index(beyond.place) + way])
+        places = self.places
+        order = places.in_order()
+        beyond = span_model(self.rig, order[order.index(at.place) + way])
+        while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or places.rolls(beyond.on))):
+            beyond = span_model(self.rig, order[order.index(beyond.place) + way])
         return beyond
 
-    def rolls(self, k: int) -> bool:
-        """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. A long mainline, which
-        stretches more than the shoe is wide, lets it run over at once."""
-        at = span_model(self.rig, Place(k, k))
-        steps = np.linspace(self.edge(k, -1), self.edge(k, 1), 13)
-        return bool(np.all(np.diff([self.paid_out(at, at.solve(float(x), self.payload)) for x in steps]) > 0.0))
-
-    def places(self) -> list[Place]:
-        """All places of the carriage, in the order of their stations."""
-        found = []
-        for k in range(self.rig.spans):
-            found.append(Place(k))
-            if k < len(self.rig.supports) and self.rig.supports[k].radius > 0.0:
-                found += [Place(k, rollers=k + 1), Place(k, k)]
-        return found
-
-    def placed(self, x: float) -> SpanModel:
-        """The model for a station. Raises EquilibriumError where the mainline would have to push."""
-        found = Stations(self.rig).solve(x, self.payload)
-        if found.held_by != "mainline":
-            raise EquilibriumError(
-                f"At station {x:g} m the mainline of {self.rig.name!r} would have to push", "Give it a haulback"
-            )
-        return found.at
-
-    def on_shoe(self, k: int, x: float) -> Solved:
-        """The carriage held on the shoe of support k."""
-        at = span_model(self.rig, Place(k, k))
-        point = at.solve(x, self.payload)
-        return Solved(at, point, at.outputs(point), "mainline")
-
-    def solve(self, at: SpanModel, x: float, near: Point | None = None) -> Point:
-        """The equilibrium at a station; near a shoe it starts from the carriage held there."""
-        k = self.rig.shoe_near(x) if at.on is None else None
-        if k is not None and abs(x - self.rig.supports[k].centre[0]) < STEEPEST * self.rig.supports[k].radius:
-            near = at.off_shoe(self.on_shoe(k, x))
-        return at.solve(x, self.payload, near=near)
-
-    def edge(self, k: int, side: int) -> float:
-        """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
-        support = self.rig.supports[k]
-        middle, *_ = support.at
-        # The shoe is as wide as its circle; where it would end, the carriage has long left it.
-        far = 0.99 * STEEPEST * support.radius + side * (support.centre[0] - middle)
-
-        def off(x: float) -> float:
-            return self.on_shoe(k, x).off_shoe - EDGE
-
-        if off(middle) > 0.0:
-            raise EquilibriumError(f"The skyline lifts off the shoe of {support.name!r}", "Raise it, or slacken it")
-        reach = 0.05 * support.radius
-        while off(middle + side * reach) < 0.0 and reach < far:
-            reach = min(1.5 * reach, far)
-        return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
-
-    def laid(self, at: SpanModel) -> bool:
-        """Whether a place is one that the carriage comes through: the mainline lies on a roller before the carriage
-        only where it sags enough."""
-        k = at.span
-        if at.place.rollers is None:
-            return True
-        return self.on_shoe(k, self.edge(k, -1))[f"{self.rig.carriage.name}.mainline_rope"] > 0.0
-
     def border(self, at: SpanModel, beyond: SpanModel, way: int) -> float:
-        """The station at which the carriage goes over from one place to the next [m]."""
-        k = min(at.span, beyond.span)
-        if self.rig.supports[k].radius <= 0.0:
-            return float(self.rig.points[k + 1, 0] - way * SIDE)
-        if at.on is not None:
-            return self.edge(k, way)
-        if beyond.on is not None or at.span != beyond.span:
-            return self.edge(k, -1 if at.span == k else 1)
-        rolled = at if at.place.rollers is not None else beyond
-        roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
-
-        def lies(x: float) -> float:
-            point = self.solve(rolled, x)
-            found = Solved(rolled, point, rolled.outputs(point), "mainline")
-            return found[f"{roller}.a_rope"] - found[f"{roller}.b_rope"]
-
-        reach = 0.02 * self.rig.supports[k].radius
-        while lies(low - reach) > 0.0:
-            reach *= 1.5
-        return float(brentq(lies, low - reach, low, xtol=1e-8))
-
-    def rest(self, at: SpanModel, point: Point) -> Equilibrium:
-        """An equilibrium from a solved point, its travels the new zero."""
-        state = LineState.cold(at.model)
-        whole = LineState(at.model, point.copy(), at.model.runs, state.passed)
-        whole.rezero()
-        return Equilibrium(at.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
-
-    def paid_out(self, at: SpanModel, point: Point) -> float:
-        """Length of the mainline [m, unstretched], what lies on rollers too."""
-        layout = at.model.layouts[at.roles.index("mainline")]
-        return float(point.p[layout.length_start].sum() + layout.travel.read(point.x, point.z)[0])
+        """Where the carriage goes over with the payload that it has by then [m]."""
+        return self.places.border(at, beyond, way)
 
     def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
         """On to a station of the same place, stopping where the payload changes."""
         while True:
-            reached = self.solve(at, target(), eq.point)
-            needed = self.paid_out(at, eq.point) - self.paid_out(at, reached)
+            reached = self.places.solve(at, target(), eq.point)
+            needed = self.places.paid_out(at, eq.point) - self.places.paid_out(at, reached)
             duration = needed / speed
             change = self.changes[0][0] - self.time if self.changes else np.inf
             if duration > 0.0:
@@ -266,7 +174,7 @@ class _Run:
             point = eq.point.copy()
             at.load(point, self.payload)
             newton_of(at.model).solve(point)
-            eq = self.rest(at, point)
+            eq = at.rest(point)
             self.record(at, eq, speed)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
@@ -279,7 +187,7 @@ class _Run:
         for part in np.full(max(1, int(np.ceil(duration / most))), duration / max(1, int(np.ceil(duration / most)))):
             point = eq.point.copy()
             at.ground_under(point)
-            eq = self.integrate_smooth(at, self.rest(at, point), float(part), speed)
+            eq = self.integrate_smooth(at, at.rest(point), float(part), speed)
         return eq
 
     def integrate_smooth(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
@@ -299,7 +207,7 @@ class _Run:
         for t in np.arange(first, self.time + duration + 1e-9, self.every):
             self.record(at, result.at(min(t - self.time, duration)), speed, float(t))
         self.time += duration
-        return self.rest(at, result.at(duration).point)
+        return at.rest(result.at(duration).point)
 
     def pace(self, at: SpanModel, duration: float, speed: float) -> float:
         """Longest step [s]: the balance turns fast on a shoe, and where a log drags over a vertex of the ground."""
@@ -316,9 +224,9 @@ class _Run:
         if support.radius == 0.0:
             x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + way * SIDE
         elif at.on is None and beyond.on is None and at.span != beyond.span:
-            x = self.edge(min(at.span, beyond.span), way)
-        point = self.solve(beyond, x)
-        have, need = self.paid_out(at, eq.point), self.paid_out(beyond, point)
+            x = self.places.edge(min(at.span, beyond.span), way)
+        point = self.places.solve(beyond, x)
+        have, need = self.places.paid_out(at, eq.point), self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
@@ -332,7 +240,7 @@ class _Run:
             beyond.check(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
-        return self.rest(beyond, point)
+        return beyond.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs

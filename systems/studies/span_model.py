@@ -15,6 +15,7 @@ from ropeway.components.errors import EquilibriumError, InputError, OutOfReachEr
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assemble
+from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Balance, Model
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.rigs import carriage_start
@@ -63,12 +64,14 @@ class SpanModel:
         self.roles = tuple(_role(rig, run) for run in m.runs)
         self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
         # Ropes whose length or tension is an unknown have a slack root besides the taut one.
-        self._taut = [
-            [m.y.index[f"{s.name}.{quantity}"] for quantity in ("horizontal", "vertical_a", "vertical_b")]
+        self.taut = tuple(
+            s.name
             for run, role in zip(m.runs, self.roles, strict=True)
             for s in run.spans
             if role in ("mainline", "haulback") or (role == "skyline" and by_height)
-        ]
+        )
+        ends = ("horizontal", "vertical_a", "vertical_b")
+        self._taut = [[m.y.index[f"{name}.{quantity}"] for quantity in ends] for name in self.taut]
         # Which way the top of each guyed spar can go.
         self._tops = {
             spar.name: tuple(b for b in m.balances if m.z.names[b.travel].startswith(f"{spar.name}."))
@@ -145,7 +148,9 @@ class SpanModel:
             if k < len(more):
                 more[k] -= on_shoe(node, node.through(seat) or seat)
         travel = np.append(np.cumsum(more[::-1])[::-1], 0.0)
-        layout.travel.write(travel, point.x, point.z)
+        # A drum that is not to be found stays as it is.
+        x = point.x if role != "skyline" or self.by_height else point.x.copy()
+        layout.travel.write(travel, x, point.z)
         if self.rig.carriage.clamped and role == "skyline":
             point.p[self.model.p.index[f"{self.rig.carriage.name}.travel"]] = travel[self._carriage_in(r)]
 
@@ -327,6 +332,17 @@ class SpanModel:
     def _carriage_in(self, r: int) -> int:
         """The carriage's place among the nodes of a rope."""
         return [node.name for node in self.model.runs[r].nodes].index(self.rig.carriage.name)
+
+    def rest(self, point: Point) -> Equilibrium:
+        """An equilibrium from a solved point, its travels the new zero."""
+        whole = LineState(self.model, point.copy(), self.model.runs, LineState.cold(self.model).passed)
+        whole.rezero()
+        return Equilibrium(self.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
+
+    def free_span(self, k: int) -> str:
+        """Name of the skyline's span between the carriage, in a span, and support k."""
+        support, carriage = self.rig.supports[k].name, self.rig.carriage.name
+        return f"{carriage}_{support}" if self.span == k else f"{support}_{carriage}"
 
     @property
     def skyline(self) -> int:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from fmus import HYDRAULIC, RESPONSE, Opener, example_line, one_span, opening, short_line
+from fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
 from masses import mass_fmu
 
 from ropeway.fmu import export
@@ -41,6 +41,17 @@ def span2(fmus: Path) -> Path:
 @pytest.fixture(scope="session")
 def span3(fmus: Path) -> Path:
     return export(one_span(), fmus / "span3.fmu", "3.0")
+
+
+@pytest.fixture(scope="session")
+def corridor2(fmus: Path) -> Path:
+    return export(corridor(), fmus / "corridor2.fmu", "2.0", station=345.0, payload=2500.0)
+
+
+@pytest.fixture(scope="session")
+def corridor3(fmus: Path) -> Path:
+    """Its mainline sags so much that it lies on rollers before the carriage comes to a shoe."""
+    return export(corridor(haulback_tension=3e3), fmus / "corridor3.fmu", "3.0", station=345.0, payload=0.0)
 
 
 @pytest.fixture

@@ -74,7 +74,7 @@ def test_ecos(name: str, request: pytest.FixtureRequest, names: list[str], devia
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
-@pytest.mark.parametrize("name", ["one_span", "example_line", "skyline"])
+@pytest.mark.parametrize("name", ["one_span", "example_line", "skyline", "corridor"])
 def test_the_checker_of_fmu_manipulation_toolbox(
     name: str, fmi: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -258,3 +258,31 @@ def test_clearance_of_all_ropes_against_sampled_ones() -> None:
     for role, column in (("skyline", "rope"), ("mainline", "mainline"), ("haulback", "haulback")):
         assert path[f"{column}_clearance"] == pytest.approx(least[role], abs=2e-4)
     assert len(set(least.values())) == 3
+
+
+@pytest.mark.parametrize("radius", [0.0, 3.0])
+def test_a_live_skyline_of_a_given_length_is_a_standing_one(radius: float) -> None:
+    """Its drum stands still: wherever the carriage is, the rope is as long."""
+    stations = [430.0, 345.0, 331.0, 320.0, 250.0, 170.0, 159.0, 50.0]
+    paths = [
+        rw.load_path(
+            make(
+                None,
+                headspar=rw.HeadSpar("head", at=(0.0, 100.0)),
+                supports=[
+                    rw.IntermediateSupport("s1", at=(160.0, 40.0), radius=radius),
+                    rw.IntermediateSupport("s2", at=(330.0, -20.0), radius=radius),
+                ],
+                tailspar=rw.TailSpar("tail", at=(480.0, -70.0)),
+                skyline=ROPE,
+                tension=70e3,
+                mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
+                carriage=rw.Carriage("carriage", mass=450.0),
+            ),
+            2500.0,
+            stations,
+        )
+        for make in (rw.live_skyline, rw.standing_skyline)
+    ]
+    for column in ("carriage_z", "skyline_tension", "headspar_tension", "mainline_pull"):
+        np.testing.assert_allclose(paths[0][column], paths[1][column], rtol=1e-9)
