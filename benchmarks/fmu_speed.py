@@ -1,4 +1,9 @@
-"""An exported line's doStep against the same line wrapped with pythonfmu, in one run; size and time of export."""
+"""An exported line's doStep against the same line wrapped with pythonfmu, in one run; size and time of export.
+
+    python benchmarks/fmu_speed.py
+
+pythonfmu comes with the extra fmu-test.
+"""
 
 import importlib.util
 import subprocess
@@ -6,6 +11,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+
+from lines import driven
 
 import ropeway as rw
 
@@ -58,15 +65,25 @@ def seconds_a_step(path: Path, output: str) -> float:
         return (time.perf_counter() - begin) / STEPS
 
 
+def exported(line: rw.System, path: Path) -> Path:
+    """The line as an FMU; prints how long that takes, and how large it is."""
+    begin = time.perf_counter()
+    rw.fmu.export(line, path)
+    print(f"export of {line.name}: {time.perf_counter() - begin:.1f} s, {path.stat().st_size / 1e3:.0f} kB")
+    return path
+
+
 def main() -> None:
+    """Prints times and ratios."""
     rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
     supports = EXAMPLES / "line.csv"
-    line = rw.monocable(rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
+    line = rw.monocable(
+        rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0, name="24 spans, 45 loads"
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        begin = time.perf_counter()
-        path = rw.fmu.export(line, folder / "line.fmu")
-        print(f"export of 24 spans: {time.perf_counter() - begin:.1f} s, {path.stat().st_size / 1e3:.0f} kB")
+        exported(driven(100), folder / "long.fmu")
+        path = exported(line, folder / "line.fmu")
         ours = seconds_a_step(path, "c1.tension_in")
         print(f"doStep of {STEP} s: {ours * 1e6:.0f} us")
         if importlib.util.find_spec("pythonfmu") is None:

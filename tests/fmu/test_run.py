@@ -1,6 +1,5 @@
 """The exported line against rw.simulate, and what else an FMU must do while it runs."""
 
-import time
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -235,9 +234,7 @@ def test_a_hundred_spans_with_two_hundred_loads(tmp_path: Path) -> None:
     nodes.append(rw.Drum("d100", at=(10e3, 0.0, 0.0), tension=45e3))
     line = rw.System("hundred spans")
     line.feed(line.string(ROPE, *nodes, tension=45e3), spacing=50.0, masses=300.0)
-    begin = time.perf_counter()
     path = export(line, tmp_path / "hundred.fmu")
-    assert time.perf_counter() - begin < 60.0
     with zipfile.ZipFile(path) as archive:  # else clang takes minutes
         assert b"RW_SPARED static int" in archive.read("sources/rw_jacobian.c")
     where, error = deviation(path, line, 60.0, "CoSimulation")

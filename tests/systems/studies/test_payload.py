@@ -1,6 +1,5 @@
 """The payload study: Harvey's exact payloads, limits that govern, infeasible corridors."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -87,10 +86,7 @@ def test_largest_payload_against_direct_integration(station: float) -> None:
 
 def test_a_corridor_with_all_limits() -> None:
     rig = corridor()
-    rw.payload(corridor(), stations=[100.0])
-    begin = time.process_time()
     study = rw.payload(rig, safety_factor=3.0, clearance=1.0, stations=np.linspace(4.0, 476.0, 100))
-    assert time.process_time() - begin < 3.0
     frame = study.frame
     assert (frame.payload > 3500.0).all()
     assert study.limiting.payload == frame.payload.min() == study.payload
