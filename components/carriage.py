@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector, namespace, norm
+from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
@@ -96,8 +97,8 @@ class Carriage(Node):
             Variable("x", alg if self.holding is None else par, "m", "x of the carriage", x, 100.0),
             Variable("y", alg, "m", "y of the carriage", y, 100.0),
             Variable("z", alg, "m", "z of the carriage", z, 100.0),
-            Variable("mass", par, "kg", "mass of the empty carriage", self.mass, 1000.0),
-            Variable("payload", par, "kg", "mass of the payload", self.payload, 1000.0),
+            Variable("mass", par, "kg", "mass of the empty carriage", self.mass, 1000.0, range=NOT_NEGATIVE),
+            Variable("payload", par, "kg", "mass of the payload", self.payload, 1000.0, range=NOT_NEGATIVE),
             Variable("travel", par if self.clamped else alg, "m", travel, 0.0, site.length),
             *([] if self.holding is None else [Variable("holding", alg, "N", "holding force", 0.0, force)]),
             *(Variable(f"balance_{axis}", res, "N", f"forces on the carriage, {axis}", 0.0, near) for axis in "xyz"),

@@ -9,6 +9,7 @@ from typing import Any
 from ropeway.components import shoe
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
+from ropeway.components.check import POSITIVE
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
@@ -64,7 +65,7 @@ class CarriageOnShoe(Carriage):
         ]
         return (
             *own,
-            Variable("radius", par, "m", "radius of the shoe", self.support.radius),
+            Variable("radius", par, "m", "radius of the shoe", self.support.radius, range=POSITIVE),
             Variable("centre_x", par, "m", "x of the shoe's centre", centre_x, 100.0),
             Variable("centre_z", par, "m", "z of the shoe's centre", centre_z, 100.0),
             Variable("contact", res, "m", "the carriage is on the shoe"),

@@ -6,12 +6,31 @@ import math
 import numbers
 import re
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from ropeway.components.errors import InputError
 
 Point = tuple[float, float, float]
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+class Range(NamedTuple):
+    """Values that a variable may have: up to `most` and from `least` on, or only above it."""
+
+    least: float = -math.inf
+    most: float = math.inf
+    above: bool = False
+
+    def refuses(self, value: float) -> str | None:
+        """What a value must be, where it is not that."""
+        if value < self.least or (self.above and value == self.least):
+            bound = f"{self.least:g}" if self.least else "zero"
+            return f"be above {bound}" if self.above else f"not be below {bound}"
+        return f"be at most {self.most:g}" if value > self.most else None
+
+
+ANY, POSITIVE, NOT_NEGATIVE, SHARE = Range(), Range(0.0, above=True), Range(0.0), Range(0.0, 1.0, above=True)
 
 
 def name(value: str, what: str) -> None:

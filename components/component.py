@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector
+from ropeway.components.check import ANY, Range
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.schedule import Schedule
 
@@ -38,7 +39,7 @@ class Kind(Enum):
 class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
     the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
-    `positive`: the value must be above zero."""
+    `range`: values that a parameter may have."""
 
     name: str
     kind: Kind
@@ -48,7 +49,7 @@ class Variable:
     nominal: float = 1.0
     size: int = 1
     freed_by: str | None = None
-    positive: bool = False
+    range: Range = ANY
 
 
 @dataclass(frozen=True, slots=True)

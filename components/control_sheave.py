@@ -9,6 +9,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import namespace
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Limit, Site, Supply, Variable
 from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
 from ropeway.components.errors import InputError
@@ -87,8 +88,8 @@ class ControlSheave(Wheel):
         drive = () if self.hydraulic is None else self.hydraulic.variables(site.force, first_speed(self.speed))
         return (
             *self.place(),
-            Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, positive=True),
-            Variable("turns", par, "1", "turns of the rope around the sheave", self.turns),
+            Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, range=POSITIVE),
+            Variable("turns", par, "1", "turns of the rope around the sheave", self.turns, range=NOT_NEGATIVE),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
             Variable("travel", Kind.STATE, "m", "unstretched rope that has run over"),
             Variable("correction", Kind.DISCRETE, "m/s", "what the response adds to the commanded speed"),

@@ -7,6 +7,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import namespace
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE
 from ropeway.components.component import Component, Equations, Kind, Limit, Port, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above
@@ -95,10 +96,12 @@ class DieselHydraulicUnit(Component):
         rack = self.drag * idle / (_torque(idle, self.torque_rise) + self.drag * idle)  # without a load, nearly
         speed = self.rated_speed * (1.0 + self.droop * (1.0 - rack))
         return (
-            Variable("rated_power", par, "W", "rated power of the engine", self.rated_power, 1e5, positive=True),
-            Variable("rated_speed", par, "rad/s", "rated speed of the engine", self.rated_speed, 1e2, positive=True),
-            Variable("inertia", par, "kg.m2", "inertia of all that turns", self.inertia, positive=True),
-            Variable("displacement", par, "m3/rad", "displacement of the pump", self.displacement, 1e-4, positive=True),
+            Variable("rated_power", par, "W", "rated power of the engine", self.rated_power, 1e5, range=POSITIVE),
+            Variable("rated_speed", par, "rad/s", "rated speed of the engine", self.rated_speed, 1e2, range=POSITIVE),
+            Variable("inertia", par, "kg.m2", "inertia of all that turns", self.inertia, range=POSITIVE),
+            Variable(
+                "displacement", par, "m3/rad", "displacement of the pump", self.displacement, 1e-4, range=POSITIVE
+            ),
             Variable(
                 "relief_pressure",
                 par,
@@ -106,19 +109,21 @@ class DieselHydraulicUnit(Component):
                 "opening pressure of the relief valve",
                 self.relief_pressure,
                 1e7,
-                positive=True,
+                range=POSITIVE,
             ),
             Variable(
-                "charge_pressure", par, "Pa", "pressure that is always there", self.charge_pressure, 1e6, positive=True
+                "charge_pressure", par, "Pa", "pressure that is always there", self.charge_pressure, 1e6, range=POSITIVE
             ),
-            Variable("droop", par, "1", "gain of speed from full load to none", self.droop, 0.1, positive=True),
-            Variable("torque_rise", par, "1", "peak torque over rated torque, less 1", self.torque_rise),
-            Variable("drag", par, "1", "torque that turns the engine without fuel", self.drag),
-            Variable("governor_time", par, "s", "time constant of the fuel rack", self.governor_time, positive=True),
-            Variable("pressure_time", par, "s", "time constant of the pressure", self.pressure_time, positive=True),
-            Variable("efficiency", par, "1", "efficiency of the pump", self.efficiency, positive=True),
+            Variable("droop", par, "1", "gain of speed from full load to none", self.droop, 0.1, range=POSITIVE),
             Variable(
-                "volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency, positive=True
+                "torque_rise", par, "1", "peak torque over rated torque, less 1", self.torque_rise, range=NOT_NEGATIVE
+            ),
+            Variable("drag", par, "1", "torque that turns the engine without fuel", self.drag, range=NOT_NEGATIVE),
+            Variable("governor_time", par, "s", "time constant of the fuel rack", self.governor_time, range=POSITIVE),
+            Variable("pressure_time", par, "s", "time constant of the pressure", self.pressure_time, range=POSITIVE),
+            Variable("efficiency", par, "1", "efficiency of the pump", self.efficiency, range=SHARE),
+            Variable(
+                "volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency, range=SHARE
             ),
             Variable("load_power", Kind.INPUT, "W", "power that the drives take", nominal=1e4),
             Variable("speed", state, "rad/s", "speed of the engine", speed, 1e2),

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from ropeway.components import check
 from ropeway.components.catenary import namespace
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
@@ -120,11 +121,13 @@ class HydraulicDrive:
             _given("pump_flow", "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
             _given("engine_power", "W", "largest power of the engine", self.engine_power, 1e4),
             _given("inertia", "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
-            _given("mechanical_efficiency", "1", "mechanical efficiency", self.mechanical_efficiency),
-            _given("volumetric_efficiency", "1", "volumetric efficiency", self.volumetric_efficiency),
+            _given("mechanical_efficiency", "1", "mechanical efficiency", self.mechanical_efficiency, within=SHARE),
+            _given("volumetric_efficiency", "1", "volumetric efficiency", self.volumetric_efficiency, within=SHARE),
             _given("response_time", "s", "time constant of the speed control", self.response_time),
-            Variable("bearing_friction", par, "1", "bearing friction referred to the rope", self.friction),
-            Variable("drag", par, "N.s/m", "viscous loss at the rope", self.drag),
+            Variable(
+                "bearing_friction", par, "1", "bearing friction referred to the rope", self.friction, range=NOT_NEGATIVE
+            ),
+            Variable("drag", par, "N.s/m", "viscous loss at the rope", self.drag, range=NOT_NEGATIVE),
             _given("brake_force", "N", "most that the brake holds", limit, force),
             Variable("pressure_lost", dis, "1", "1: the drive has no pressure"),
             Variable("pressure", out, "Pa", "pressure difference over the motor", nominal=1e7),
@@ -210,11 +213,13 @@ class HydraulicDrive:
         )
 
 
-def _given(name: str, unit: str, description: str, value: float | None, nominal: float = 1.0) -> Variable:
-    """A parameter above zero, or an input where it has no value."""
+def _given(
+    name: str, unit: str, description: str, value: float | None, nominal: float = 1.0, within: Range = POSITIVE
+) -> Variable:
+    """A parameter, or an input where it has no value."""
     if value is None:
         return Variable(name, Kind.INPUT, unit, description, nominal, nominal)
-    return Variable(name, Kind.PARAMETER, unit, description, value, nominal, positive=True)
+    return Variable(name, Kind.PARAMETER, unit, description, value, nominal, range=within)
 
 
 class Motion(NamedTuple):

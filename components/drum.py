@@ -8,6 +8,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import norm
+from ropeway.components.check import POSITIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
@@ -69,7 +70,7 @@ class Drum(Node):
             )
         return (
             *self.place(),
-            Variable("tension", Kind.PARAMETER, "N", "tension kept", self.tension, site.force, positive=True),
+            Variable("tension", Kind.PARAMETER, "N", "tension kept", self.tension, site.force, range=POSITIVE),
             Variable("travel", Kind.ALGEBRAIC, "m", travel, 0.0, site.length),
             Variable("tension_kept", Kind.RESIDUAL, "N", "the drum keeps its tension", 0.0, site.force),
             pull,

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 from ropeway.components import check
 from ropeway.components.catenary import norm
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
@@ -66,7 +67,7 @@ class SpringAnchor(Node):
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par = Kind.PARAMETER
         return (
-            Variable("stiffness", par, "N/m", "stiffness of the anchor", self.stiffness, 1e6),
+            Variable("stiffness", par, "N/m", "stiffness of the anchor", self.stiffness, 1e6, range=POSITIVE),
             *(
                 Variable(f"rest_{a}", par, "m", f"{a} without pull", at, 100.0)
                 for a, at in zip("xyz", self.at, strict=True)
@@ -192,8 +193,8 @@ class GuyedSpar(HeadSpar):
                 Variable(f"foot_{a}", par, "m", f"{a} of the foot", at, 100.0)
                 for a, at in zip("xyz", foot, strict=True)
             ),
-            Variable("height", par, "m", "length of the mast", self.height or 0.0, 10.0),
-            Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0),
+            Variable("height", par, "m", "length of the mast", self.height or 0.0, 10.0, range=POSITIVE),
+            Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0, range=NOT_NEGATIVE),
             *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
             Variable("axial", alg, "N", "compression of the mast", upright, force),
             *(Variable(f"{r}_travel", alg, "m", f"{r} run through its block", 0.0, site.length) for r in self.blocks),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ropeway.components import check, shoe
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign
@@ -69,12 +70,14 @@ class IntermediateSupport(Standing, Wheel):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         rough = (
-            Variable("friction", Kind.PARAMETER, "1", "friction of the rope in the saddle", self.friction),
-            Variable("slip", Kind.PARAMETER, "m", "travel in which friction builds up", self.slip),
+            Variable(
+                "friction", Kind.PARAMETER, "1", "friction of the rope in the saddle", self.friction, range=NOT_NEGATIVE
+            ),
+            Variable("slip", Kind.PARAMETER, "m", "travel in which friction builds up", self.slip, range=POSITIVE),
             Variable("grip", Kind.PARAMETER, "m", "travel at which the rope lay at rest", self.rest, site.length),
         )
         arc = (
-            Variable("radius", Kind.PARAMETER, "m", "radius of the shoe", self.radius),
+            Variable("radius", Kind.PARAMETER, "m", "radius of the shoe", self.radius, range=POSITIVE),
             Variable("slope", Kind.PARAMETER, "1", "slope of the shoe at its middle", self.slope or 0.0),
             *shoe.side_variables("a"),
             *shoe.side_variables("b"),

@@ -8,6 +8,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import namespace
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
@@ -83,17 +84,19 @@ class Log(Node):
         weight = 10.0 * self.mass
         rear_x, rear_z, normal = self.rear_start()
         return (
-            Variable("mass", par, "kg", "mass of the log", self.mass, 1000.0, positive=True),
-            Variable("length", par, "m", "length of the log", self.length, 10.0, positive=True),
+            Variable("mass", par, "kg", "mass of the log", self.mass, 1000.0, range=POSITIVE),
+            Variable("length", par, "m", "length of the log", self.length, 10.0, range=POSITIVE),
             Variable("centre", par, "1", "centre of gravity from the front over length", self.centre),
-            Variable("friction", par, "1", "friction of the log on the ground", self.friction),
+            Variable("friction", par, "1", "friction of the log on the ground", self.friction, range=NOT_NEGATIVE),
             Variable("slope", par, "1", "slope of the ground up to its vertex", self.slope),
             Variable("slope_after", par, "1", "slope of the ground beyond its vertex", self.after),
-            Variable("rounding", par, "m", "half the width in which the vertex is rounded", self.rounding),
+            Variable(
+                "rounding", par, "m", "half the width in which the vertex is rounded", self.rounding, range=POSITIVE
+            ),
             Variable("ground_x", par, "m", "x of the ground's vertex", self.ground_x, 100.0),
             Variable("ground_z", par, "m", "z of the ground's vertex", self.ground_z, 100.0),
             Variable("moving", par, "1", "sign of the log's way in x", self.moving),
-            Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3),
+            Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3, range=POSITIVE),
             Variable("x", alg, "m", "x of the front", x, 100.0),
             Variable("y", alg, "m", "y of the front", y, 100.0),
             Variable("z", alg, "m", "z of the front", z, 100.0),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.check import POSITIVE
 from ropeway.components.component import Component, Equations, Kind, Outlet, Port, Site, Variable
 from ropeway.components.smooth import clip_above
 
@@ -43,8 +44,8 @@ class HydraulicPowerUnit(Component):
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, out = Kind.PARAMETER, Kind.OUTPUT
         return (
-            Variable("pump_flow", par, "m3/s", "largest flow of the pump", self.pump_flow, 1e-3, positive=True),
-            Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4, positive=True),
+            Variable("pump_flow", par, "m3/s", "largest flow of the pump", self.pump_flow, 1e-3, range=POSITIVE),
+            Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4, range=POSITIVE),
             Variable("flow_demand", out, "m3/s", "flow that the drives ask for", nominal=1e-3),
             Variable("power_demand", out, "W", "power that the drives ask for", nominal=1e4),
             Variable("flow_share", out, "1", "part of the flow asked for that each drive gets"),

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from ropeway.components import check
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
@@ -81,7 +82,7 @@ class Response(ABC):
         """Variables that the response adds to its sheave."""
         dis, queue = Kind.DISCRETE, self.waiting
         return (
-            Variable("response_limit", Kind.PARAMETER, "m/s", "largest correction", self.limit, positive=True),
+            Variable("response_limit", Kind.PARAMETER, "m/s", "largest correction", self.limit, range=POSITIVE),
             *self.own_variables(),
             Variable("response_target", dis, "m/s", "correction decided on"),
             *(
@@ -146,13 +147,13 @@ class ThresholdResponse(Response):
     def own_variables(self) -> tuple[Variable, ...]:
         par = Kind.PARAMETER
         return (
-            Variable("response_low", par, "N", "low end of the tension range", self.low, 1e4),
-            Variable("response_high", par, "N", "high end of the tension range", self.high, 1e4, positive=True),
+            Variable("response_low", par, "N", "low end of the tension range", self.low, 1e4, range=NOT_NEGATIVE),
+            Variable("response_high", par, "N", "high end of the tension range", self.high, 1e4, range=POSITIVE),
             Variable(
-                "response_increment", par, "m/s", "step of speed at an action", self.increment, 0.01, positive=True
+                "response_increment", par, "m/s", "step of speed at an action", self.increment, 0.01, range=POSITIVE
             ),
             Variable("response_initiation", par, "N", "how far outside the range it acts", self.initiation, 1e3),
-            Variable("response_hold", par, "s", "time without need before it goes back", self.hold),
+            Variable("response_hold", par, "s", "time without need before it goes back", self.hold, range=NOT_NEGATIVE),
             Variable("response_calm", Kind.DISCRETE, "s", "time without need"),
         )
 
@@ -219,9 +220,9 @@ class ProportionalResponse(Response):
             aim = plan if self.target is None else self.target
             aims = (Variable("response_aim", par, "N", "tension, or difference of tension, aimed at", aim, 1e4),)
         return (
-            Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5, positive=True),
+            Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5, range=POSITIVE),
             *aims,
-            Variable("response_rate", par, "m/s2", "largest rate of the correction", self.rate, 0.01, positive=True),
+            Variable("response_rate", par, "m/s2", "largest rate of the correction", self.rate, 0.01, range=POSITIVE),
         )
 
     def decide(self, v: Any) -> Decision:

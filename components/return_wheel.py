@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.check import POSITIVE
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel
@@ -53,7 +54,7 @@ class TensionedReturn(Wheel):
                 Variable(f"way_{x}", par, "1", f"direction of the take-up, {x}", d / size)
                 for x, d in zip("xyz", self.direction, strict=True)
             ),
-            Variable("take_up", par, "N", "force of the take-up", self.take_up, site.force, positive=True),
+            Variable("take_up", par, "N", "force of the take-up", self.take_up, site.force, range=POSITIVE),
             *(
                 Variable(x, alg, "m", f"{x} coordinate of the wheel", a, 100.0)
                 for x, a in zip("xyz", self.at, strict=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector, norm
+from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 
@@ -95,7 +96,14 @@ class Sheave(Wheel):
     def variables(self, site: Site) -> tuple[Variable, ...]:
         return (
             *self.place(),
-            Variable("friction", Kind.PARAMETER, "1", "bearing friction referred to the rope", self.friction),
+            Variable(
+                "friction",
+                Kind.PARAMETER,
+                "1",
+                "bearing friction referred to the rope",
+                self.friction,
+                range=NOT_NEGATIVE,
+            ),
             Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
             Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
             Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import catenary, check
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, Equations, Kind, Limit, RopeEnd, Site, Variable
 from ropeway.components.rope import Rope
 
@@ -66,11 +67,17 @@ class Span(Component):
             return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
 
         return (
-            Variable("length_start", par, "m", "unstretched length at zero travel", self.length, length, positive=True),
-            Variable("mass_per_length", par, "kg/m", "mass per length", rope.mass_per_length, positive=True),
-            Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8),
-            *((Variable("construction", par, "1/N2", stretch, strain.c2, 1e-14),) if self._constructional else ()),
-            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, positive=True),
+            Variable(
+                "length_start", par, "m", "unstretched length at zero travel", self.length, length, range=POSITIVE
+            ),
+            Variable("mass_per_length", par, "kg/m", "mass per length", rope.mass_per_length, range=POSITIVE),
+            Variable("compliance", par, "1/N", "elastic strain per tension, 1/EA", strain.c1, 1e-8, range=NOT_NEGATIVE),
+            *(
+                (Variable("construction", par, "1/N2", stretch, strain.c2, 1e-14, range=NOT_NEGATIVE),)
+                if self._constructional
+                else ()
+            ),
+            Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, range=POSITIVE),
             *(
                 Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
                 for axis, start in zip("xyz", site.tension, strict=True)

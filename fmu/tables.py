@@ -89,8 +89,9 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     _limits(tables, m, interface)
     _clocks(tables, m)
     _places(tables, equations.corridor)
-    tables.integers("positive", m.p.positive)
-    tables.integers("is_mass", [unit == "kg" for unit in m.p.units])
+    tables.numbers("least", [r.least for r in m.p.ranges])
+    tables.numbers("most", [r.most for r in m.p.ranges])
+    tables.integers("above", [r.above for r in m.p.ranges])
     return tables
 
 

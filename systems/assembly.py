@@ -10,6 +10,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
+from ropeway.components.check import POSITIVE, Range
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
@@ -90,10 +91,10 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     descriptions: list[str] = []
     values: list[float] = []
     nominals: list[float] = []
-    positive: list[bool] = []
+    ranges: list[Range] = []
     if kind is Kind.PARAMETER:
         names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
-        values, nominals, positive = [system.gravity], [system.gravity], [True]
+        values, nominals, ranges = [system.gravity], [system.gravity], [POSITIVE]
     for component, owned in variables.items():
         for v in owned:
             if v.kind is not kind:
@@ -105,14 +106,14 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
             descriptions += [v.description] * v.size
             values += array
             nominals += [v.nominal] * v.size
-            positive += [v.positive] * v.size
+            ranges += [v.range] * v.size
     return Table(
         tuple(names),
         tuple(units),
         tuple(descriptions),
         np.array(values, float),
         np.array(nominals, float),
-        np.array(positive, bool),
+        tuple(ranges),
     )
 
 

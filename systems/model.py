@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ropeway.components.check import Range
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
@@ -26,7 +27,7 @@ class Table:
     descriptions: tuple[str, ...]
     values: np.ndarray
     nominals: np.ndarray
-    positive: np.ndarray
+    ranges: tuple[Range, ...]
 
     @cached_property
     def index(self) -> dict[str, int]:

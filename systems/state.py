@@ -247,10 +247,8 @@ class LineState:
             kind, k = self.find(self.model.swaps.get(name, name))
             if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
                 raise InputError(f"{name} is a result", "Use given= and solve_for=")
-            if self.model.tables[kind].positive[k] and value <= 0.0:
-                raise InputError(f"{name} is {value!r}", "It must be above zero")
-            if self.model.tables[kind].units[k] == "kg" and value < 0.0:
-                raise InputError(f"{name} is {value!r} kg", "No mass is below zero")
+            if refused := self.model.tables[kind].ranges[k].refuses(value):
+                raise InputError(f"{name} is {value!r}", f"It must {refused}")
             self.point.vector(kind)[k] = value
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)

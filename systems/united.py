@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
+from ropeway.components.check import ANY
 from ropeway.components.component import Kind
 from ropeway.systems.model import Limits, Model, Table
 from ropeway.systems.newton import VECTORS, Point
@@ -66,7 +67,7 @@ class United:
         z = _rows([(owners[n], n, n) for n in every])
         p = _rows([(first.p, n, n) for n in first.p.names if len({part.value(n) for part in parts}) == 1])
         y = _rows([(first.y, of[0], n) for n, of in parts[0].shows.items() if all(n in o.shows for o in parts)])
-        d = Table((place,), ("1",), ("which of the places",), np.zeros(1), np.ones(1), np.zeros(1, bool))
+        d = Table((place,), ("1",), ("which of the places",), np.zeros(1), np.ones(1), (ANY,))
         r = replace(z, nominals=np.ones(len(z)))
         self._tables = {
             **first.tables,
@@ -187,5 +188,5 @@ def _rows(chosen: Sequence[tuple[Table, str, str]]) -> Table:
         tuple(table.descriptions[i] for table, i in rows),
         np.array([table.values[i] for table, i in rows], float),
         np.array([table.nominals[i] for table, i in rows], float),
-        np.array([table.positive[i] for table, i in rows], bool),
+        tuple(table.ranges[i] for table, i in rows),
     )

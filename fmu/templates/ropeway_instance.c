@@ -163,11 +163,15 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
     return RW_OK;
 }
 
-/* What a parameter's value must be; NULL when it is. */
-static const char *demand(unsigned vr, double value)
+/* Whether a parameter may have a value; masses of loads are not below zero. */
+static int in_range(rw_instance *m, unsigned vr, double value)
 {
-    if (vr < MASS && rw_positive[vr - P]) return value > 0.0 ? NULL : "be above zero";
-    return (vr >= MASS || rw_is_mass[vr - P]) && value < 0.0 ? "not be below zero" : NULL;
+    int known = vr < MASS, above = known && rw_above[vr - P];
+    double least = known ? rw_least[vr - P] : 0.0, most = known ? rw_most[vr - P] : INFINITY;
+    const char *wanted = value > most ? "be at most" : above ? "be above" : "not be below";
+    if (value > least || (!above && value == least)) if (value <= most) return 1;
+    rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must %s %g", vr, wanted, value > most ? most : least);
+    return 0;
 }
 
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
@@ -178,10 +182,7 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
         rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
         return RW_ERROR;
     }
-    if (access == PARAMETER && demand(vr, value)) {
-        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must %s", vr, demand(vr, value));
-        return RW_ERROR;
-    }
+    if (access == PARAMETER && !in_range(m, vr, value)) return RW_ERROR;
     if (access == INPUT) {
         if (m->s.u[vr - U] == value) return RW_OK;
         m->s.u[vr - U] = value;

@@ -117,7 +117,7 @@ def test_a_length_must_be_above_zero(open_fmu: Opener, line: Path) -> None:
     one = open_fmu(line)
     with pytest.raises(FMICallException):
         one.set(start_s1__length_start=-1.0)
-    refused(one, "must be above zero")
+    refused(one, "must be above 0")
 
 
 def test_parameters_that_a_component_would_not_take(open_fmu: Opener, driven: Path, tmp_path: Path) -> None:
@@ -126,12 +126,16 @@ def test_parameters_that_a_component_would_not_take(open_fmu: Opener, driven: Pa
         for value in (0.0, -1.0):
             with pytest.raises(FMICallException):
                 one.set(**{name: value})
-            refused(one, "must be above zero")
+            refused(one, "must be above 0")
+    for name, value, words in (("drag", -1.0, "not be below 0"), ("mechanical_efficiency", 1.01, "be at most 1")):
+        with pytest.raises(FMICallException):
+            one.set(**{f"c1__{name}": value})
+        refused(one, f"must {words}")
     two = open_fmu(export(skyline(), tmp_path / "skyline.fmu"))
     two.set(carriage__payload=0.0)
     with pytest.raises(FMICallException):
         two.set(carriage__payload=-1.0)
-    refused(two, "must not be below zero")
+    refused(two, "must not be below 0")
 
 
 def test_steps_that_make_no_sense_are_refused(open_fmu: Opener, line: Path) -> None:

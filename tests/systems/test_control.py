@@ -314,8 +314,15 @@ def test_summary_names_what_went_wrong() -> None:
     assert len(result.plot_power().axes) == 2
 
 
-@pytest.mark.parametrize("name", ["inertia", "volume_per_metre", "pump_flow", "response_time", "response_increment"])
-def test_parameters_of_a_drive_stay_above_zero(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        *((n, -1.0, "above zero") for n in ("inertia", "volume_per_metre", "pump_flow", "response_increment")),
+        *((n, -0.1, "below zero") for n in ("bearing_friction", "drag", "turns", "response_hold")),
+        ("mechanical_efficiency", 1.01, "at most 1"),
+    ],
+)
+def test_parameters_of_a_drive_stay_in_their_range(name: str, value: float, words: str) -> None:
     """A sheave of negative inertia would run, and a pump of negative flow."""
-    with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*above zero"):
-        rw.equilibrium(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE), parameters={f"c1.{name}": -1.0})
+    with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*{words}"):
+        rw.equilibrium(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE), parameters={f"c1.{name}": value})
