@@ -46,12 +46,15 @@ class OutOfReachError(EquilibriumError):
 
 
 class SimulationError(RopewayError):
-    """A simulation stopped before its end. `result` holds everything up to `time` [s]."""
+    """A simulation stopped before its end. `result` holds everything up to `time` [s], None where there was no run."""
 
-    def __init__(self, cause: str, remedy: str = "", time: float = 0.0, result: object = None) -> None:
+    def __init__(self, cause: str, remedy: str = "", time: float | None = None, result: object = None) -> None:
         self.time = time
         self.result = result
         super().__init__(cause, remedy)
+
+    def __str__(self) -> str:
+        return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
 
 
 class ScheduleError(RopewayError):

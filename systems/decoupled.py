@@ -120,7 +120,7 @@ class Drives:
             found = self._f(np.zeros(len(nominal)), np.zeros(0), knowns)[0]
         except RuntimeError as error:
             raise SimulationError(
-                f"IDAS failed between t = {point.t:.9g} s and {point.t + h:.9g} s: {str(error).splitlines()[-1]}",
+                f"IDAS failed within the next {h:.9g} s: {str(error).splitlines()[-1]}",
                 "Look at the drives in the last result",
                 point.t,
             ) from error

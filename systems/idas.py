@@ -88,7 +88,7 @@ class Idas:
         except RuntimeError as error:
             reason = str(error).strip().splitlines()[-1]
             raise SimulationError(
-                f"IDAS failed between t = {point.t:.9g} s and {point.t + h:.9g} s: {reason}",
+                f"IDAS failed within the next {h:.9g} s: {reason}",
                 "Look at the last result: a rope gone slack or a load stuck shows there; or loosen the tolerance",
                 point.t,
             ) from error

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ropeway.components.errors import SimulationError
+from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
 from ropeway.systems.blocks import blocks_of
@@ -25,6 +25,9 @@ from ropeway.systems.newton import Buffered, dense, newton_of
 from ropeway.systems.state import LineState
 
 Signal = float | Schedule
+
+_LEAST_STEP = 1e-5
+"""Shortest stretch [s] that is tried when a longer one has failed."""
 
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
@@ -74,7 +77,31 @@ class Moving:
         return self.state.point.t
 
     def run_to(self, stop: float) -> None:
-        """Moves on to `stop` [s], before which no input bends and nobody acts; solved there."""
+        """Moves on to `stop` [s], before which no input bends and nobody acts; solved there. Raises EquilibriumError,
+        SimulationError."""
+        saved, drop = self.state.copy(), self.rewind()
+        begin = saved.point.t
+        try:
+            self._move_to(stop)
+            self._require_rope()
+        except EquilibriumError:
+            # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
+            # by it finds the true one.
+            if stop - begin < _LEAST_STEP:
+                raise
+            self.state = saved
+            drop()
+            self.disturb()
+            self.run_to((begin + stop) / 2.0)
+            self.run_to(stop)
+
+    def _require_rope(self) -> None:
+        bare = self.state.without_rope()
+        if bare is not None:
+            remedy = "End the run before, or turn the drive"
+            raise EquilibriumError(f"No rope is left in span {bare!r}", remedy, bare)
+
+    def _move_to(self, stop: float) -> None:
         if self._motion_now is None or len(self.breaks):
             self._motion_now = self.solve(stop)
         motion = self._motion_now
@@ -83,10 +110,6 @@ class Moving:
             motion = self._as_whole(motion, stop) if done is None else done
         self._motion_now = motion
         self.set_time(stop)
-        bare = self.state.without_rope()
-        if bare is not None:
-            cause = f"At t = {stop:g} s no rope is left in span {bare!r}"
-            raise SimulationError(cause, "End the run before, or turn the drive", stop)
 
     def disturb(self) -> None:
         """Says that something else than time has changed how the line moves."""

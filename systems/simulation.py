@@ -69,8 +69,7 @@ def simulate(
             error.result = run.result()
             raise
         except RopewayError as error:
-            t = run.state.point.t
-            raise SimulationError(f"At t = {t:.6f} s: {error.cause}", error.remedy, t, run.result()) from error
+            raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
     return run.result()
 
 

@@ -93,10 +93,9 @@ def inhaul(
     try:
         run.go(float(start), float(end), speed if end < start else -speed)
     except EquilibriumError as error:
-        cause = f"At t = {run.time:.3f} s: {error.cause}"
-        raise SimulationError(cause, error.remedy, run.time, run.result()) from error
+        raise SimulationError(error.cause, error.remedy, run.time, run.result()) from error
     except SimulationError as error:
-        raise SimulationError(error.cause, error.remedy, run.time + error.time, run.result()) from error
+        raise SimulationError(error.cause, error.remedy, run.time + (error.time or 0.0), run.result()) from error
     return run.result()
 
 

@@ -283,7 +283,7 @@ def test_a_carriage_does_not_run_past_the_end_of_its_span() -> None:
         carriage=rw.Carriage("carriage", mass=450.0),
         mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
     )
-    with pytest.raises(rw.SimulationError, match=r"no rope is left in span 'head_carriage'") as caught:
+    with pytest.raises(rw.SimulationError, match=r"No rope is left in span 'head_carriage'") as caught:
         rw.simulate(rig.system(0, 100.0, payload=1500.0), 200.0, inputs={"mainline.speed": -1.0})
     assert isinstance(caught.value.result, rw.Result)
     good = caught.value.result.frame

@@ -11,6 +11,7 @@ MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
 
 def rig(**how: object) -> rw.SkylineRig:
     parts: dict[str, object] = {
+        "supports": [rw.IntermediateSupport("s1", at=(160.0, 40.0)), rw.IntermediateSupport("s2", at=(330.0, -20.0))],
         "mainline": MAIN,
         "haulback": MAIN,
         "haulback_tension": 6e3,
@@ -19,7 +20,6 @@ def rig(**how: object) -> rw.SkylineRig:
     return rw.standing_skyline(
         None,
         headspar=rw.HeadSpar("head", at=(0.0, 100.0)),
-        supports=[rw.IntermediateSupport("s1", at=(160.0, 40.0)), rw.IntermediateSupport("s2", at=(330.0, -20.0))],
         tailspar=rw.TailSpar("tail", at=(480.0, -70.0)),
         skyline=ROPE,
         tension=70e3,
@@ -43,6 +43,24 @@ def test_a_full_run_over_two_supports_is_the_load_path(start: float, end: float)
     sign = 1.0 if end < start else -1.0
     assert (sign * frame.drum_power > 0.0).all()
     assert (sign * frame.haulback_power < 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("how", "payload"), [({}, 2500.0), ({}, 4000.0), ({"haulback": None, "haulback_tension": None}, 2500.0)]
+)
+def test_over_shoes_where_the_carriage_moves_far_and_the_drum_turns_little(
+    how: dict[str, object], payload: float
+) -> None:
+    """Near a shoe Newton's method from a long step before comes to nothing, or to a mainline of negative length."""
+    supports = [
+        rw.IntermediateSupport(name, at=at, radius=3.0) for name, at in (("s1", (160.0, 40.0)), ("s2", (330.0, -20.0)))
+    ]
+    run = rw.inhaul(rig(supports=supports, **how), payload=payload, start=430.0, end=60.0, speed=3.0)
+    frame = run.frame
+    assert run.events.event.tolist() == [f"{what} {name}" for name in ("s2", "s1") for what in ("reaches", "leaves")]
+    path = rw.load_path(rig(supports=supports, **how), payload, frame.carriage_x.to_numpy())
+    for column in ("carriage_z", "skyline_tension", "headspar_tension", "mainline_pull"):
+        np.testing.assert_allclose(frame[column], path[column], rtol=1e-6)
 
 
 def test_power_is_what_lifts_the_load() -> None:
