@@ -74,6 +74,8 @@ def export(
     target = Path(path)
     if target.suffix != ".fmu":
         raise InputError(f"{target.name!r} does not end in .fmu", f"Call it {target.with_suffix('.fmu').name}")
+    if not target.parent.is_dir():
+        raise InputError(f"There is no folder {target.parent}", "Make it, or choose another")
     names = compiler.resolved(platforms)
     if isinstance(system, SkylineRig):
         corridor = Corridor(system, station, payload)

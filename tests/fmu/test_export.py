@@ -120,9 +120,11 @@ def test_bad_arguments(more: dict[str, object], cause: str, tmp_path: Path) -> N
         export(one_span(), tmp_path / "x.fmu", **more)  # type: ignore[arg-type]
 
 
-def test_wrong_ending(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be(tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match=r"does not end in \.fmu"):
         export(one_span(), tmp_path / "x.zip")
+    with pytest.raises(rw.InputError, match=r"There is no folder .*nowhere"):
+        export(one_span(), tmp_path / "nowhere" / "x.fmu")
 
 
 def test_open_inputs_say_so(tmp_path: Path) -> None:
