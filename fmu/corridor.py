@@ -91,6 +91,11 @@ class Corridor:
         """Most margins of a place."""
         return max(len(margins) for margins in self.margins.values())
 
+    @property
+    def mean_span(self) -> float:
+        """Mean width of a span [m]."""
+        return (self.rig.stands[-1].at[0] - self.rig.stands[0].at[0]) / self.rig.spans
+
     @cached_property
     def function(self) -> ca.Function:
         """(t, x, z, u, p, d) -> the margins of the place that holds, far off where there are fewer."""

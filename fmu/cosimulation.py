@@ -87,6 +87,8 @@ class CoSimulation:
         check.name(name, "slave")
         if name in self._participants:
             raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
+        if not isinstance(participant, System | Model | Equilibrium | Fmu | str | Path):
+            raise InputError(f"{participant!r:.60} is no slave", "Give a system or an FMU; export() makes one of a rig")
         left: tuple[str, ...] = ()
         if isinstance(participant, System | Model | Equilibrium):
             rest = participant if isinstance(participant, Equilibrium) else equilibrium(participant)

@@ -58,6 +58,11 @@ class Coupling:
         self._slopes = np.zeros(len(connections))
         variables = {name: slave.fmu.names("output") for name, slave in slaves.items()}
         self._outputs = variables
+        self._discrete = [
+            (name, slave.fmu.names("output", kind), read)
+            for name, slave in slaves.items()
+            for kind, read in (("Boolean", bool), ("Integer", int))
+        ]
         self.names = [f"{name}.{v}" for name, outputs in variables.items() for v in outputs]
         self.nominals = np.concatenate([_nominals(slaves[name], outputs) for name, outputs in variables.items()])
         self.input_nominals = np.array([1.0] * len(connections))
@@ -77,10 +82,9 @@ class Coupling:
     def discrete(self) -> dict[str, bool | int]:
         """All Boolean and integer outputs, by name. Raises FmuRunError."""
         found: dict[str, bool | int] = {}
-        for name, slave in self.slaves.items():
-            for kind, read in (("Boolean", bool), ("Integer", int)):
-                variables = slave.fmu.names("output", kind)
-                found.update((f"{name}.{v}", read(x)) for v, x in zip(variables, slave.get(variables), strict=True))
+        for name, variables, read in self._discrete:
+            values = self.slaves[name].get(variables)
+            found.update((f"{name}.{v}", read(x)) for v, x in zip(variables, values, strict=True))
         return found
 
     def _read(self, name: str, values: np.ndarray) -> None:

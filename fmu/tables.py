@@ -206,6 +206,7 @@ def _places(tables: Tables, corridor: Corridor | None) -> None:
     tables.size("NPL", len(passages))
     tables.size("NB", max(0, len(passages) - 1))
     tables.size("NG", 0 if corridor is None else corridor.count)
+    tables.size("MEAN_SPAN", 0.0 if corridor is None else corridor.mean_span)
     rows = [passage for of in passages for passage in of]
     tables.integers("passage_first", _offsets([len(of) for of in passages]))
     tables.integers("passage_to", [passage.to for passage in rows])

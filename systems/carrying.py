@@ -9,8 +9,8 @@ from ropeway.components.component import Component, Kind
 from ropeway.components.errors import InputError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
-from ropeway.systems.newton import VECTORS, Point
-from ropeway.systems.state import LineState
+from ropeway.systems.newton import VECTORS
+from ropeway.systems.state import LineState, declared_point
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
@@ -67,13 +67,15 @@ def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
     """The same place and loads, at time 0, on a declaration of the line that is driven otherwise. Raises InputError."""
     model = system if isinstance(system, Model) else assemble(system)
     declared_alike(start, model.system)
-    point = Point(0.0, *(model.tables[kind].values.copy() for kind in VECTORS))
+    point = declared_point(model)
     for kind in VECTORS:
         table, values = start.model.tables[kind], start.point.vector(kind)
         for i, name in enumerate(model.tables[kind].names):
             k = table.index.get(name)
-            # Parameters that the start has not changed are as declared here, as those of a response.
-            if k is not None and (kind is not Kind.PARAMETER or values[k] != table.values[k]):
+            # What the start has not changed is as declared here: parameters, as those of a response, and speeds.
+            if k is None or (kind is Kind.PARAMETER and values[k] == table.values[k]):
+                continue
+            if kind is not Kind.INPUT or start.model.signals[k] == model.signals[i]:
                 point.vector(kind)[i] = values[k]
     state = LineState(model, point, start.runs, start.passed)
     state.write_slots()

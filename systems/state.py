@@ -47,15 +47,7 @@ class LineState:
     @classmethod
     def cold(cls, model: Model) -> LineState:
         """From geometry."""
-        u = np.array(
-            [
-                s.at(0.0) if isinstance(s, Schedule) else open_start if s is None else s
-                for s, open_start in zip(model.signals, model.u.values, strict=True)
-            ]
-        )
-        tables = (model.x, model.z, model.p, model.d)
-        x, z, p, d = (table.values.copy() for table in tables)
-        state = cls(model, Point(0.0, x, z, u, p, d), model.runs, [np.zeros(0, int) for _ in model.runs])
+        state = cls(model, declared_point(model), model.runs, [np.zeros(0, int) for _ in model.runs])
         state.restart()
         return state
 
@@ -253,6 +245,16 @@ class LineState:
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
         ]
+
+
+def declared_point(model: Model) -> Point:
+    """All values as they are declared, inputs at time 0."""
+    u = [
+        s.at(0.0) if isinstance(s, Schedule) else open_start if s is None else s
+        for s, open_start in zip(model.signals, model.u.values, strict=True)
+    ]
+    x, z, p, d = (table.values.copy() for table in (model.x, model.z, model.p, model.d))
+    return Point(0.0, x, z, np.array(u), p, d)
 
 
 def support_points(model: Model, r: int, point: Point) -> np.ndarray:

@@ -205,11 +205,14 @@ static int tick_due(const rw_instance *m)
     return 0;
 }
 
-/* How soon to look at the limits again, at the present rates: a load is heaviest on its rope in mid-span. */
+/* How soon to look at the limits again, at the present rates: a load is heaviest on its rope in mid-span. Where a
+ * carriage goes from place to place the state is the travel of the drum that pulls it. */
 static double next_look(const rw_instance *m)
 {
     double soon = INFINITY;
     for (int k = 0; k < RW_NK; k++) soon = fmin(soon, LOOK * rw_span_scale[rw_run_of[k]] / fabs(rw_travel_rate(m, k)));
+    if (RW_NPL)
+        for (int i = 0; i < RW_NX; i++) soon = fmin(soon, LOOK * RW_MEAN_SPAN / fabs(m->s.rate[i]));
     return soon;
 }
 

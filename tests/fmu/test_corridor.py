@@ -1,5 +1,6 @@
 """A carriage that runs over its supports inside an FMU, against rw.inhaul; and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import fmpy
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
-from fmus import MAIN, Opened, Opener, corridor, skyline
+from fmus import MAIN, ROPE, Opened, Opener, corridor, skyline
 
 import ropeway as rw
 from ropeway.fmu import export
@@ -91,6 +92,20 @@ def test_one_step_is_as_good_as_many(corridor3: Path, open_fmu: Opener) -> None:
         one = hauled(open_fmu, corridor3)
         ends.append(one.run(0.0, 200.0, 200.0 / steps, names)[-1])
     np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=1e-9)
+
+
+def test_a_rope_that_breaks_within_a_long_step_is_told(tmp_path: Path, open_fmu: Opener) -> None:
+    """The skyline's tension is highest in mid-span, and below the limit again before the support."""
+    frame = rw.inhaul(corridor(), payload=2500.0, start=315.0, end=190.0, speed=1.0).frame
+    limit = 0.2 * frame.highest_tension.min() + 0.8 * frame.highest_tension.max()
+    above = (frame.highest_tension > limit).to_numpy()
+    assert not above[0]
+    assert not above[-1]
+    rig = replace(corridor(), skyline=replace(ROPE, breaking_load=limit))
+    one = hauled(open_fmu, export(rig, tmp_path / "breaks.fmu", station=315.0, payload=2500.0))
+    one.step(0.0, frame.index[-1])
+    told = [float(text.split("t = ")[1].split(" s")[0]) for text in one.log if "skyline.tension_above_MBL" in text]
+    assert told == pytest.approx([frame.index[np.argmax(above)]], abs=2.0)
 
 
 def hauled(open_fmu: Opener, path: Path, speed: float = -1.0, **more: float) -> Opened:

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 import pytest
-from fmus import HYDRAULIC, one_span, open_line, short_line
+from fmus import HYDRAULIC, corridor, one_span, open_line, short_line
 
 import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError
@@ -116,6 +116,8 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     together.connect("a.c1.rope_speed", "b.c1.speed")
     with pytest.raises(rw.InputError, match="is driven already"):
         together.connect("a.c1.command", "b.c1.speed")
+    with pytest.raises(rw.InputError, match="is no slave"):
+        together.add("rig", corridor())  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="Two slaves are named 'a'"):
         together.add("a", line2)
     with pytest.raises(FmuVariableError, match="has no variable 'speed'"):

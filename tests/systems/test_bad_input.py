@@ -319,6 +319,9 @@ def test_a_start_of_a_line_of_the_same_names(other: dict[str, float], words: str
     line, start = rw.monocable(ROPE, table, **mine), rw.equilibrium(rw.monocable(ROPE, table, **{**mine, **other}))
     if not words:
         assert rw.simulate(line, 2.0, start=start).frame["c1.travel"].iloc[-1] == pytest.approx(2.0)
+        warm, cold = rw.equilibrium(line, start=start), rw.equilibrium(line)
+        assert warm["c1.speed"] == 1.0
+        assert warm["c1.power"] == pytest.approx(cold["c1.power"])
         return
     refused(line, lambda: rw.equilibrium(line, start=start), words)
     refused(line, lambda: rw.simulate(line, 1.0, start=start), words)
