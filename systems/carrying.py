@@ -73,7 +73,7 @@ def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
         for i, name in enumerate(model.tables[kind].names):
             k = table.index.get(name)
             # What the start has not changed is as declared here: parameters, as those of a response, and speeds.
-            if k is None or (kind is Kind.PARAMETER and values[k] == table.values[k]):
+            if k is None or (kind in (Kind.PARAMETER, Kind.STATE) and values[k] == table.values[k]):
                 continue
             if kind is not Kind.INPUT or start.model.signals[k] == model.signals[i]:
                 point.vector(kind)[i] = values[k]

@@ -326,3 +326,10 @@ def test_parameters_of_a_drive_stay_in_their_range(name: str, value: float, word
     """A sheave of negative inertia would run, and a pump of negative flow."""
     with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*{words}"):
         rw.equilibrium(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE), parameters={f"c1.{name}": value})
+
+
+def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
+    fast, slow = (line(drive=rw.HydraulicDrive(**DRIVE), speed=speed) for speed in (1.0, 0.5))
+    warm, cold = rw.equilibrium(slow, start=rw.equilibrium(fast)), rw.equilibrium(slow)
+    assert warm["c1.rope_speed"] == 0.5
+    assert warm["c1.power"] == pytest.approx(cold["c1.power"], rel=1e-9)
