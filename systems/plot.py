@@ -1,4 +1,4 @@
-"""Pictures of a line and of its tensions. matplotlib is imported here only."""
+"""Pictures of a line and of its tensions. matplotlib is imported when one is drawn."""
 
 from __future__ import annotations
 

@@ -78,9 +78,8 @@ def _support_row(result: Result, frame: pd.DataFrame, node: Node) -> dict[str, o
     for column, quantity in (("least_support_force", "support_force"), ("least_grip_margin", "grip_margin")):
         if f"{node.name}.{quantity}" in frame:
             row[column] = frame[f"{node.name}.{quantity}"].min()
-    for column, quantity in (("relief_open_time", "relief_open"),):
-        if f"{node.name}.{quantity}" in frame:
-            row[column] = np.trapezoid(frame[f"{node.name}.{quantity}"], time)
+    if f"{node.name}.relief_open" in frame:
+        row["relief_open_time"] = np.trapezoid(frame[f"{node.name}.relief_open"], time)
     response = node.response if isinstance(node, ControlSheave) else None
     if isinstance(response, ThresholdResponse):
         outside = ((tension > response.high) | (tension < response.low)).any(axis=1)
@@ -117,8 +116,8 @@ def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
 
 
 def power(result: Result) -> pd.DataFrame:
-    """Power of the drives into the rope: index sheave, and `line` for all; mean and highest power [W], energy
-    pulled and recovered [J]."""
+    """Power of the drives into the rope: index sheave, and `line` for all; mean, highest and lowest power [W],
+    energy pulled and recovered [J]."""
     frame = result.full_frame
     time = frame.index.to_numpy()
     columns = [c for c in frame.columns if c.endswith(".power")]

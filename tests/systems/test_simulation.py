@@ -131,7 +131,7 @@ def test_drives_pay_for_the_rise_of_the_loads() -> None:
     s.hang(rw.Load("l1", mass=500.0), spans, at=30.0)
     s.hang(rw.Load("l2", mass=700.0), spans, at=150.0)
     result = rw.simulate(s, until=40.0, every=0.25)
-    assert not len(result.crossings)
+    assert not len(result.noted)
 
     def potential(t: float) -> float:
         state = result.at(t)

@@ -1,4 +1,4 @@
-"""A plan as a picture. matplotlib is imported here only."""
+"""A plan as a picture. matplotlib is imported when one is drawn."""
 
 from __future__ import annotations
 
