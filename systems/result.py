@@ -199,14 +199,16 @@ class Result:
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
-        """Tensions over time at the control sheaves, or at `components`, with SWL and MBL."""
+        """Tensions over time at the control sheaves (or the first idlers, where there are none), or at `components`,
+        with SWL and MBL. Raises InputError without a rope, UnknownNameError."""
         from ropeway.systems.plot import tensions_over_time
 
         self._require_rope()
         return tensions_over_time(self, components)
 
     def plot_power(self) -> Figure:
-        """Power of the control sheaves over time, and energy pulled and recovered."""
+        """Power of the control sheaves over time, and energy pulled and recovered. Raises UnknownNameError where there
+        is none."""
         from ropeway.systems.plot import power_over_time
 
         return power_over_time(self)
