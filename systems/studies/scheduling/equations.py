@@ -95,8 +95,13 @@ class LineEquations:
         self._alg: ca.SX = expanded(model).call(arguments)[1] / unit
         self._y: ca.SX = model.outputs.expand().call(arguments)[0] / self.y_unit
         self._known = {
-            "z": self._z, "q": self._q, "v": self._v, "d": self._d, "x": self._more_x, "u": self._more_u,
-        }  # fmt: skip
+            "z": self._z,
+            "q": self._q,
+            "v": self._v,
+            "d": self._d,
+            "x": self._more_x,
+            "u": self._more_u,
+        }
         self._peak, self._give = ca.SX.sym("peak"), ca.SX.sym("give")
         pattern = ca.jacobian_sparsity(self._alg, self._z)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.get_col())

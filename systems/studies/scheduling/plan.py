@@ -62,9 +62,7 @@ class Report:
     @property
     def frame(self) -> pd.DataFrame:
         """A row a round."""
-        rows = [
-            {**{k: v for k, v in r.__dict__.items() if k != "gap"}, **r.gap.__dict__} for r in self.rounds
-        ]  # fmt: skip
+        rows = [{**{k: v for k, v in r.__dict__.items() if k != "gap"}, **r.gap.__dict__} for r in self.rounds]
         return pd.DataFrame(rows).rename_axis("round")
 
 
