@@ -325,6 +325,11 @@ class SpanModel:
     def _topples(self, point: Point, free: tuple[Balance, ...]) -> bool:
         """Whether the stiffness of a spar's top, all else in balance, is not positive definite."""
         rows, columns = condensed_last(self.model, free)
+        x = self.model.z.index.get(f"{self.rig.carriage.name}.x")
+        if self.on is not None and x is not None:
+            # Held on its shoe: where a carriage would run over at once, its own balance is the unstable one.
+            rows = rows[rows != self.model.r.index[f"{self.rig.carriage.name}.balance"]]
+            columns = columns[columns != x]
         matrix = newton_of(self.model).matrix(point)[rows][:, columns].tocsc()
         signs = np.array([b.sign for b in free])
         return bool(np.any(signs * condensed_pivots(matrix, len(free)) >= 0.0))
