@@ -13,6 +13,7 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
+from ropeway.systems.model import component_of
 
 if TYPE_CHECKING:
     from ropeway.systems.result import Result
@@ -121,7 +122,7 @@ def power(result: Result) -> pd.DataFrame:
     frame = result.full_frame
     time = frame.index.to_numpy()
     columns = [c for c in frame.columns if c.endswith(".power")]
-    values = {c.split(".")[0]: frame[c].to_numpy() for c in columns}
+    values = {component_of(c): frame[c].to_numpy() for c in columns}
     if values:
         values["line"] = np.sum(list(values.values()), axis=0)
     rows = {

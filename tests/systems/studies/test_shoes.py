@@ -43,8 +43,8 @@ def test_the_pull_is_continuous_over_a_shoe(payload: float, how: dict[str, objec
 
 
 def test_the_pull_is_continuous_under_a_guyed_spar_too() -> None:
-    """On a shoe there is a place where the carriage would run over at once with the drum at rest: that its own balance is
-    unstable there is not the spar's."""
+    """On a shoe there is a place where the carriage would run over at once with the drum at rest: its own balance is
+    unstable there, not the spar's."""
     anchors = {"g1": (-25.0, -15.0), "g2": (-25.0, 15.0), "g3": (20.0, 18.0), "g4": (20.0, -18.0)}
     rope = rw.Rope(mass_per_length=2.0, axial_stiffness=20e6, breaking_load=400e3)
     guys = tuple(rw.Guyline(name, rope=rope, at=(*at, 85.0), pretension=15e3) for name, at in anchors.items())
