@@ -11,6 +11,7 @@ import ropeway as rw
 
 
 def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 

@@ -57,6 +57,7 @@ def example_line() -> rw.System:
 
 
 def main(folder: Path, given: Path | None) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
