@@ -234,7 +234,7 @@ def _report_plan(plan: SchedulePlan, out: Path) -> None:
     cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
     _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
     robust = plan.robustness()
-    over = robust.xs("over plan", axis=1, level=1) * 100.0
+    over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
     _table(
         "Highest tension over the plan's, when the line is not as planned [%]",
         ["", *over.columns],
