@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ropeway.fmu.command import app as fmu_commands
-from ropeway.fmu.terminal import errors_on_one_line
+from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +28,7 @@ app = typer.Typer(
 app.add_typer(fmu_commands, name="fmu")
 
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; it is made if need be.")]
+SafetyFactor = Annotated[float, typer.Option(help="Breaking load over safe working load.")]
 
 
 @app.command()
@@ -50,14 +51,14 @@ def simulate(
             "drum, idler, control, return), in the order of the rope."
         ),
     ],
-    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
-    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    rope: RopeName = "RHOL-IWRC 29",
+    tension: Tension = 45e3,
     speed: Annotated[float, typer.Option(help="Rope speed [m/s]; negative runs backwards.")] = 1.0,
-    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
-    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+    load_mass: LoadMass = 300.0,
+    load_spacing: LoadSpacing = 50.0,
     until: Annotated[float, typer.Option(help="Length of the run [s].")] = 600.0,
     every: Annotated[float, typer.Option(help="Interval of the tables [s].")] = 1.0,
-    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    safety_factor: SafetyFactor = 3.0,
     out: Out = Path("ropeway-out"),
 ) -> None:
     """Simulate a mono-cable line: tensions, events and pictures."""
@@ -74,11 +75,11 @@ def simulate(
 @app.command()
 def optimise(
     line: Annotated[Path, typer.Argument(help="Supports, as for `simulate`, with at least two control sheaves.")],
-    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
-    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    rope: RopeName = "RHOL-IWRC 29",
+    tension: Tension = 45e3,
     speed: Annotated[float, typer.Option(help="Rope speed [m/s].")] = 1.0,
-    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
-    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+    load_mass: LoadMass = 300.0,
+    load_spacing: LoadSpacing = 50.0,
     until: Annotated[float, typer.Option(help="Length of the schedule [s].")] = 120.0,
     intervals: Annotated[int, typer.Option(help="Pieces of the schedule.")] = 60,
     minimise: Annotated[str, typer.Option(help="peak tension, tension deviation or energy.")] = "peak tension",
@@ -90,7 +91,7 @@ def optimise(
             help="When limits and objective begin to count [s]; by default 10 s or a quarter of the schedule."
         ),
     ] = None,
-    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    safety_factor: SafetyFactor = 3.0,
     out: Out = Path("ropeway-schedule"),
 ) -> None:
     """Optimise how the control sheaves of a mono-cable line move: schedules, limits that bind, robustness."""
@@ -121,7 +122,7 @@ def payload(
     support: Annotated[list[str] | None, typer.Option(help="Intermediate support STATION:HEIGHT; repeat it.")] = None,
     carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0,
     load_depth: Annotated[float, typer.Option(help="From the skyline down to the load's lowest point [m].")] = 0.0,
-    safety_factor: Annotated[float, typer.Option(help="Breaking load over safe working load.")] = 3.0,
+    safety_factor: SafetyFactor = 3.0,
     clearance: Annotated[float, typer.Option(help="Least clearance under the load [m].")] = 1.0,
     spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0,
     out: Out = Path("ropeway-payload"),
@@ -233,7 +234,7 @@ def _report_plan(plan: SchedulePlan, out: Path) -> None:
     cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
     _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
     robust = plan.robustness()
-    over = robust.xs("over plan", axis=1, level=1) * 100.0
+    over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
     _table(
         "Highest tension over the plan's, when the line is not as planned [%]",
         ["", *over.columns],

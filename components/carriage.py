@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ropeway.components import check
-from ropeway.components.catenary import Vector, namespace, norm
+from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
+from ropeway.components.smooth import size
 
 Holding = Literal["bisector", "horizontal"]
 
@@ -131,7 +132,7 @@ class Carriage(Node):
         return {
             "tension_a": norm(v.a.force),
             "tension_b": norm(v.b.force),
-            **{f"{line}_pull": _length(pull) for line, pull in lines.items()},
+            **{f"{line}_pull": size(pull) for line, pull in lines.items()},
         }
 
     def equations(self, v: Any) -> Equations:
@@ -141,9 +142,3 @@ class Carriage(Node):
         if not self.clamped:
             residuals["tension_law"] = outputs["tension_b"] - outputs["tension_a"]
         return Equations(residuals=residuals, outputs=outputs)
-
-
-def _length(pull: Any) -> Any:
-    """Length of a force that is zero where a seat is left open, with a derivative there too."""
-    xp = namespace(*pull)
-    return xp.sqrt(pull[0] ** 2 + pull[1] ** 2 + pull[2] ** 2 + 1e-60) - 1e-30

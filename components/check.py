@@ -61,6 +61,13 @@ def not_negative(value: float, owner: str, field: str, unit: str = "") -> None:
         raise InputError(f"{owner}: {field} is {value!r} {unit}".rstrip(), "It must not be negative")
 
 
+def share(value: float, owner: str, field: str) -> None:
+    """A number above zero and at most one."""
+    positive(value, owner, field)
+    if value > 1.0:
+        raise InputError(f"{owner}: {field} is {value!r}", "It must be at most 1")
+
+
 def point(value: Sequence[float], owner: str) -> Point:
     """(x, z) or (x, y, z) [m] as (x, y, z)."""
     values = tuple(value)

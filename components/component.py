@@ -201,8 +201,7 @@ class Component(ABC):
 
 @dataclass(frozen=True)
 class Node(Component):
-    """A component at a place `at` = (x, z) or (x, y, z) [m]. `speed` of a subclass that drives the rope is
-    the name of its speed variable."""
+    """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit."""
 
     at: tuple[float, ...]
 

@@ -33,8 +33,8 @@ class DieselHydraulicUnit(Component):
     It offers a `flow` [m3/s] and a `pressure` [Pa]; the input `load_power` [W] is what the drives take of both,
     below zero what they return; they get no more than flow times pressure. An engine that is lugged down gives
     less flow, and below 0.8 of its rated speed the pump gives way: the pressure falls, to the charge pressure at
-    0.6. The torque curve is a parabola, the
-    governor is proportional: textbook relations, put together here. Raises InputError.
+    0.6. The torque curve is a parabola, the governor is proportional: textbook relations, put together here.
+    Raises InputError.
     """
 
     rated_power: float
@@ -64,15 +64,12 @@ class DieselHydraulicUnit(Component):
             ("droop", ""),
             ("governor_time", "s"),
             ("pressure_time", "s"),
-            ("efficiency", ""),
-            ("volumetric_efficiency", ""),
         ):
             check.positive(getattr(self, name), owner, name, unit)
         for name in ("torque_rise", "drag"):
             check.not_negative(getattr(self, name), owner, name)
         for name in ("efficiency", "volumetric_efficiency"):
-            if getattr(self, name) > 1.0:
-                raise InputError(f"{owner}: {name} is {getattr(self, name)}", "An efficiency is at most 1")
+            check.share(getattr(self, name), owner, name)
         if self.charge_pressure >= self.relief_pressure:
             raise InputError(
                 f"{owner}: charge_pressure is {self.charge_pressure:g} Pa, relief_pressure {self.relief_pressure:g} Pa",

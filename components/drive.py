@@ -33,12 +33,12 @@ class HydraulicDrive:
 
     displacement of the motor [m3/rad]; gear_ratio: turns of the motor per turn of the sheave; sheave_radius
     [m]; mechanical_efficiency and volumetric_efficiency, 0 to 1; relief_pressure [Pa] and pump_flow [m3/s],
-    None: left open as an input of the model, for a power unit to give;
-    engine_power [W]; inertia: of all that rotates, referred to the rope [kg]; command_lag: time constant from
-    command to pump [s], 0 for none; response_time: time constant of the speed control [s]; recovers: braking
-    returns energy to the engine (and is limited by its power) instead of burning it; friction of the sheave's
-    bearing, referred to the rope; drag: viscous loss at the rope [N s/m]; brake_force: most that the brake
-    holds [N], by default ten times the relief valve's force.
+    None: left open as an input of the model, for a power unit to give; engine_power [W]; inertia: of all that
+    rotates, referred to the rope [kg]; command_lag: time constant from command to pump [s], 0 for none;
+    response_time: time constant of the speed control [s]; recovers: braking returns energy to the engine (and is
+    limited by its power) instead of burning it; friction of the sheave's bearing, referred to the rope; drag:
+    viscous loss at the rope [N s/m]; brake_force: most that the brake holds [N], by default ten times the relief
+    valve's force.
 
     The drive gives the force that its speed control asks for, unless the relief valve (force), the pump flow
     (speed) or the engine (force times speed) limits it. Raises InputError.
@@ -75,9 +75,7 @@ class HydraulicDrive:
             if getattr(self, name) is not None or name not in ("relief_pressure", "pump_flow"):
                 check.positive(getattr(self, name), owner, name, unit)
         for name in ("mechanical_efficiency", "volumetric_efficiency"):
-            check.positive(getattr(self, name), owner, name)
-            if getattr(self, name) > 1.0:
-                raise InputError(f"{owner}: {name} is {getattr(self, name)}", "An efficiency is at most 1")
+            check.share(getattr(self, name), owner, name)
         for name, unit in (("command_lag", "s"), ("friction", ""), ("drag", "N s/m")):
             check.not_negative(getattr(self, name), owner, name, unit)
         if self.brake_force is not None:

@@ -13,6 +13,7 @@ from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
+from ropeway.components.smooth import size
 from ropeway.components.spar import Ground, HeadSpar, Tailhold
 
 
@@ -224,6 +225,6 @@ class GuyedSpar(HeadSpar):
             outputs={
                 "compression": v.axial,
                 "lean": lean,
-                "tension": (v.skyline.force[0] ** 2 + v.skyline.force[1] ** 2 + v.skyline.force[2] ** 2 + 1e-60) ** 0.5,
+                "tension": size(v.skyline.force),
             },
         )

@@ -104,7 +104,7 @@ class Log(Node):
             Variable("rear_z", alg, "m", "z of the rear", rear_z, 100.0),
             Variable("normal", alg, "N", "force of the ground, normal to it", normal, weight),
             *(Variable(f"balance_{a}", res, "N", f"forces on the log, {a}", 0.0, weight) for a in "xyz"),
-            Variable("moment", res, "Nm", "moments about the front", 0.0, weight * self.length),
+            Variable("moment", res, "N.m", "moments about the front", 0.0, weight * self.length),
             Variable("rigid", res, "m", "the log keeps its length", 0.0, 10.0),
             Variable("contact", res, "m", "normal force or gap is zero"),
             Variable("gap", out, "m", "height of the rear over the ground, normal to it"),

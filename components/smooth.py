@@ -21,6 +21,11 @@ def angle_between(a: Vector, b: Vector) -> Any:
     return xp.atan2(xp.sqrt(cx * cx + cy * cy + cz * cz + tiny), dot)
 
 
+def size(force: Vector) -> Any:
+    """Length of a force that is zero where a seat is left open, with a derivative there too."""
+    return namespace(*force).sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2 + 1e-60) - 1e-30
+
+
 def clip_above(x: Any, limit: Any, corner: float = 0.02) -> Any:
     """The smaller of x and a positive limit: exactly x below (1 - corner) * limit, exactly the limit above
     (1 + corner) * limit, a parabola between with continuous slope, never above the limit."""

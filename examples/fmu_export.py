@@ -11,6 +11,7 @@ import ropeway as rw
 
 
 def main(folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
@@ -33,7 +34,7 @@ def main(folder: Path) -> None:
     axes.plot(run["time"], run[name] / 1e3, label="FMU in FMPy")
     axes.plot(times, result.frame[name] / 1e3, "--", label="IDAS")
     axes.set(xlabel="time [s]", ylabel=f"{name} [kN]")
-    axes.legend()
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
     figure.savefig(folder / "fmu_export.png", dpi=110)
     plt.close(figure)
 

@@ -57,6 +57,7 @@ def example_line() -> rw.System:
 
 
 def main(folder: Path, given: Path | None) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     mpl.use("Agg")
     import matplotlib.pyplot as plt
 
@@ -79,16 +80,16 @@ def main(folder: Path, given: Path | None) -> None:
     coupled = together.run(until=UNTIL)
 
     shown = {
-        "c1.tension_out": ("line.c1.tension_out", 1e-3, "c1.tension_out [kN]"),
-        "dancer.y": ("dancer.y", 1.0, "way [m]"),
+        "c1.tension_out": ("line.c1.tension_out", "N", 1e-3, "c1.tension_out [kN]"),
+        "dancer.y": ("dancer.y", "m", 1.0, "way [m]"),
     }
     figure, axes = plt.subplots(3, sharex=True, figsize=(7.0, 7.0), layout="constrained")
-    for axis, (name, (other, factor, label)) in zip(axes, shown.items(), strict=False):
+    for axis, (name, (other, unit, factor, label)) in zip(axes, shown.items(), strict=False):
         axis.plot(one_run.index, factor * one_run[name], color="0.75", linewidth=5, label="one simulation")
         axis.plot(coupled.index, factor * coupled[other], "C1", linewidth=1, label="co-simulation")
         axis.set_ylabel(label)
         difference = np.abs(coupled[other].to_numpy() - one_run[name].to_numpy())
-        print(f"largest difference in {name}: {difference.max():.2g}")
+        print(f"largest difference in {name}: {difference.max():.2g} {unit}")
         axes[2].semilogy(one_run.index[1:], difference[1:] / np.ptp(one_run[name]), label=name)
     axes[0].plot(without.index, without["c1.tension_out"] / 1e3, "k:", label="without the dancer")
     axes[0].legend(loc="upper center", ncols=3)

@@ -22,6 +22,7 @@ VARIANTS = 10_000
 
 
 def main(folder: Path, variants: int) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
     supports = pd.read_csv(SUPPORTS)
     line = rw.monocable(ROPE, supports, tension=45e3, load_mass=300.0, load_spacing=50.0)
     drawn = rw.equilibrium(line)

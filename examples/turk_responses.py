@@ -106,6 +106,7 @@ def lines() -> dict[str, dict[str, rw.Result]]:
 
 def main(folder: Path) -> None:
     """Prints the drive and the table, draws the page."""
+    folder.mkdir(parents=True, exist_ok=True)
     print(
         f"Hydraulic drive: relief valve opens at {DRIVE.relief_force / 1e3:.1f} kN, "
         f"full flow at {DRIVE.top_speed:.2f} m/s, engine {DRIVE.engine_power / 1e3:.0f} kW"

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, cast
 
 import typer
 
-from ropeway.fmu.terminal import errors_on_one_line
+from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
 
 app = typer.Typer(help="FMUs: export a line, look into one, run one.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -20,11 +20,11 @@ def export_line(
     out: Annotated[Path, typer.Option("--out", "-o", help="The FMU to write.")] = Path("line.fmu"),
     fmi: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "2.0",
     platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; can be repeated.")] = None,
-    rope: Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
-    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3,
+    rope: RopeName = "RHOL-IWRC 29",
+    tension: Tension = 45e3,
     speed: Annotated[float, typer.Option(help="Rope speed at the start [m/s].")] = 1.0,
-    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0,
-    load_spacing: Annotated[float, typer.Option(help="Rope between two loads [m].")] = 50.0,
+    load_mass: LoadMass = 300.0,
+    load_spacing: LoadSpacing = 50.0,
 ) -> None:
     """Export a mono-cable line as an FMU."""
     from ropeway.components.rope import Rope

@@ -195,7 +195,7 @@ class Corridor:
 
     def _margins(self, at: SpanModel) -> Iterator[Margin]:
         if at.on is not None:
-            yield from self._off_shoe(at, at.on)
+            yield from self._off_shoe(at.on)
         else:
             yield from self._in_span(at)
         carriage = self.rig.carriage.name
@@ -213,7 +213,7 @@ class Corridor:
             None, "no rope is left in a span", lambda read: reduce(ca.fmin, [read(f"{s}.length") for s in spans])
         )
 
-    def _off_shoe(self, at: SpanModel, k: int) -> Iterator[Margin]:
+    def _off_shoe(self, k: int) -> Iterator[Margin]:
         """From the shoe of support k, on either side."""
         carriage, support = self.rig.carriage.name, self.rig.supports[k]
 

@@ -127,14 +127,7 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
         scalar = ElementTree.SubElement(
             variables,
             "ScalarVariable",
-            _attributes(
-                name=v.name,
-                valueReference=v.reference,
-                description=v.description,
-                causality=v.causality,
-                variability=v.variability,
-                initial=v.initial,
-            ),
+            _attributes(**_told(v)),
         )
         of = place[by_name[v.state].reference] if v.state else None
         real = {"unit": v.unit, "nominal": v.nominal, "derivative": of} if v.kind == "Real" else {}
@@ -175,17 +168,7 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
         ElementTree.SubElement(
             variables,
             _TYPES[v.kind],
-            _attributes(
-                name=v.name,
-                valueReference=v.reference,
-                description=v.description,
-                causality=v.causality,
-                variability=v.variability,
-                initial=v.initial,
-                **real,
-                start=v.start,
-                derivative=of,
-            ),
+            _attributes(**_told(v), **real, start=v.start, derivative=of),
         )
     structure = ElementTree.SubElement(root, "ModelStructure")
     groups = (
@@ -199,6 +182,18 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
             knowns = interface.depends_on(v, parameters=name == "InitialUnknown")
             ElementTree.SubElement(structure, name, valueReference=str(v.reference), dependencies=_list(knowns))
     return root
+
+
+def _told(v: FmuVariable) -> dict[str, object]:
+    """What both versions say of a variable."""
+    return {
+        "name": v.name,
+        "valueReference": v.reference,
+        "description": v.description,
+        "causality": v.causality,
+        "variability": v.variability,
+        "initial": v.initial,
+    }
 
 
 def _initial(variables: Iterable[FmuVariable]) -> list[FmuVariable]:

@@ -11,7 +11,7 @@ from operator import or_
 import casadi as ca
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
+from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.corridor import Corridor
@@ -210,8 +210,7 @@ class Dependencies:
             return []
         pattern = self._m.dae.jac_sparsity(1, 2)
         row, column = np.array(pattern.row()), np.array(pattern.get_col())
-        matrix = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
-        determined = maximum_bipartite_matching(matrix, perm_type="column")
+        determined = self._m.determined
         needs = csr_matrix((np.ones(len(row)), (determined[row], column)), shape=(n, n))
         count, block = connected_components(needs, connection="strong")
         masks = [0] * count

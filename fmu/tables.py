@@ -179,8 +179,8 @@ def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]
 
 def _limits(tables: Tables, m: Model, interface: Interface) -> None:
     limits = m.limits
-    bounds = np.maximum(np.where(np.isfinite(limits.low), np.abs(limits.low), 0.0), 0.0)
-    bounds = np.maximum(bounds, np.where(np.isfinite(limits.high), np.abs(limits.high), 0.0))
+    low, high = (np.where(np.isfinite(bound), np.abs(bound), 0.0) for bound in (limits.low, limits.high))
+    bounds = np.maximum(low, high)
     scale = np.maximum(bounds, m.y.nominals[limits.output]) if len(limits.output) else bounds
     tables.integers("limit_output", limits.output)
     tables.numbers("limit_low", limits.low)

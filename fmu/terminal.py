@@ -1,13 +1,19 @@
-"""How commands tell of a wrong input."""
+"""What commands share: options of a line, and how they tell of a wrong input."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Annotated
 
 import typer
 
 from ropeway.components.errors import RopewayError
+
+RopeName = Annotated[str, typer.Option(help="Name of a rope; `ropeway ropes` lists them.")]
+Tension = Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")]
+LoadMass = Annotated[float, typer.Option(help="Mass of each load [kg].")]
+LoadSpacing = Annotated[float, typer.Option(help="Rope between two loads [m].")]
 
 
 @contextmanager

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.check import POSITIVE, Range
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
@@ -327,9 +325,7 @@ def _check_structure(model: Model, system: System) -> None:
         )
     if not unknowns:
         return
-    pattern = model.dae.jac_sparsity(1, 2)
-    matrix = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
-    match = maximum_bipartite_matching(matrix, perm_type="column")
+    match = model.determined
     if np.any(match < 0):
         lone = [residuals[i] for i in np.flatnonzero(match < 0)]
         owner = component_of(lone[0])

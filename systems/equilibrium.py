@@ -20,10 +20,8 @@ from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
 from ropeway.systems.stability import condensed_last, condensed_pivots
-from ropeway.systems.state import LineState, find, support_points
+from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System
-
-_LOAD_OUTPUTS = {"x": "slot_x", "y": "slot_y", "z": "slot_z", "distance": "slot_distance"}
 
 
 @dataclass(frozen=True)
@@ -85,8 +83,8 @@ class Equilibrium:
             for k, span in enumerate(run.spans):
                 for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
                     read = {
-                        w: self.outputs[self.model.y.index[f"{span.name}.{s}[{slot + 1}]"]]
-                        for w, s in _LOAD_OUTPUTS.items()
+                        what: self.outputs[self.model.y.index[f"{span.name}.slot_{what}[{slot + 1}]"]]
+                        for what in LOAD_OUTPUTS
                     }
                     if run.loads.mass[i] == 0.0:  # a missing load
                         continue

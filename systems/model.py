@@ -9,6 +9,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.check import Range
 from ropeway.components.component import Kind
@@ -236,6 +238,13 @@ class Model:
     def r(self) -> Table:
         """Residuals."""
         return self.tables[Kind.RESIDUAL]
+
+    @cached_property
+    def determined(self) -> np.ndarray:
+        """For each residual the algebraic variable that it is matched with, shape (nz,); -1 where there is none."""
+        pattern = self.dae.jac_sparsity(1, 2)
+        graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+        return np.asarray(maximum_bipartite_matching(graph, perm_type="column"))
 
     def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
         """Travels of the supports of each run [m]."""

@@ -1,4 +1,4 @@
-"""Pictures of a line and of its tensions. matplotlib is imported here only."""
+"""Pictures of a line and of its tensions. matplotlib is imported when one is drawn."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ _MARKS = {
 
 
 def tensions_over_time(result: Result, components: Sequence[str] | None = None) -> Figure:
-    """Tension on both sides of each control sheave (or of `components`) over time, against SWL and MBL.
+    """Tension on both sides of each control sheave (or of `components`, or of the first idlers where there is no
+    control sheave) over time, against SWL and MBL.
 
     Above the whole scale up to the MBL with the range of all spans, below each sheave in detail. Raises
     UnknownNameError.
@@ -45,17 +46,19 @@ def tensions_over_time(result: Result, components: Sequence[str] | None = None) 
         if f"{name}.tension_in" not in frame:
             raise UnknownNameError(f"{name!r} has no tension_in", nearest(name, list(frame.columns)))
     time = frame.index.to_numpy()
-    rows = max(1, len(components))
+    rows = len(components)
     figure = Figure(figsize=(10.0, 3.0 + 1.7 * rows), layout="constrained")
     axes = figure.subplots(1 + rows, 1, sharex=True, height_ratios=[1.7] + [1.0] * rows, squeeze=False)[:, 0]
     _against_limits(axes[0], result, time)
-    axes[0].set_title(f"{result.model.name}: rope tension at the control sheaves")
-    for axis, name in zip(axes[1:], components, strict=False):
+    axes[0].set_title(f"{result.model.name}: rope tension")
+    for axis, name in zip(axes[1:], components, strict=True):
         axis.plot(time, frame[f"{name}.tension_in"] / 1e3, lw=1.0, color="tab:blue", label="coming in")
         axis.plot(time, frame[f"{name}.tension_out"] / 1e3, lw=1.0, color="tab:orange", label="going out")
         axis.set_ylabel(f"{name} [kN]")
         axis.grid(alpha=0.3)
-    axes[min(1, rows)].legend(loc="upper right", ncols=2, fontsize="small")
+    if rows:  # above the picture: inside it would lie on the lines
+        above = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1, "frameon": False}
+        axes[1].legend(ncols=2, fontsize="small", **above)
     axes[-1].set_xlabel("time [s]")
     axes[-1].set_xlim(time[0], time[-1])
     return figure

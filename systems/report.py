@@ -13,6 +13,7 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
+from ropeway.systems.model import component_of
 
 if TYPE_CHECKING:
     from ropeway.systems.result import Result
@@ -78,9 +79,8 @@ def _support_row(result: Result, frame: pd.DataFrame, node: Node) -> dict[str, o
     for column, quantity in (("least_support_force", "support_force"), ("least_grip_margin", "grip_margin")):
         if f"{node.name}.{quantity}" in frame:
             row[column] = frame[f"{node.name}.{quantity}"].min()
-    for column, quantity in (("relief_open_time", "relief_open"),):
-        if f"{node.name}.{quantity}" in frame:
-            row[column] = np.trapezoid(frame[f"{node.name}.{quantity}"], time)
+    if f"{node.name}.relief_open" in frame:
+        row["relief_open_time"] = np.trapezoid(frame[f"{node.name}.relief_open"], time)
     response = node.response if isinstance(node, ControlSheave) else None
     if isinstance(response, ThresholdResponse):
         outside = ((tension > response.high) | (tension < response.low)).any(axis=1)
@@ -117,12 +117,12 @@ def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
 
 
 def power(result: Result) -> pd.DataFrame:
-    """Power of the drives into the rope: index sheave, and `line` for all; mean and highest power [W], energy
-    pulled and recovered [J]."""
+    """Power of the drives into the rope: index sheave, and `line` for all; mean, highest and lowest power [W],
+    energy pulled and recovered [J]."""
     frame = result.full_frame
     time = frame.index.to_numpy()
     columns = [c for c in frame.columns if c.endswith(".power")]
-    values = {c.split(".")[0]: frame[c].to_numpy() for c in columns}
+    values = {component_of(c): frame[c].to_numpy() for c in columns}
     if values:
         values["line"] = np.sum(list(values.values()), axis=0)
     rows = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 
 class Event(NamedTuple):
-    """Something that happened at a component: `value` is the load's number or the quantity in question."""
+    """Something that happened at a component at a time [s]: `value` is the load's number or the quantity in question,
+    `load` the load's name."""
 
     time: float
     component: str
@@ -37,7 +38,8 @@ class Event(NamedTuple):
 class Result:
     """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
     marks those of the frame, `exact` those in which every section of the line was solved: the others are
-    solved when they are asked for. `parameters` is the model's parameter vector of the run."""
+    solved when they are asked for. `parameters` is the model's parameter vector of the run; `noted` is what was
+    written down as it happened, `events` that and the limits reached."""
 
     model: Model
     runs: tuple[Run, ...]
@@ -45,7 +47,7 @@ class Result:
     records: tuple[Record, ...]
     on_grid: np.ndarray
     exact: np.ndarray
-    crossings: tuple[Event, ...]
+    noted: tuple[Event, ...]
 
     def __repr__(self) -> str:
         end = self.records[-1].time if self.records else 0.0
@@ -109,10 +111,11 @@ class Result:
     def events(self) -> pd.DataFrame:
         """What happened, in order of time: columns time [s], component, event, value, load.
 
-        Crossings and loads put on, taken off, held and released (value: the load's number); limits reached
-        (tension above SWL or MBL, lift-off; value: the output that tells).
+        Crossings and loads put on, taken off, held and released (value: the load's number); responses (value: the
+        correction [m/s]) and interventions; limits reached (tension above SWL or MBL, lift-off; value: the output that
+        tells).
         """
-        found = sorted([*self.crossings, *self._limits_reached()], key=lambda e: e.time)
+        found = sorted([*self.noted, *self._limits_reached()], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
         return frame.astype({"time": float, "value": float})
 
@@ -140,22 +143,18 @@ class Result:
         if times[i] != time:
             after = self.records[i + 1]
             share = (time - times[i]) / (times[i + 1] - times[i])
+            state.point = replace(state.point, t=time)
             state.point.u[:] += share * (after.u - state.point.u)
             state.point.x[:] = self._between(i, share)
             state.point.z[:] += share * (after.z - state.point.z)
             newton_of(self.model).solve(state.point)
-        point = state.point.copy()
-        return Equilibrium(
-            self.model,
-            type(point)(time, point.x, point.z, point.u, point.p, point.d),
-            self.runs,
-            tuple(state.passed),
-            state.held,
-        )
+        return self._line(state)
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its place in `full_frame`."""
-        state = self._state(i)
+        return self._line(self._state(i))
+
+    def _line(self, state: LineState) -> Equilibrium:
         return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
 
     def summary(self) -> Summary:
@@ -169,7 +168,7 @@ class Result:
             raise InputError(f"System {self.model.name!r} has no rope", "Look at its frame")
 
     def power(self) -> pd.DataFrame:
-        """Mean and highest power [W], energy pulled and recovered [J] of each control sheave and the line."""
+        """Mean, highest and lowest power [W], energy pulled and recovered [J] of each control sheave and the line."""
         return power(self)
 
     def energy(self) -> pd.Series:
@@ -200,14 +199,16 @@ class Result:
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
-        """Tensions over time at the control sheaves, or at `components`, with SWL and MBL."""
+        """Tensions over time at the control sheaves (or the first idlers, where there are none), or at `components`,
+        with SWL and MBL. Raises InputError without a rope, UnknownNameError."""
         from ropeway.systems.plot import tensions_over_time
 
         self._require_rope()
         return tensions_over_time(self, components)
 
     def plot_power(self) -> Figure:
-        """Power of the control sheaves over time, and energy pulled and recovered."""
+        """Power of the control sheaves over time, and energy pulled and recovered. Raises UnknownNameError where there
+        is none."""
         from ropeway.systems.plot import power_over_time
 
         return power_over_time(self)

@@ -17,7 +17,8 @@ from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.run import Run, extended, loads_passed
 from ropeway.systems.start import run_start
 
-_LOAD_OUTPUTS = ("x", "y", "z", "distance")
+LOAD_OUTPUTS = ("x", "y", "z", "distance")
+"""What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
 
 
 @dataclass(frozen=True)
@@ -280,7 +281,7 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             return kind, model.tables[kind].index[name]
     owner, _, quantity = name.partition(".")
     for run, beyond in zip(runs, passed, strict=True):
-        if owner in run.loads.names and quantity in (*_LOAD_OUTPUTS, "mass"):
+        if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
             load = run.loads.names.index(owner)
             k = int(np.searchsorted(-beyond, -load, side="left")) - 1
             if not 0 <= k < len(run.spans):

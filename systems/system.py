@@ -62,7 +62,8 @@ class System:
     """Components and their connections. Declarations only: nothing is solved here."""
 
     def __init__(self, name: str = "system", *, gravity: float = GRAVITY, precedence: str = "all at once") -> None:
-        """precedence: who acts first when several control sheaves respond, one of `PRECEDENCES`."""
+        """gravity [m/s2]; precedence: who acts first when several control sheaves respond, one of
+        `ropeway.components.response.PRECEDENCES`. Raises InputError."""
         check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
         self.name = name
@@ -196,9 +197,10 @@ class System:
         on = (spans,) if isinstance(spans, Span) else tuple(spans)
         self._check_spans(on, f"Load {load.name!r}")
         for one, other in pairwise(on):
-            if self.connections[one.name, "b"][0] != self.connections[other.name, "a"][0]:
+            here, there = self.connections.get((one.name, "b")), self.connections.get((other.name, "a"))
+            if here is None or there is None or here[0] != there[0]:
                 cause = f"Load {load.name!r}: {one.name!r} and {other.name!r} do not follow each other"
-                raise InputError(cause, "Name them in order")
+                raise InputError(cause, "Join them first, and name them in order")
         if any(f.spans[0] in on or on[0] in f.spans for f in self.feeds):
             raise InputError(
                 f"Load {load.name!r} hangs on a rope that is fed", "Use feed or hang on one rope, not both"

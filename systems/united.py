@@ -10,8 +10,6 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.check import ANY
 from ropeway.components.component import Kind
@@ -30,13 +28,6 @@ class Part:
     model: Model
     point: Point
     shows: Mapping[str, Sequence[str]]
-
-    @cached_property
-    def determined(self) -> np.ndarray:
-        """For each residual the unknown that it is matched with, shape (nz,)."""
-        pattern = self.model.dae.jac_sparsity(1, 2)
-        matrix = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
-        return np.asarray(maximum_bipartite_matching(matrix, perm_type="column"))
 
     @cached_property
     def dae(self) -> ca.Function:
@@ -169,7 +160,7 @@ class United:
         """Each residual in the row of the unknown that it determines; unknowns of other parts are zero."""
         z, places = symbols[2], self._places(part)
         own = part.dae(*self._arguments(part, symbols))[1] / part.model.r.nominals
-        rows = {places[part.determined[i]]: own[i] for i in range(len(places))}
+        rows = {places[part.model.determined[i]]: own[i] for i in range(len(places))}
         return ca.vertcat(
             *(rows.get(i, z[i] / nominal) for i, nominal in enumerate(self._tables[Kind.ALGEBRAIC].nominals))
         )

@@ -163,6 +163,11 @@ class SkylineRig:
             )
         return int(np.searchsorted(x, station, side="left")) - 1
 
+    def chord(self, span: int, station: float) -> float:
+        """Height z of the chord of a span at a station [m]."""
+        a, b = self.stands[span].at, self.stands[span + 1].at
+        return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0])
+
     @property
     def ideal(self) -> bool:
         """Whether an ideal force holds the carriage."""

@@ -17,6 +17,7 @@ from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError, UnknownNameError
 from ropeway.systems.decoupled import drives_of
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.model import component_of
 from ropeway.systems.moving import rates_of
 from ropeway.systems.newton import Point, newton_of
 from ropeway.systems.result import Result
@@ -73,7 +74,7 @@ class Follower:
             try:
                 kind, k = find(line.model, line.runs, line.passed, name)
             except UnknownNameError:
-                if not any(name.partition(".")[0] in run.loads.names for run in line.runs):
+                if not any(component_of(name) in run.loads.names for run in line.runs):
                     raise
                 rows.append(np.full(self.x.shape[1], np.nan))
                 continue

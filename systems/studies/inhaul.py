@@ -183,10 +183,11 @@ class _Run:
             return self.integrate_smooth(at, eq, duration, speed)
         # Both vertices of a segment say the same of its middle: half of the shortest one on each side is free.
         most = 0.25 * float(np.diff(ground.station).min()) / abs(speed)
-        for part in np.full(max(1, int(np.ceil(duration / most))), duration / max(1, int(np.ceil(duration / most)))):
+        count = max(1, int(np.ceil(duration / most)))
+        for _ in range(count):
             point = eq.point.copy()
             at.ground_under(point)
-            eq = self.integrate_smooth(at, at.rest(point), float(part), speed)
+            eq = self.integrate_smooth(at, at.rest(point), duration / count, speed)
         return eq
 
     def integrate_smooth(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:

@@ -131,7 +131,7 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
     x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
     k = solved.at.span if solved.at.on is None else rig.span_of(x)
     a, b = rig.stands[k].at, rig.stands[k + 1].at
-    sag = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0]) - z
+    sag = rig.chord(k, x) - z
     sky = model.runs[solved.at.skyline]
     ends = end_tensions(solved, sky.spans)
     from_head = next((k for k, node in enumerate(sky.nodes) if node.name == head.name), 0)

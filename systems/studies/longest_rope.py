@@ -30,6 +30,7 @@ class LongestRope:
 
     @property
     def length(self) -> float:
+        """Length of the rope [m]."""
         return float(self.curve.length)
 
     def height(self, x: ArrayLike) -> Array:

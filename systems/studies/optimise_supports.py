@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -187,4 +187,4 @@ class _Search:
         if self.best is None:
             return SupportPlan(self.rig, (), False, "slack rope", np.nan, self.tried)
         _, rig, supports, reason, station = self.best
-        return SupportPlan(replace(rig), supports, False, reason, station, self.tried)
+        return SupportPlan(rig, supports, False, reason, station, self.tried)

@@ -229,9 +229,7 @@ class _Search:
 
     def _room(self, station: float, height: float) -> float:
         """From a height of the carriage up to the chord of its span [m]."""
-        k = self.rig.span_of(station)
-        a, b = self.rig.stands[k].at, self.rig.stands[k + 1].at
-        return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0]) - height
+        return self.rig.chord(self.rig.span_of(station), station) - height
 
     def _lowest(self, station: float, height: float) -> float:
         """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out

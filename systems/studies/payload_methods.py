@@ -156,7 +156,7 @@ def payload_for_tension(
     carriage_mass: Numbers = 0.0,
     gravity: float = GRAVITY,
 ) -> Array:
-    """Payload [kg] for a tension [N] at the upper support, after one of the methods.
+    """Payload [kg] for a tension [N] at the upper support, after one of the methods, as `METHODS["rigid link"]`.
 
     Negative where the rope cannot even carry the carriage. Raises InputError, and SlackRopeError where the
     tension is less than the rope's own weight needs.
@@ -179,7 +179,7 @@ def tension_for_payload(
     carriage_mass: Numbers = 0.0,
     gravity: float = GRAVITY,
 ) -> Array:
-    """Tension [N] at the upper support for a payload [kg], after one of the methods; the taut rope.
+    """Tension [N] at the upper support for a payload [kg], after one of the methods (`METHODS`); the taut rope.
 
     Raises InputError, and SlackRopeError where no taut rope through the carriage's place is loaded so little.
     """

@@ -62,7 +62,7 @@ def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) ->
 
 
 def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
-    happened = {event.event for event in result.crossings}
+    happened = {event.event for event in result.noted}
     if found := happened & {"load held", "emergency stop"}:
         raise InputError(f"There is {' and '.join(sorted(found))} in the run", "Stop the run before it")
     follower = Follower(result, Varied.of(result.record(0), varied))

@@ -1,4 +1,4 @@
-"""Pictures of a skyline corridor: to scale, with payloads and tensions below. matplotlib is imported here only."""
+"""Pictures of a skyline corridor: to scale, payloads and tensions below. matplotlib is imported when one is drawn."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.model import Balance, Model
+from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.skyline import GROUND, LEAST, Kind, SkylineRig, Turn
@@ -46,8 +46,7 @@ class SpanModel:
         self.rig, self.place, self.by_height = rig, place, by_height
         self.span, self.on = place.span, place.on
         self.model: Model = assemble(rig.system(place.span, on=place.on, rollers=place.rollers))
-        m = self.model
-        name = rig.carriage.name
+        m, name = self.model, rig.carriage.name
         self.log = None if rig.turn is None else rig.turn.log.name
         self._mass = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
         self.axes = [self.slot(f"{name}.{axis}") for axis in "xyz"]
@@ -58,7 +57,6 @@ class SpanModel:
         if by_height:
             given.append(self.axes[2])
             freed.append(self.slot(f"{rig.skyline_drum}.{'tension' if rig.kind is Kind.RUNNING else 'travel'}"))
-        self.given = given
         self.newton = Newton(m, freed, given)
         self._blank = LineState.cold(m).point
         self.roles = tuple(_role(rig, run) for run in m.runs)
@@ -117,9 +115,8 @@ class SpanModel:
             point.p[m.p.index["haulback.tension"]] = start.tension
         pulls = {"skyline": start.tension, "mainline": start.pull, "haulback": rig.haulback_tension or 0.0}
         for run, role in zip(m.runs, self.roles, strict=True):
-            if role not in pulls:
+            if (pull := pulls.get(role)) is None:
                 continue
-            pull = pulls[role]
             points = np.array([here if node.name == rig.carriage.name else node.at for node in run.nodes])
             weight = run.rope.mass_per_length * rig.gravity
             lengths = carriage_start.rope_lengths(points, weight, run.rope.strain, pull)
@@ -298,18 +295,17 @@ class SpanModel:
 
     def check(self, point: Point) -> None:
         """Raises EquilibriumError for a root that no rope can have."""
-        m = self.model
-        outputs = self.outputs(point)
+        m, outputs = self.model, self.outputs(point)
         lengths = outputs[self.lengths]
         if np.any(lengths <= 0.0):
-            name = m.y.names[self.lengths[int(np.argmin(lengths))]].split(".")[0]
+            name = component_of(m.y.names[self.lengths[int(np.argmin(lengths))]])
             raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
         for entries in self._taut:
             horizontal, down_a, up_b = outputs[entries]
             with np.errstate(divide="ignore", invalid="ignore"):  # a plumb rope is not slack
                 turn = np.arcsinh(up_b / horizontal) + np.arcsinh(down_a / horizontal)
             if turn > SLACK:
-                name = m.y.names[entries[0]].split(".")[0]
+                name = component_of(m.y.names[entries[0]])
                 raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
         if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
@@ -325,6 +321,11 @@ class SpanModel:
     def _topples(self, point: Point, free: tuple[Balance, ...]) -> bool:
         """Whether the stiffness of a spar's top, all else in balance, is not positive definite."""
         rows, columns = condensed_last(self.model, free)
+        if self.on is not None and not self.rig.ideal:
+            # Held on its shoe: where a carriage would run over at once, its own balance is the unstable one.
+            name = self.rig.carriage.name
+            rows = rows[rows != self.model.r.index[f"{name}.balance"]]
+            columns = columns[columns != self.model.z.index[f"{name}.x"]]
         matrix = newton_of(self.model).matrix(point)[rows][:, columns].tocsc()
         signs = np.array([b.sign for b in free])
         return bool(np.any(signs * condensed_pivots(matrix, len(free)) >= 0.0))

@@ -127,8 +127,7 @@ class Stations:
 
     def _require_below_chord(self, span: int, x: float, height: float) -> None:
         """Raises OutOfReachError for a height z of the carriage [m] that no tension gives."""
-        a, b = (node.at for node in self.rig.stands[span : span + 2])
-        chord = a[2] + (b[2] - a[2]) * (x - a[0]) / (b[0] - a[0])
+        chord = self.rig.chord(span, x)
         if height >= chord:
             raise OutOfReachError(
                 f"At station {x:g} m the carriage of {self.rig.name!r} would have to be at {height:g} m, and the chord "

@@ -134,7 +134,8 @@ class Profile:
         return np.asarray(np.interp(stations, self.station, self.elevation, left=np.nan, right=np.nan))
 
     def slope_at(self, station: float) -> float:
-        """Slope of the ground (rise over run) at a station; at a vertex that of the segment after it."""
+        """Slope of the ground (rise over run) at a station; at a vertex that of the segment after it. Raises
+        InputError outside the profile."""
         self.elevation_at(station)
         k = min(int(np.searchsorted(self.station, station, side="right")) - 1, len(self.station) - 2)
         return float(np.diff(self.elevation[k : k + 2])[0] / np.diff(self.station[k : k + 2])[0])
@@ -150,7 +151,7 @@ class Profile:
         return float(self.station[k]), float(self.elevation[k]), float(before), float(after), 0.5 * float(runs.min())
 
     def chord_slope(self, start: float, end: float) -> float:
-        """Slope of the straight line between the ground at two stations (rise over run)."""
+        """Slope of the straight line between the ground at two stations (rise over run). Raises InputError."""
         if start == end:
             raise InputError(f"Both stations are {start:g} m", "Give two different ones")
         return (self.elevation_at(end) - self.elevation_at(start)) / (end - start)

@@ -116,6 +116,7 @@ class History:
 
     @property
     def iterations(self) -> int:
+        """Rounds, the start not counted."""
         return len(self.frame) - 1
 
 

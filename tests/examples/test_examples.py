@@ -23,8 +23,8 @@ SMALLER = {"sweep.py": ["500"]}
     ],
 )
 def test_example(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", [script, str(tmp_path), *SMALLER.get(script, [])])
+    monkeypatch.setattr(sys, "argv", [script, str(tmp_path / "new"), *SMALLER.get(script, [])])
     runpy.run_path(str(EXAMPLES / script), run_name="__main__")
-    pictures = list(tmp_path.glob("*.png"))
+    pictures = list((tmp_path / "new").glob("*.png"))
     assert pictures
     assert all(p.stat().st_size > 5000 for p in pictures)

@@ -340,3 +340,9 @@ def test_a_payload_that_no_rope_bears() -> None:
     )
     assert isinstance(error, rw.EquilibriumError)
     assert error.component == "turn"
+
+
+def test_a_load_on_spans_that_are_not_joined_yet() -> None:
+    s = rw.System("line")
+    spans = [s.add(rw.Span(name, rope=ROPE, length=50.0)) for name in ("one", "two")]
+    refused(s, lambda: s.hang(rw.Load("turn", mass=100.0), spans, at=60.0), "'one' and 'two' do not follow each other")

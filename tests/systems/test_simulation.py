@@ -43,6 +43,12 @@ def test_script_of_the_design_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.isfinite(frame.to_numpy()).all()
 
 
+def test_the_picture_of_a_rope_without_sheaves_has_no_empty_field() -> None:
+    s = rw.System("one span")
+    s.string(ROPE, rw.Drum("a", at=(0, 0), speed=0.01), rw.Anchor("b", at=(100, 5)), length=101.0)
+    assert len(rw.simulate(s, until=1.0).plot().axes) == 1
+
+
 def test_travel_of_drives_is_exact_and_of_a_schedule_its_integral() -> None:
     schedule = rw.Schedule([0.0, 10.0, 25.0, 60.0], [0.0, 1.2, 0.4, 0.9])
     result = rw.simulate(zigzag(schedule), until=60.0)
@@ -131,7 +137,7 @@ def test_drives_pay_for_the_rise_of_the_loads() -> None:
     s.hang(rw.Load("l1", mass=500.0), spans, at=30.0)
     s.hang(rw.Load("l2", mass=700.0), spans, at=150.0)
     result = rw.simulate(s, until=40.0, every=0.25)
-    assert not len(result.crossings)
+    assert not len(result.noted)
 
     def potential(t: float) -> float:
         state = result.at(t)

@@ -13,7 +13,7 @@ import numpy as np
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, grip_margin
 from ropeway.components.errors import InputError
-from ropeway.systems.model import Model
+from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Point, expanded
 from ropeway.systems.studies.scheduling.nonlinear_program import Term
 
@@ -95,8 +95,13 @@ class LineEquations:
         self._alg: ca.SX = expanded(model).call(arguments)[1] / unit
         self._y: ca.SX = model.outputs.expand().call(arguments)[0] / self.y_unit
         self._known = {
-            "z": self._z, "q": self._q, "v": self._v, "d": self._d, "x": self._more_x, "u": self._more_u,
-        }  # fmt: skip
+            "z": self._z,
+            "q": self._q,
+            "v": self._v,
+            "d": self._d,
+            "x": self._more_x,
+            "u": self._more_u,
+        }
         self._peak, self._give = ca.SX.sym("peak"), ca.SX.sym("give")
         pattern = ca.jacobian_sparsity(self._alg, self._z)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.get_col())
@@ -113,8 +118,8 @@ class LineEquations:
         number = {self.run.nodes[k].name: i for i, k in enumerate(self.driven)}
         travels = {int(self.layout.travel.state[k]) for k in self.driven}
         try:
-            states = [(number[n.split(".")[0]], i in travels) for i, n in enumerate(self.model.x.names)]
-            inputs = [number[n.split(".")[0]] for n in self.model.u.names]
+            states = [(number[component_of(n)], i in travels) for i, n in enumerate(self.model.x.names)]
+            inputs = [number[component_of(n)] for n in self.model.u.names]
         except KeyError as error:
             raise InputError(
                 f"{error.args[0]!r} moves besides the control sheaves", "Schedules are for mono-cable lines"
@@ -207,7 +212,7 @@ class LineEquations:
         y, index = self._y, self.model.y.index
         if row.limit != "grip":
             return (y[index[row.output]],)
-        name = row.output.partition(".")[0]
+        name = component_of(row.output)
         friction, turns = (self.parameters[self.model.p.index[f"{name}.{q}"]] for q in ("grip_friction", "turns"))
         wrap = y[index[f"{name}.wrap"]] * self.y_unit[index[f"{name}.wrap"]]
         ends = (y[index[f"{name}.tension_in"]], y[index[f"{name}.tension_out"]])

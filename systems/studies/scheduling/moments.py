@@ -77,7 +77,7 @@ def moments(
                 groups += beside
             beside[0].append(crossing)
         found += [Moment(float(a.time), i, i + 1, -1, tuple(g)) for g in groups]
-    if any(e.event == "load held" for e in result.crossings):
+    if any(e.event == "load held" for e in result.noted):
         raise InputError("A load is held on a support", "A schedule needs a line that all loads pass; move supports")
     return sorted(found, key=lambda m: (m.time, m.before))
 

@@ -14,6 +14,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.model import component_of
 from ropeway.systems.result import Result
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
 from ropeway.systems.studies.scheduling.solution import Active
@@ -62,9 +63,7 @@ class Report:
     @property
     def frame(self) -> pd.DataFrame:
         """A row a round."""
-        rows = [
-            {**{k: v for k, v in r.__dict__.items() if k != "gap"}, **r.gap.__dict__} for r in self.rounds
-        ]  # fmt: skip
+        rows = [{**{k: v for k, v in r.__dict__.items() if k != "gap"}, **r.gap.__dict__} for r in self.rounds]
         return pd.DataFrame(rows).rename_axis("round")
 
 
@@ -173,7 +172,7 @@ def active_table(active: list[Active], size: float, objective: float) -> pd.Data
     """The limits that bind and matter: to give way by the whole limit would change the objective by a thousandth.
     `size`: of the objective in the problem's one."""
     rows = pd.DataFrame(
-        [(a.limit, a.component.split(".")[0], a.time, a.bound, a.size, a.multiplier * size) for a in active],
+        [(a.limit, component_of(a.component), a.time, a.bound, a.size, a.multiplier * size) for a in active],
         columns=["limit", "component", "time", "bound", "size", "cost"],
     )
     table = rows.groupby(["limit", "component"]).agg(

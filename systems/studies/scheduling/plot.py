@@ -1,4 +1,4 @@
-"""A plan as a picture. matplotlib is imported here only."""
+"""A plan as a picture. matplotlib is imported when one is drawn."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ def plan_figure(plan: SchedulePlan) -> Figure:
     for extreme in (whole.max(axis=1), whole.min(axis=1)):
         tensions.plot(whole.index, extreme, ".", ms=4, color="tab:red", label="planned" if extreme.max() else None)
     tensions.axvline(plan.settle, color="0.5", lw=0.8, ls=":")
-    tensions.annotate("limits count from here", (plan.settle, tensions.get_ylim()[1]), fontsize="small", va="top")
+    from_here = (plan.settle, tensions.get_ylim()[1])
+    tensions.annotate(
+        "limits count from here", from_here, xytext=(3, -3), textcoords="offset points", fontsize="small", va="top"
+    )
     _limits(tensions, plan)
     speeds.set(ylabel="speed [m/s]", title="Schedule: " + " + ".join(f"least {name}" for name in plan.weights))
     speeds.legend(ncols=6, fontsize="small")

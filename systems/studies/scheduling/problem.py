@@ -26,9 +26,14 @@ class ScheduleProblem:
     """The problem around a run of the line with a schedule of `speeds` (driven, grid) [m/s]."""
 
     def __init__(
-        self, equations: LineEquations, parts: Parts, task: Task, result: Result, moments: list[Moment],
+        self,
+        equations: LineEquations,
+        parts: Parts,
+        task: Task,
+        result: Result,
+        moments: list[Moment],
         speeds: np.ndarray,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.equations, self.task, self.result, self.moments = equations, task, result, moments
         self.parts = parts
         self.sections = equations.sections()

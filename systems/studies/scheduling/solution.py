@@ -61,7 +61,7 @@ def planned_frame(problem: ScheduleProblem, w: np.ndarray, times: np.ndarray) ->
     """What the line does at the moments, on both sides, as `Result.full_frame` has it; NaN where a section has
     no sample."""
     equations, known = problem.equations, problem.result.full_frame
-    model, rows = equations.model, []
+    model, rows, index = equations.model, [], []
     travels, count = equations.layout.travel.state[equations.driven], len(equations.driven)
     for m in np.argsort(times, kind="stable"):
         moment = problem.moments[m]
@@ -84,11 +84,10 @@ def planned_frame(problem: ScheduleProblem, w: np.ndarray, times: np.ndarray) ->
                     columns = equations.columns(problem.sections[s])
                     z[columns] = w[sample.numbers] * equations.z_unit[columns]
             y = outputs_of(model)(np.array([times[m]]), x, z, u, old.p, old.d)[0]
-            rows.append(dict(zip((*model.y.names, *model.z.names, *model.x.names, *model.u.names),
-                                 np.concatenate([y, z, x, u]), strict=True)))  # fmt: skip
-    index = [times[m] for m in np.argsort(times, kind="stable")
-             for _ in {problem.moments[m].before, problem.moments[m].after}]  # fmt: skip
-    frame = pd.DataFrame(rows, index=pd.Index(index, name="time"))[list(known.columns)]
+            rows.append(np.concatenate([y, z, x, u]))
+            index.append(times[m])
+    names = (*model.y.names, *model.z.names, *model.x.names, *model.u.names)
+    frame = pd.DataFrame(rows, pd.Index(index, name="time"), names)[list(known.columns)]
     frame.attrs = dict(known.attrs)
     return frame
 

@@ -42,6 +42,30 @@ def test_the_pull_is_continuous_over_a_shoe(payload: float, how: dict[str, objec
     assert np.abs(np.diff(point.mainline_pull)[0]) > 5.0 * np.abs(np.diff(coarse.mainline_pull)).max()
 
 
+def test_the_pull_is_continuous_under_a_guyed_spar_too() -> None:
+    """On a shoe there is a place where the carriage would run over at once with the drum at rest: its own balance is
+    unstable there, not the spar's."""
+    anchors = {"g1": (-25.0, -15.0), "g2": (-25.0, 15.0), "g3": (20.0, 18.0), "g4": (20.0, -18.0)}
+    rope = rw.Rope(mass_per_length=2.0, axial_stiffness=20e6, breaking_load=400e3)
+    guys = tuple(rw.Guyline(name, rope=rope, at=(*at, 85.0), pretension=15e3) for name, at in anchors.items())
+    held = rw.standing_skyline(
+        None,
+        headspar=rw.GuyedSpar("head", foot=(0.0, 85.0), height=15.0, guylines=guys),
+        supports=[rw.IntermediateSupport("jack", at=(260.0, 24.0), radius=1.5)],
+        tailspar=rw.TailSpar("tail", at=(480.0, -37.0)),
+        skyline=ROPE,
+        tension=70e3,
+        mainline=MAIN,
+        haulback=MAIN,
+        haulback_tension=8e3,
+        haulback_block=rw.Block("block", at=(482.0, -43.0)),
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    path = rw.load_path(held, 1500.0, np.arange(259.5, 260.5, 0.02))
+    assert np.abs(np.diff(path.mainline_pull, 2)).max() < 60.0
+    assert len(rw.inhaul(held, payload=1500.0, start=262.0, end=258.0).events) == 2
+
+
 def test_without_a_radius_nothing_changes_and_a_small_one_tends_to_it() -> None:
     stations = [40.0, 150.0, 170.0, 300.0, 400.0]
     there = rw.load_path(rig(0.0), 2500.0, stations)

@@ -1,0 +1,32 @@
+"""What the documents say can be done: their scripts run, and no public name is missing from the list of names."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import ropeway as rw
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.mark.parametrize(
+    "document", ["README.md", "docs/skylines.md", pytest.param("docs/schedules.md", marks=pytest.mark.slow)]
+)
+def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    scripts = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(), re.DOTALL)
+    assert scripts
+    for script in scripts:
+        exec(compile(script, document, "exec"), {})
+    assert list(tmp_path.glob("*.png"))
+
+
+def test_every_public_name_is_listed() -> None:
+    listed = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "names.md").read_text()))
+    assert set(rw.__all__) <= listed
+    named = re.findall(r"`rw\.(\w+)", "".join(p.read_text() for p in (ROOT / "docs").glob("*.md")))
+    assert all(hasattr(rw, name) for name in named)
