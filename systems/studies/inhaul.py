@@ -209,9 +209,14 @@ class _Run:
         while abs(high - low) > NEAR:
             middle = 0.5 * (low + high)
             try:
-                reached, low = self.places.solve(at, middle, reached), middle
+                found = self.places.placed(middle)
             except EquilibriumError as error:
                 high, stop = middle, error
+                continue
+            if found.at.place == at.place:
+                reached, low = found.point, middle
+            else:
+                high = middle
         return reached, stop
 
     def stopped(self, eq: Equilibrium, speed: float, why: RopewayError) -> EquilibriumError:
