@@ -243,6 +243,19 @@ def test_friction_counts_from_the_bare_rope_wherever_the_carriage_is(guyed: bool
     assert places == {(0, None), (0, 0), (1, None)}
 
 
+@pytest.mark.parametrize(("payload", "beyond"), [(5000.0, 0.2), (8000.0, 0.02), (10_000.0, 0.03)])
+def test_a_station_close_beyond_a_saddle_is_solved_on_its_own(payload: float, beyond: float) -> None:
+    """Where the mainline pulls hard and geometry is far from what is there; as well as coming from mid-span."""
+    points = [(0.0, 100.0), (160.0, 40.0), (330.0, -20.0), (480.0, -70.0)]
+    main = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+    alone, coming = (
+        rw.load_path(rig(points, 508.4341828211807, mainline=main), payload, stations).iloc[-1]
+        for stations in ([160.0 + beyond], np.linspace(230.0, 160.0 + beyond, 30))
+    )
+    assert alone.held_by == coming.held_by == "mainline"
+    assert alone.carriage_z == pytest.approx(coming.carriage_z, abs=1e-8)
+
+
 def test_design_scripts_run_as_written() -> None:
     bare = rw.standing_skyline(
         None,
