@@ -38,9 +38,9 @@ class Happening(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Inhaul:
-    """A run of the carriage. `frame`: one row every interval (index time [s]), the columns of `load_path`, and
-    payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W, positive: the drum
-    drives, negative: it brakes]. `events`: time, event, station."""
+    """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
+    saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
+    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station."""
 
     rig: SkylineRig
     frame: pd.DataFrame
