@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ropeway.components import table
 from ropeway.components.errors import InputError
 
 
@@ -53,25 +53,8 @@ class Schedule:
     def from_csv(cls, path: str | Path, column: str = "speed") -> Schedule:
         """The schedule in column `column` [m/s] of a table with a column time [s]. Raises InputError with file and
         line."""
-        try:
-            with Path(path).open(newline="") as file:
-                table = csv.DictReader(file)
-                if missing := [name for name in ("time", column) if name not in (table.fieldnames or ())]:
-                    raise InputError(
-                        f"{path}, line 1: column {missing[0]} is missing", f"It needs columns time and {column}"
-                    )
-                rows = [(row["time"], row[column], table.line_num) for row in table]
-        except FileNotFoundError as error:
-            raise InputError(f"There is no file {path}", f"Give a CSV with columns time and {column}") from error
-        values = []
-        for time, speed, line in rows:
-            try:
-                values.append((float(time), float(speed)))
-            except (TypeError, ValueError) as error:
-                raise InputError(
-                    f"{path}, line {line}: {time!r}, {speed!r} are not two numbers", "Correct it"
-                ) from error
-        return cls([time for time, _ in values], [speed for _, speed in values])
+        rows = [values for _, values in table.numbers(path, ("time", column))]
+        return cls([time for time, _ in rows], [speed for _, speed in rows])
 
     def breaks(self) -> np.ndarray:
         """Times where it bends, and where it passes through zero [s]."""

@@ -60,8 +60,8 @@ class Corridor:
         rig.span_of(station)
         self.rig, self._places = rig, Places(rig, mass)
         self._require_way()
-        at = self._places.placed(station)
-        self.rest = at.rest(self._places.solve(at, station))
+        placed = self._places.placed(station)
+        at, self.rest = placed.at, placed.at.rest(placed.point)
         self._zero: dict[tuple[str, str, str], float] = {}
         start = self._zeroed(at, self.rest.point)
         self._masses = (mass, 0.0, *(mass + share * rig.carriage.mass for share in (1.0, 3.0, 10.0)))

@@ -278,20 +278,22 @@ class SkylineRig:
 
     def _skyline(self, system: System, carriage: Carriage, span: int, on: int | None) -> None:
         head = [self.headspar] if self.kind is Kind.STANDING else self._from_yarder("skyline", self.skyline_drum)
-        over: list[Any] = [head[-1], *self.supports, *self.tail]
-        over[span + 1 : span + 1 + (on is not None)] = [carriage]
+        over: list[Any] = [*head, *self.supports, *self.tail]
+        first = len(head) + span
+        over[first : first + (on is not None)] = [carriage]
         length = self.length or 0.0
-        if any(s.friction > 0.0 for s in self.supports):
-            # Friction in the saddles counts from where the bare rope lay on them.
-            strung = np.cumsum(self._shared([_node(o).at for o in over]))
-            bare = np.cumsum(self._shared(self.points))
-            for k, node in enumerate(over):
-                if isinstance(node, IntermediateSupport):
-                    over[k] = replace(node, rest=float(strung[k - 1] - bare[k - 1 - (k > span + 1)]))
         if len(head) > 1:  # from the drum up to the block, with the bare rope's stretch
             strain = self.skyline.strain.at(self._bare_tension)
             length += float(np.linalg.norm(np.subtract(_node(head[1]).at, head[0].at))) / (1.0 + strain)
-        system.string(self.skyline, *head[:-1], *over, length=length)
+        if any(s.friction > 0.0 for s in self.supports):
+            # Friction in the saddles counts from where the bare rope lay on them: by the rope beyond each.
+            strung = np.cumsum(self._shared([_node(o).at for o in over], length)[::-1])[::-1]
+            bare = np.cumsum(self._shared(self.points, self.length or 0.0)[::-1])[::-1]
+            for k, support in enumerate(self.supports):
+                if k != on:
+                    place = over.index(support)
+                    over[place] = replace(support, rest=float(bare[k + 1] - strung[place]))
+        system.string(self.skyline, *over, length=length)
 
     @property
     def _bare_tension(self) -> float:
@@ -310,11 +312,11 @@ class SkylineRig:
             low, high = (middle, high) if long else (low, middle)
         return high
 
-    def _shared(self, points: Sequence[Sequence[float]] | np.ndarray) -> np.ndarray:
-        """How the skyline's length is shared out at rest over `points` without a load."""
+    def _shared(self, points: Sequence[Sequence[float]] | np.ndarray, length: float) -> np.ndarray:
+        """How a length of the skyline [m] is shared out at rest over `points` without a load."""
         names = [f"skyline {k + 1}" for k in range(len(points) - 1)]
         weight = self.skyline.mass_per_length * self.gravity
-        return lengths_for_total([tuple(p) for p in points], weight, self.skyline.strain, self.length or 0.0, names)
+        return lengths_for_total([tuple(p) for p in points], weight, self.skyline.strain, length, names)
 
     def _running(self, system: System, carriage: Carriage) -> None:
         over = [*self._from_yarder("haulback", "haulback", self.tension), carriage, self._tail_block("haulback")]

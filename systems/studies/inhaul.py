@@ -12,15 +12,16 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.errors import EquilibriumError, InputError, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.newton import newton_of, outputs_of
+from ropeway.systems.newton import Point, newton_of, outputs_of
+from ropeway.systems.result import Result
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.load_path import row, units_of
 from ropeway.systems.studies.places import Places, require_pulled
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
-from ropeway.systems.studies.stations import SIDE
+from ropeway.systems.studies.stations import NEAR, SIDE
 from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
@@ -37,9 +38,9 @@ class Happening(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Inhaul:
-    """A run of the carriage. `frame`: one row every interval (index time [s]), the columns of `load_path`, and
-    payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W, positive: the drum
-    drives, negative: it brakes]. `events`: time, event, station."""
+    """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
+    saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
+    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station."""
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -70,10 +71,11 @@ def inhaul(
     unstretched rope, above zero].
 
     payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
-    rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the carriage
-    has to be braked by a haulback. At a point saddle the carriage changes spans as soon as the mainline's length
-    allows; on a support with a radius it rolls over the shoe, unless a long mainline stretches by more than the shoe
-    is wide and lets it run over at once. Raises InputError; SimulationError that holds what has run so far.
+    rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
+    the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless a long mainline stretches by
+    more than the shoe is wide and lets it run over at once. Raises InputError; SimulationError that holds what has
+    run so far.
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
@@ -126,15 +128,21 @@ class _Run:
     def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
         way = -1 if speed > 0.0 else 1
-        last = self.places.placed(end).place
-        at = self.places.placed(start)
-        eq = at.rest(self.places.solve(at, start))
+        first = self.places.placed(start)
+        at, eq = first.at, first.at.rest(first.point)
         self.record(at, eq, speed)
+        try:
+            last = self.places.placed(end).at.place
+        except EquilibriumError:  # with this payload; it may be another by then
+            last = Place(self.rig.span_of(end))
         while at.place != last:
+            eq = self.through(at, eq, partial(self.border, at, last, way), speed)
             beyond = self.next(at, last, way)
-            eq = self.through(at, eq, partial(self.border, at, beyond, way), speed)
-            eq = self.over(at, beyond, eq, way, speed)
-            at = beyond
+            try:
+                at, eq = beyond, self.over(at, beyond, eq, way, speed)
+            except EquilibriumError as error:
+                self.record(at, eq, speed)
+                raise self.stopped(eq, speed, error) from error
         eq = self.through(at, eq, lambda: end, speed)
         self.record(at, eq, speed)
 
@@ -148,23 +156,34 @@ class _Run:
         places = self.places
         order = places.in_order()
         beyond = span_model(self.rig, order[order.index(at.place) + way])
-        while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or places.rolls(beyond.on))):
+        while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or self.rolls(beyond.on))):
             beyond = span_model(self.rig, order[order.index(beyond.place) + way])
         return beyond
 
-    def border(self, at: SpanModel, beyond: SpanModel, way: int) -> float:
-        """Where the carriage goes over with the payload that it has by then [m]."""
-        return self.places.border(at, beyond, way)
+    def rolls(self, k: int) -> bool:
+        """Whether the carriage rolls over the shoe of support k, or on to it until the mainline holds it no more."""
+        try:
+            return self.places.rolls(k)
+        except EquilibriumError:
+            return True
+
+    def border(self, at: SpanModel, last: Place, way: int) -> float:
+        """Where the carriage goes over to the next place with the payload that it has by then [m]."""
+        return self.places.border(at, self.next(at, last, way), way)
 
     def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
-        """On to a station of the same place, stopping where the payload changes."""
+        """On to a station of the same place, stopping where the payload changes. Raises EquilibriumError where the
+        carriage comes no further."""
         while True:
-            reached = self.places.solve(at, target(), eq.point)
+            reached, stop = self.towards(at, eq, target, speed)
             needed = self.places.paid_out(at, eq.point) - self.places.paid_out(at, reached)
             duration = needed / speed
             change = self.changes[0][0] - self.time if self.changes else np.inf
             if duration > 0.0:
                 eq = self.integrate(at, eq, min(duration, change), speed)
+            if change > duration and stop is not None:
+                self.record(at, eq, speed)
+                raise self.stopped(eq, speed, stop) from stop
             if change > duration:
                 return eq
             self.record(at, eq, speed)
@@ -175,6 +194,45 @@ class _Run:
             newton_of(at.model).solve(point)
             eq = at.rest(point)
             self.record(at, eq, speed)
+
+    def towards(
+        self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float
+    ) -> tuple[Point, EquilibriumError | None]:
+        """The equilibrium at a station of the same place; or as far on the way there as there is one, and what stops
+        the carriage."""
+        try:
+            return self.places.solve(at, target(), eq.point), None
+        except EquilibriumError as error:
+            stop = error
+        reached, low = eq.point, eq[f"{self.rig.carriage.name}.x"]
+        high = float(self.rig.points[at.span + (speed < 0.0), 0])
+        while abs(high - low) > NEAR:
+            middle = 0.5 * (low + high)
+            try:
+                found = self.places.placed(middle)
+            except EquilibriumError as error:
+                high, stop = middle, error
+                continue
+            if found.at.place == at.place:
+                reached, low = found.point, middle
+            else:
+                high = middle
+        return reached, stop
+
+    def stopped(self, eq: Equilibrium, speed: float, why: RopewayError) -> EquilibriumError:
+        """What is said of a carriage that comes no further: that the mainline would have to push a little beyond,
+        where it is that."""
+        x, way = eq[f"{self.rig.carriage.name}.x"], -1 if speed > 0.0 else 1
+        first, last = self.rig.points[[0, self.rig.spans], 0]
+        for ahead in (NEAR, 1.0, 3.0):
+            if first < x + way * ahead < last:
+                try:
+                    self.places.placed(x + way * ahead)
+                except EquilibriumError as error:
+                    why = error
+                    break
+        cause = f"The carriage of {self.rig.name!r} comes no further than station {x:.6g} m. {why.cause}"
+        return EquilibriumError(cause, why.remedy)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
         """Some seconds on; a log takes the ground under it in pieces, each before it comes to the next vertex."""
@@ -194,20 +252,34 @@ class _Run:
         """Some seconds on equations that do not change; rows on the grid of the whole run."""
         if duration < 1e-9:
             return eq
-        first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
-        result = simulate(
-            at.model,
-            until=duration,
-            every=min(self.every, duration, self.pace(at, duration, speed)),
-            inputs={"mainline.speed": -speed},
-            start=eq,
-            tolerance=self.tolerance,
-            progress=False,
-        )
-        for t in np.arange(first, self.time + duration + 1e-9, self.every):
-            self.record(at, result.at(min(t - self.time, duration)), speed, float(t))
+        try:
+            result = simulate(
+                at.model,
+                until=duration,
+                every=min(self.every, duration, self.pace(at, duration, speed)),
+                inputs={"mainline.speed": -speed},
+                start=eq,
+                tolerance=self.tolerance,
+                progress=False,
+            )
+        except SimulationError as error:
+            if not isinstance(error.result, Result):
+                raise
+            self.record_all(at, error.result, speed)
+            last = error.result.at(float(error.result.times[-1]))
+            self.record(at, last, speed, self.time + last.point.t)
+            why = self.stopped(last, speed, error)
+            raise SimulationError(why.cause, why.remedy, error.time) from error
+        self.record_all(at, result, speed)
         self.time += duration
         return at.rest(result.at(duration).point)
+
+    def record_all(self, at: SpanModel, result: Result, speed: float) -> None:
+        """Rows of a stretch that begins now, on the grid of the whole run."""
+        last = float(result.times[-1])
+        first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
+        for t in np.arange(first, self.time + last + 1e-9, self.every):
+            self.record(at, result.at(min(t - self.time, last)), speed, float(t))
 
     def pace(self, at: SpanModel, duration: float, speed: float) -> float:
         """Longest step [s]: the balance turns fast on a shoe, and where a log drags over a vertex of the ground."""

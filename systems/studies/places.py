@@ -44,14 +44,15 @@ class Places:
                 found += [Place(k, rollers=k + 1), Place(k, k)]
         return found
 
-    def placed(self, x: float) -> SpanModel:
-        """The model for a station. Raises EquilibriumError where the mainline would have to push."""
+    def placed(self, x: float) -> Solved:
+        """The carriage at a station. Raises EquilibriumError where the mainline would have to push."""
         found = Stations(self.rig).solve(x, self.payload)
         if found.held_by != "mainline":
             raise EquilibriumError(
-                f"At station {x:g} m the mainline of {self.rig.name!r} would have to push", "Give it a haulback"
+                f"At station {x:g} m the mainline of {self.rig.name!r} would have to push",
+                "Give it a haulback that pulls enough",
             )
-        return found.at
+        return found
 
     def on_shoe(self, k: int, x: float) -> Solved:
         """The carriage held on the shoe of support k."""

@@ -159,7 +159,7 @@ class SpanModel:
         for here, there, kind in ((found.z, solved.point.z, Part.ALGEBRAIC), (found.p, solved.point.p, Part.PARAMETER)):
             to, of = m.tables[kind].index, old.tables[kind].index
             for variable in to.keys() & of.keys():
-                if not variable.endswith(("length_start", ".travel")):
+                if not variable.endswith(("length_start", ".travel", ".grip")):  # each model counts from its own
                     here[to[variable]] = there[of[variable]]
         on = source.on or 0
         support = self.rig.supports[on]

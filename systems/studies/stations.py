@@ -50,13 +50,20 @@ class Stations:
             return laid
         try:
             return self._held(Place(span), x, payload, height, shoe)
-        except EquilibriumError:
+        except OutOfReachError:
+            raise
+        except EquilibriumError as error:
             if height is not None:
                 self._require_below_chord(span, x, height)
-            if on is None:
                 raise
-            self._walk(Place(span), on, x, payload)
-            return self._held(Place(span), x, payload, height, None)
+            try:
+                if on is None:
+                    self._walk_up(span, x, payload)
+                else:
+                    self._walk(Place(span), on, x, payload)
+                return self._held(Place(span), x, payload, None, None)
+            except EquilibriumError:
+                raise error from None
 
     def _walk(self, place: Place, on: int, x: float, payload: float) -> None:
         """From where the carriage leaves a shoe out to a station, step by step; each starts from the one before."""
@@ -71,6 +78,14 @@ class Stations:
         for share in (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85):
             self._held(place, outside + share * (x - outside), payload, None, shoe)
             shoe = None
+
+    def _walk_up(self, span: int, x: float, payload: float) -> None:
+        """From mid-span up to a station, step by step. Beside a saddle geometry is a bad start: wrong by more than
+        the rope between them."""
+        ends = [self.rig.stands[k].at[0] for k in (span, span + 1)]
+        end = min(ends, key=lambda at: abs(x - at))
+        for off in np.geomspace(0.5 * (ends[1] - ends[0]), abs(x - end), 10)[:-1]:
+            self._held(Place(span), end + float(np.copysign(off, x - end)), payload, None, None)
 
     def _laid(self, shoe: Solved, span: int, x: float, payload: float) -> Solved | None:
         """Before the carriage comes to a shoe, a mainline with much sag can lie on the shoe's roller already; None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ropeway.components import check
+from ropeway.components import check, table
 from ropeway.components.catenary import Strain, Vector, segment
 from ropeway.components.errors import InputError
 
@@ -70,30 +69,13 @@ class Profile:
         Raises InputError that names the file and line.
         """
         rows: list[tuple[float, float]] = []
-        if not Path(path).is_file():
-            raise InputError(f"There is no file {path}", "Give the path of a CSV with station,elevation")
-        with Path(path).open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.DictReader(file, skipinitialspace=True)
-            missing = [c for c in ("station", "elevation") if c not in (reader.fieldnames or ())]
-            if missing:
+        for line, (x, z) in table.numbers(path, ("station", "elevation")):
+            if not (math.isfinite(x) and math.isfinite(z)) or (rows and x <= rows[-1][0]):
                 raise InputError(
-                    f"{path}, line 1: no column {', '.join(missing)}",
-                    "Give the columns station and elevation, in metres",
+                    f"{path}, line {line}: station {x:g} m, elevation {z:g} m",
+                    "Stations must increase, and all values be finite",
                 )
-            for row in reader:
-                try:
-                    x, z = float(row["station"]), float(row["elevation"])
-                except (TypeError, ValueError) as error:
-                    raise InputError(
-                        f"{path}, line {reader.line_num}: station {row['station']!r}, elevation {row['elevation']!r}",
-                        "Give numbers in metres",
-                    ) from error
-                if not (math.isfinite(x) and math.isfinite(z)) or (rows and x <= rows[-1][0]):
-                    raise InputError(
-                        f"{path}, line {reader.line_num}: station {x:g} m, elevation {z:g} m",
-                        "Stations must increase, and all values be finite",
-                    )
-                rows.append((x, z))
+            rows.append((x, z))
         if len(rows) < 2:
             raise InputError(f"{path} has {len(rows)} points", "Give at least two")
         return cls(*np.array(rows).T)

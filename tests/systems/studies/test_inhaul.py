@@ -93,19 +93,58 @@ def test_a_payload_drop_is_an_event() -> None:
     assert "payload 0 kg" in set(run.events.event)
 
 
+FLAT = rw.standing_skyline(
+    None,
+    headspar=rw.HeadSpar("head", at=(0.0, 10.0)),
+    tailspar=rw.TailSpar("tail", at=(300.0, 0.0)),
+    skyline=ROPE,
+    tension=60e3,
+    mainline=MAIN,
+    carriage=rw.Carriage("carriage", mass=450.0),
+)
+
+
 def test_a_carriage_that_runs_ahead_stops_the_run_with_what_there_is() -> None:
-    flat = rw.standing_skyline(
+    with pytest.raises(rw.SimulationError, match=r"comes no further than station .* would have to push") as error:
+        rw.inhaul(FLAT, payload=2000.0, start=60.0, end=280.0, speed=2.0, every=2.0)
+    run = error.value.result
+    assert isinstance(run, rw.Inhaul)
+    assert run.frame.index[-1] == error.value.time
+    last = run.frame.carriage_x.iloc[-1]
+    assert rw.load_path(FLAT, 2000.0, [last, last + 0.2]).held_by.tolist() == ["mainline", "clamp"]
+    # With more payload from before that on it comes there.
+    on = rw.inhaul(FLAT, payload=2000.0, start=60.0, end=last + 5.0, speed=2.0, every=5.0, changes=[(70.0, 4000.0)])
+    assert on.frame.carriage_x.iloc[-1] == pytest.approx(last + 5.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("radius", "haulback"), [(0.0, 10e3), (0.5, 14e3), (1.5, 10e3), (1.5, 14e3)])
+def test_a_carriage_that_runs_ahead_at_a_support_stops_there(radius: float, haulback: float) -> None:
+    """Downhill over a support, with a haulback that does not brake enough beyond it."""
+    steep = rw.standing_skyline(
         None,
-        headspar=rw.HeadSpar("head", at=(0.0, 10.0)),
-        tailspar=rw.TailSpar("tail", at=(300.0, 0.0)),
+        headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
+        supports=[rw.IntermediateSupport("jack", at=(170.0, 54.0), radius=radius)],
+        tailspar=rw.TailSpar("tail", at=(450.0, 136.0)),
         skyline=ROPE,
-        tension=60e3,
+        tension=90e3,
         mainline=MAIN,
+        haulback=MAIN,
+        haulback_tension=haulback,
         carriage=rw.Carriage("carriage", mass=450.0),
     )
-    with pytest.raises(rw.SimulationError) as error:
-        rw.inhaul(flat, payload=2000.0, start=60.0, end=280.0, speed=2.0, every=2.0)
-    assert isinstance(error.value.result, rw.Inhaul)
+    with pytest.raises(rw.SimulationError, match=r"comes no further .* would have to push") as error:
+        rw.inhaul(steep, payload=2500.0, start=200.0, end=60.0, speed=3.0, every=1.0)
+    run = error.value.result
+    assert isinstance(run, rw.Inhaul)
+    assert error.value.time == pytest.approx(run.frame.index[-1], abs=1.0)
+    last = run.frame.iloc[-1]
+    assert last.carriage_x == pytest.approx(170.0, abs=0.7)  # at the saddle, or where it comes to its shoe
+    assert last.carriage_z == pytest.approx(rw.load_path(steep, 2500.0, [last.carriage_x]).carriage_z[0], abs=1e-3)
+
+
+def test_a_run_that_starts_at_a_point_saddle_starts_beside_it() -> None:
+    frame = rw.inhaul(rig(), payload=2000.0, start=160.0, end=120.0, every=5.0).frame
+    assert frame.carriage_x.iloc[0] == pytest.approx(rw.load_path(rig(), 2000.0, [160.0]).carriage_x.iloc[0])
 
 
 @pytest.mark.parametrize(

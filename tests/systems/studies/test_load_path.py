@@ -207,6 +207,55 @@ def test_capstan_friction_holds_rope_back() -> None:
     assert rough[1] < smooth[0] < rough[0]
 
 
+@pytest.mark.parametrize("guyed", [False, True])
+def test_friction_counts_from_the_bare_rope_wherever_the_carriage_is(guyed: bool) -> None:
+    """Before a shoe, on it and beyond it; with the drum at a guyed spar's foot."""
+    points = [(0.0, 15.0), (150.0, 12.0), (320.0, 4.0), (450.0, -9.0)]
+    guys = tuple(
+        rw.Guyline(f"g{i}", rope=ROPE, at=at, pretension=20e3)
+        for i, at in enumerate([(-20.0, -12.0, -2.0), (-20.0, 12.0, -2.0), (12.0, -20.0, -3.0), (12.0, 20.0, -3.0)])
+    )
+    spar = rw.GuyedSpar("head", foot=(0.0, 0.0), height=15.0, guylines=guys)
+    rough = rw.live_skyline(
+        None,
+        headspar=spar if guyed else rw.HeadSpar("head", at=points[0]),
+        supports=[
+            rw.IntermediateSupport("shod", at=points[1], radius=1.5),
+            rw.IntermediateSupport("rough", at=points[2], friction=0.1),
+        ],
+        tailspar=rw.TailSpar("tail", at=points[3]),
+        skyline=ROPE,
+        length=452.5,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    bare = rw.System("bare")
+    ends = [rw.Anchor("a", at=points[0]), rw.Anchor("b", at=points[3])]
+    blocks = [rw.Block(f"b{i}", at=points[i]) for i in (1, 2)]
+    *_, last = bare.string(ROPE, ends[0], *blocks, ends[1], length=452.5)
+    beyond = rw.equilibrium(bare)[f"{last.name}.length"]
+    places, stations = set(), Stations(rough)
+    for station in (40.0, 149.2, 150.0, 150.3, 152.0, 200.0):
+        found = stations.solve(station, 2500.0)
+        places.add((found.at.span, found.at.on))
+        assert found["rough.travel"] - found["rough.grip"] == pytest.approx(
+            found["rough_tail.length"] - beyond, abs=1e-8
+        )
+    assert places == {(0, None), (0, 0), (1, None)}
+
+
+@pytest.mark.parametrize(("payload", "beyond"), [(5000.0, 0.2), (8000.0, 0.02), (10_000.0, 0.03)])
+def test_a_station_close_beyond_a_saddle_is_solved_on_its_own(payload: float, beyond: float) -> None:
+    """Where the mainline pulls hard and geometry is far from what is there; as well as coming from mid-span."""
+    points = [(0.0, 100.0), (160.0, 40.0), (330.0, -20.0), (480.0, -70.0)]
+    main = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+    alone, coming = (
+        rw.load_path(rig(points, 508.4341828211807, mainline=main), payload, stations).iloc[-1]
+        for stations in ([160.0 + beyond], np.linspace(230.0, 160.0 + beyond, 30))
+    )
+    assert alone.held_by == coming.held_by == "mainline"
+    assert alone.carriage_z == pytest.approx(coming.carriage_z, abs=1e-8)
+
+
 def test_design_scripts_run_as_written() -> None:
     bare = rw.standing_skyline(
         None,

@@ -1,5 +1,6 @@
 """Terrain profiles: reading, slopes, and clearance with tangent points inside a segment."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,19 @@ def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) ->
     file.write_text(text)
     with pytest.raises(rw.InputError, match=words):
         rw.Profile.from_csv(file)
+
+
+@pytest.mark.parametrize("read", [rw.Profile.from_csv, rw.Schedule.from_csv])
+def test_a_file_in_another_encoding_is_refused_and_a_byte_order_mark_is_none(
+    tmp_path: Path, read: Callable[[Path], object]
+) -> None:
+    file = tmp_path / "corridor.csv"
+    text = "station,time,elevation,speed,remark\n0,0,10,1,Bäche\n20,20,12,2,\n"
+    file.write_text(text, encoding="latin-1")
+    with pytest.raises(rw.InputError, match="UTF-8"):
+        read(file)
+    file.write_text(text, encoding="utf-8-sig")
+    read(file)
 
 
 def test_bad_profiles_are_refused() -> None:
