@@ -22,6 +22,7 @@ from ropeway.systems.decoupled import Window, drives_of
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, dense, newton_of
+from ropeway.systems.stability import has_free_nodes, require_followed, require_stable, slack
 from ropeway.systems.state import LineState
 
 Signal = float | Schedule
@@ -84,6 +85,7 @@ class Moving:
         try:
             self._move_to(stop)
             self._require_rope()
+            self._require_stable()
         except EquilibriumError:
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
             # by it finds the true one.
@@ -100,6 +102,10 @@ class Moving:
         if bare is not None:
             remedy = "End the run before, or turn the drive"
             raise EquilibriumError(f"No rope is left in span {bare!r}", remedy, bare)
+
+    def _require_stable(self) -> None:
+        if not has_free_nodes(self.state.model) and slack(self.state):
+            require_stable(self.state)
 
     def _move_to(self, stop: float) -> None:
         if self._motion_now is None or len(self.breaks):
@@ -128,7 +134,7 @@ class Moving:
                 break
             motion = self._follow(window, self.time + coming.time, motion)
             touched = self._beside([coming])
-            motion = self._solve_parts(touched, motion, stop)
+            motion = self._solve_followed(motion, stop, touched)
             now = loads.gap_of(self.state, coming, motion.travel)
             if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
                 if now.time > stop - self.time:
@@ -136,7 +142,7 @@ class Moving:
                 # The section has been solved here: a short way on, and it is on its support.
                 motion = self._follow(window, self.time + now.time, motion)
                 if abs(now.time) > self.tiny:
-                    motion = self._solve_parts(touched, motion, stop)
+                    motion = self._solve_followed(motion, stop, touched)
                     now = loads.gap_of(self.state, coming, motion.travel)
                     if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
                         continue
@@ -148,7 +154,7 @@ class Moving:
                 return self.solve(stop)
         if alone:
             motion = self._follow(window, stop, motion)
-            motion = self.solve(stop)
+            motion = self._solve_followed(motion, stop)
             if drives.decoupled(self.state.point):
                 return motion
         self.state = saved
@@ -215,6 +221,13 @@ class Moving:
         blocks_of(self.state.model).solve(self.state.point, touched, motion.x, self.slope(stop), z)
         return self._moving(motion.x, z)
 
+    def _solve_followed(self, motion: Motion, stop: float, touched: Sequence[int] | None = None) -> Motion:
+        """Solves some sections, or all, where their rates have led them. Raises EquilibriumError."""
+        led = self.state.point.z.copy()
+        motion = self.solve(stop) if touched is None else self._solve_parts(touched, motion, stop)
+        require_followed(self.state, led)
+        return motion
+
     def _motion(self, z: np.ndarray) -> Motion:
         """All rates, from those of the algebraic variables."""
         return self._moving(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
@@ -243,9 +256,12 @@ class Moving:
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
         integrator = idas_of(self.state.model, self.tolerance)
+        led = point.z + h * motion.z
         point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
         self.set_time(t + h)
-        return self.solve(stop)
+        motion = self.solve(stop)
+        require_followed(self.state, led)
+        return motion
 
     def _locate(
         self, before: LineState, first: loads.Crossing, motion: Motion, stop: float
