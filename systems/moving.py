@@ -33,6 +33,10 @@ _LEAST_STEP = 1e-5
 _LOOK = 1.0
 """Longest stretch [s] over which drives with limits move before these, and turns of the rope, are looked at."""
 
+_SWING, _STRIDE = 0.05, 0.05
+"""Part of their nominals by which states may move otherwise than rates tell in stretches longer than this [s]: else
+the rope may have swung to and fro."""
+
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
     """Times at which an input bends [s]."""
@@ -139,19 +143,17 @@ class Moving:
         if not drives.alone(window, self.state.point, slope):
             return None
         astray = bool(loads.overrun(self.state, set()))
-        while True:
+        while end > begin:
             try:
                 done = self._through(window, end, motion, stop, strict=not astray and end - begin > _LEAST_STEP)
-            except _UnforeseenError:  # from nearer by, rates foretell it
-                end = (begin + end) / 2.0
-            else:
                 if done is not None:
                     return done
                 end = begin
+            except _UnforeseenError:  # from nearer by, rates foretell it
+                end = (begin + end) / 2.0
             self.state = saved.copy()
             drop()
-            if end == begin:
-                return None
+        return None
 
     def _through(self, window: Window, end: float, motion: Motion, stop: float, *, strict: bool) -> Motion | None:
         """To the `end` of a window, crossing by crossing; None where a limit binds. Strict, raises _UnforeseenError."""
@@ -202,20 +204,26 @@ class Moving:
         h = min(stop - self.time, _LOOK, np.inf if coming is None else max(coming.time, 0.0))
         standing = bool(self.state.standing())
         h = min(h, 0.02) if standing else h
-        before, astray = self.state.copy(), bool(loads.overrun(self.state, set()))
+        before, begun, astray = self.state.copy(), motion, bool(loads.overrun(self.state, set()))
         while True:
             motion = self._advance(h, motion, stop)
             if standing and self._let_go(before, stop):
                 return self.solve(stop)
-            coming = loads.next_crossing(self.state, motion.travel)
-            if coming is not None and coming.time <= max(0.0, min(self.short, stop - self.time)):
-                first, motion = self._locate(before, coming, motion, stop)
-                return self._cross(first, motion, stop, exact=True)
-            if astray or h <= _LEAST_STEP or not loads.overrun(self.state, set()):
-                return motion
-            # A load has passed a support and is on its way back: when it passed is nearer by.
-            self.state, h = before.copy(), h / 2.0
-            motion = self.solve(stop)
+            if h <= _STRIDE or not self._swung(before, begun, motion):
+                coming = loads.next_crossing(self.state, motion.travel)
+                if coming is not None and coming.time <= max(0.0, min(self.short, stop - self.time)):
+                    first, motion = self._locate(before, coming, motion, stop)
+                    return self._cross(first, motion, stop, exact=True)
+                if astray or h <= _LEAST_STEP or not loads.overrun(self.state, set()):
+                    return motion
+            # A load has passed a support and is on its way back, or may have been there: it is seen from nearer by.
+            self.state, h, motion = before.copy(), h / 2.0, begun
+
+    def _swung(self, before: LineState, begun: Motion, motion: Motion) -> bool:
+        """Whether states have moved otherwise than their rates at both ends of a stretch tell."""
+        moved = self.state.point.x - before.point.x
+        told = (self.time - before.point.t) * (begun.x + motion.x) / 2.0
+        return bool(np.any(np.abs(moved - told) > _SWING * self.state.model.x.nominals))
 
     def set_time(self, t: float) -> None:
         """Sets the clock, and the inputs to their values then."""
