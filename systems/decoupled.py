@@ -7,7 +7,7 @@ algebraic variables follow section by section.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import casadi as ca
@@ -22,6 +22,9 @@ from ropeway.systems.newton import VECTORS, Buffered, Point, expanded
 _NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
 _WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
+
+_LOOKED_AT = slice(3, None, 3)
+"""Those of them at which limits are looked at."""
 
 
 def _derivative() -> np.ndarray:
@@ -70,8 +73,9 @@ class Drives:
         time, start, h, tau = (model.sym(name) for name in ("t", "t0", "h", "tau"))
         ode, _ = expanded(model)(time, *(sx[kind] for kind in VECTORS))
         by_z = ca.jacobian(ode, sx[Kind.ALGEBRAIC])
-        self._ties = by_z.nnz() > 0
-        if self._ties:
+        self.ties = by_z.nnz() > 0
+        """Whether a limit can bind, so that a drive feels the tensions."""
+        if self.ties:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
             self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.densify(ca.vec(scaled)))]))
@@ -104,7 +108,17 @@ class Drives:
 
     def decoupled(self, point: Point) -> bool:
         """Whether the rates of the states do not depend on the algebraic variables here."""
-        return not self._ties or float(self._coupling(*point.arguments)[0][0]) < 1e-9
+        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < 1e-9
+
+    def alone(self, window: Window, point: Point, slope: np.ndarray) -> bool:
+        """Whether no limit binds along a window from a point, with the algebraic variables as they are there."""
+        if not self.ties:
+            return True
+        for share, x in zip(_NODES[_LOOKED_AT], window.values[_LOOKED_AT], strict=True):
+            passed = share * window.h
+            if not self.decoupled(replace(point, t=point.t + passed, x=x, u=point.u + passed * slope)):
+                return False
+        return True
 
     def window(self, point: Point, h: float, rate: np.ndarray, slope: np.ndarray) -> Window:
         """The states over `h` seconds from a point with the rates of the states there [per s].

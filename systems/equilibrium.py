@@ -8,10 +8,9 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.sparse.linalg import splu
 
 from ropeway.components import catenary
-from ropeway.components.component import Kind, Node
+from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.carrying import carried_over, declared_alike
@@ -19,7 +18,7 @@ from ropeway.systems.continuation import solve_algebraic
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.run import Run
-from ropeway.systems.stability import condensed_last, condensed_pivots
+from ropeway.systems.stability import require_stable, slack
 from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System
 
@@ -227,26 +226,12 @@ def solve(state: LineState) -> None:
     )
 
 
-SLACK = 1.02
-"""Rope over chord (a sag of 9 %) beyond which loads on idlers can have several stable places."""
-
-
-def slack(state: LineState) -> bool:
-    """Whether a rope with loads on idlers is so slack that they could stand elsewhere too."""
-    for r, run in enumerate(state.runs):
-        if len(run.loads.place) > 0 and any(node.balance is not None for node in run.nodes):
-            chord = np.linalg.norm(np.diff(state.points(r), axis=0), axis=1)
-            if np.any(np.diff(state.rope(r)) > SLACK * chord):
-                return True
-    return False
-
-
 def _let_out(state: LineState) -> None:
     """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
 
     Where that cannot be followed, the equilibrium found stays.
     """
-    if not slack(state) or state.standing():
+    if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
         return
     trial = LineState.cold(state.model)
     trial.point.p[:] = state.point.p
@@ -275,30 +260,7 @@ def _check(state: LineState) -> None:
     bare = state.without_rope()
     if bare is not None:
         raise EquilibriumError(f"No rope is left in span {bare!r}", "Give the run more rope", bare)
-    unstable = _unstable(state)
-    if unstable is not None:
-        raise EquilibriumError(
-            f"The balance of the rope over {unstable!r} is unstable: it would run into one of the spans",
-            "The rope is too slack: shorten it or raise the tension",
-            unstable,
-        )
-
-
-def _unstable(state: LineState) -> str | None:
-    """The support whose travel has no positive stiffness, if any: the condensed stiffness of all free
-    travels must be positive definite."""
-    held = state.held_travels()
-    free = tuple(b for b in state.model.balances if b.travel not in held)
-    if not free:
-        return None
-    rows, columns = condensed_last(state.model, free)
-    matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
-    if any(isinstance(c, Node) and c.free for c in state.model.system.components.values()):
-        pivots = condensed_pivots(matrix, len(free))
-    else:
-        pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
-    soft = -np.array([b.sign for b in free]) * pivots <= 0.0
-    return component_of(state.model.z.names[free[int(np.argmax(soft))].travel]) if soft.any() else None
+    require_stable(state)
 
 
 def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:

@@ -22,6 +22,7 @@ from ropeway.systems.decoupled import Window, drives_of
 from ropeway.systems.idas import Idas
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, dense, newton_of
+from ropeway.systems.stability import has_free_nodes, require_followed, require_stable, slack
 from ropeway.systems.state import LineState
 
 Signal = float | Schedule
@@ -29,10 +30,21 @@ Signal = float | Schedule
 _LEAST_STEP = 1e-5
 """Shortest stretch [s] that is tried when a longer one has failed."""
 
+_LOOK = 1.0
+"""Longest stretch [s] over which drives with limits move before these, and turns of the rope, are looked at."""
+
+_SWING, _STRIDE = 0.05, 0.05
+"""Part of their nominals by which states may move otherwise than rates tell in stretches longer than this [s]: else
+the rope may have swung to and fro."""
+
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
     """Times at which an input bends [s]."""
     return np.unique(np.concatenate([[], *(s.breaks() for s in signals if isinstance(s, Schedule))]))
+
+
+class _UnforeseenError(Exception):
+    """A load has crossed a support before the time that rates foretold."""
 
 
 class Motion(NamedTuple):
@@ -84,6 +96,7 @@ class Moving:
         try:
             self._move_to(stop)
             self._require_rope()
+            self._require_stable()
         except EquilibriumError:
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
             # by it finds the true one.
@@ -101,6 +114,10 @@ class Moving:
             remedy = "End the run before, or turn the drive"
             raise EquilibriumError(f"No rope is left in span {bare!r}", remedy, bare)
 
+    def _require_stable(self) -> None:
+        if not has_free_nodes(self.state.model) and slack(self.state):
+            require_stable(self.state)
+
     def _move_to(self, stop: float) -> None:
         if self._motion_now is None or len(self.breaks):
             self._motion_now = self.solve(stop)
@@ -116,44 +133,63 @@ class Moving:
         self._motion_now = None
 
     def _by_sections(self, motion: Motion, stop: float) -> Motion | None:
-        """To the stop with drives that move on their own; None, and nothing done, where they do not."""
+        """Towards the stop with drives that move on their own; None, and nothing done, where they do not."""
         drives = drives_of(self.state.model, self.tolerance)
         if self.state.standing() or not drives.decoupled(self.state.point):
             return None
-        saved, drop = self.state.copy(), self.rewind()
-        window = drives.window(self.state.point, stop - self.time, motion.x, self.slope(stop))
-        alone = True
-        while alone and (coming := loads.next_crossing(self.state, motion.travel)) is not None:
-            if coming.time > stop - self.time:
+        saved, drop, slope = self.state.copy(), self.rewind(), self.slope(stop)
+        begin, end = self.time, min(stop, self.time + _LOOK) if drives.ties else stop
+        window = drives.window(self.state.point, end - begin, motion.x, slope)
+        if not drives.alone(window, self.state.point, slope):
+            return None
+        astray = bool(loads.overrun(self.state, set()))
+        while end > begin:
+            try:
+                done = self._through(window, end, motion, stop, strict=not astray and end - begin > _LEAST_STEP)
+                if done is not None:
+                    return done
+                end = begin
+            except _UnforeseenError:  # from nearer by, rates foretell it
+                end = (begin + end) / 2.0
+            self.state = saved.copy()
+            drop()
+        return None
+
+    def _through(self, window: Window, end: float, motion: Motion, stop: float, *, strict: bool) -> Motion | None:
+        """To the `end` of a window, crossing by crossing; None where a limit binds. Strict, raises _UnforeseenError."""
+        drives = drives_of(self.state.model, self.tolerance)
+        crossed = -np.inf
+        while (coming := loads.next_crossing(self.state, motion.travel)) is not None:
+            if coming.time > end - self.time:
                 break
             motion = self._follow(window, self.time + coming.time, motion)
             touched = self._beside([coming])
-            motion = self._solve_parts(touched, motion, stop)
+            motion = self._solve_followed(motion, stop, touched)
             now = loads.gap_of(self.state, coming, motion.travel)
             if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
-                if now.time > stop - self.time:
+                if now.time > end - self.time:
                     continue
                 # The section has been solved here: a short way on, and it is on its support.
                 motion = self._follow(window, self.time + now.time, motion)
                 if abs(now.time) > self.tiny:
-                    motion = self._solve_parts(touched, motion, stop)
+                    motion = self._solve_followed(motion, stop, touched)
                     now = loads.gap_of(self.state, coming, motion.travel)
                     if abs(now.gap) > loads.NEAR * self.state.span_scale[now.r]:
                         continue
+            if strict and self.time < crossed - _LEAST_STEP:
+                raise _UnforeseenError
             # A crossing can bring a drive to a limit that it has left again before the stop.
             alone = drives.decoupled(self.state.point)
-            motion = self._cross(now, motion, stop, exact=False)
-            alone = alone and drives.decoupled(self.state.point)
-            if alone and self.state.standing():
+            motion, crossed = self._cross(now, motion, stop, exact=False), self.time
+            if not alone or not drives.decoupled(self.state.point):
+                return None
+            if self.state.standing():
                 return self.solve(stop)
-        if alone:
-            motion = self._follow(window, stop, motion)
-            motion = self.solve(stop)
-            if drives.decoupled(self.state.point):
-                return motion
-        self.state = saved
-        drop()
-        return None
+        motion = self._follow(window, end, motion)
+        motion = self._solve_followed(motion, stop)
+        if strict and loads.overrun(self.state, set()):
+            raise _UnforeseenError
+        return motion if drives.decoupled(self.state.point) else None
 
     def _follow(self, window: Window, time: float, motion: Motion) -> Motion:
         """Takes the states from the drives, and the algebraic variables along a straight line."""
@@ -165,17 +201,29 @@ class Moving:
     def _as_whole(self, motion: Motion, stop: float) -> Motion:
         """To the next event or the stop, all equations at once."""
         coming = loads.next_crossing(self.state, motion.travel)
-        h = stop - self.time if coming is None else min(stop - self.time, max(coming.time, 0.0))
+        h = min(stop - self.time, _LOOK, np.inf if coming is None else max(coming.time, 0.0))
         standing = bool(self.state.standing())
-        before = self.state.copy()
-        motion = self._advance(min(h, 0.02) if standing else h, motion, stop)
-        if standing and self._let_go(before, stop):
-            return self.solve(stop)
-        coming = loads.next_crossing(self.state, motion.travel)
-        if coming is None or coming.time > max(0.0, min(self.short, stop - self.time)):
-            return motion
-        first, motion = self._locate(before, coming, motion, stop)
-        return self._cross(first, motion, stop, exact=True)
+        h = min(h, 0.02) if standing else h
+        before, begun, astray = self.state.copy(), motion, bool(loads.overrun(self.state, set()))
+        while True:
+            motion = self._advance(h, motion, stop)
+            if standing and self._let_go(before, stop):
+                return self.solve(stop)
+            if h <= _STRIDE or not self._swung(before, begun, motion):
+                coming = loads.next_crossing(self.state, motion.travel)
+                if coming is not None and coming.time <= max(0.0, min(self.short, stop - self.time)):
+                    first, motion = self._locate(before, coming, motion, stop)
+                    return self._cross(first, motion, stop, exact=True)
+                if astray or h <= _LEAST_STEP or not loads.overrun(self.state, set()):
+                    return motion
+            # A load has passed a support and is on its way back, or may have been there: it is seen from nearer by.
+            self.state, h, motion = before.copy(), h / 2.0, begun
+
+    def _swung(self, before: LineState, begun: Motion, motion: Motion) -> bool:
+        """Whether states have moved otherwise than their rates at both ends of a stretch tell."""
+        moved = self.state.point.x - before.point.x
+        told = (self.time - before.point.t) * (begun.x + motion.x) / 2.0
+        return bool(np.any(np.abs(moved - told) > _SWING * self.state.model.x.nominals))
 
     def set_time(self, t: float) -> None:
         """Sets the clock, and the inputs to their values then."""
@@ -215,6 +263,13 @@ class Moving:
         blocks_of(self.state.model).solve(self.state.point, touched, motion.x, self.slope(stop), z)
         return self._moving(motion.x, z)
 
+    def _solve_followed(self, motion: Motion, stop: float, touched: Sequence[int] | None = None) -> Motion:
+        """Solves some sections, or all, where their rates have led them. Raises EquilibriumError."""
+        led = self.state.point.z.copy()
+        motion = self.solve(stop) if touched is None else self._solve_parts(touched, motion, stop)
+        require_followed(self.state, led)
+        return motion
+
     def _motion(self, z: np.ndarray) -> Motion:
         """All rates, from those of the algebraic variables."""
         return self._moving(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
@@ -243,19 +298,27 @@ class Moving:
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
         integrator = idas_of(self.state.model, self.tolerance)
+        led = point.z + h * motion.z
         point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
         self.set_time(t + h)
-        return self.solve(stop)
+        motion = self.solve(stop)
+        require_followed(self.state, led)
+        return motion
 
     def _locate(
         self, before: LineState, first: loads.Crossing, motion: Motion, stop: float
     ) -> tuple[loads.Crossing, Motion]:
         """Moves the state to where the first load stands on its support."""
-        for _ in range(20):
+        early, late = 0.0, np.inf
+        for _ in range(30):
             if abs(first.gap) <= loads.NEAR * self.state.span_scale[first.r]:
                 return first, motion
+            passed = self.time - before.point.t
+            early, late = (early, min(late, passed)) if first.gap < 0.0 else (max(early, passed), late)
             if abs(first.time) > self.short:  # far overrun: once more from before, up to there
-                h = self.state.point.t + first.time - before.point.t
+                h = passed + first.time
+                if not early < h < late and np.isfinite(late):  # it moves otherwise now than it did there
+                    h = (early + late) / 2.0
                 self.state = before.copy()
                 motion = self._advance(h, self.solve(stop), stop)
             else:
@@ -275,14 +338,18 @@ class Moving:
         self.record(exact)
         crossings = loads.due(self.state, first, motion.travel)
         just: set[tuple[int, int]] = set()
+        solved: set[int] = set()
         for _ in range(50):
             for crossing in crossings:
                 just.add((crossing.r, crossing.k))
                 self.note(crossing, loads.apply(self.state, crossing))
-            motion = self._solve_parts(self._beside(crossings), motion, stop)
+            touched = self._beside(crossings)
+            solved.update(touched)
+            motion = self._solve_parts(touched, motion, stop)
             if exact:  # the drives feel the jump
                 motion = self._motion(motion.z)
-            crossings = loads.overrun(self.state, just)
+            # Where a section is not solved it has not jumped: its loads are about where they seem to be.
+            crossings = [c for c in loads.overrun(self.state, just) if not solved.isdisjoint(self._beside([c]))]
             if not crossings:
                 self.record(exact)
                 return motion

@@ -10,8 +10,9 @@ from functools import lru_cache
 
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.equilibrium import Equilibrium, equilibrium, slack, solve
+from ropeway.systems.equilibrium import Equilibrium, equilibrium, solve
 from ropeway.systems.model import Model
+from ropeway.systems.stability import slack
 from ropeway.systems.state import LineState
 
 

@@ -318,7 +318,8 @@ class _Study:
             around = after
         raise ScheduleError(
             f"Plan and simulation have not come together in {_ROUNDS} rounds: crossings {gap.crossing_time:.3g} s and "
-            f"highest tension {gap.peak_tension:.3g} N apart",
+            f"highest tension {gap.peak_tension:.3g} N apart, objective {expected:.6g} by plan, {objective:.6g} by "
+            "simulation",
             f"Take more intervals, or a shorter time{_and(broken)}",
             plan,
         )

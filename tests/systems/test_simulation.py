@@ -279,6 +279,38 @@ def test_more_slots_are_made_when_loads_bunch_up() -> None:
     assert result.frame.shape[0] == 14
 
 
+def paid_out(heights: tuple[float, ...], stations: tuple[float, ...]) -> rw.System:
+    """A drum pays half a metre a second out to a rope over idlers."""
+    s = rw.System("paid out")
+    first, *between, last = zip(stations, heights, strict=True)
+    idlers = [rw.Sheave(f"s{i}", at=at) for i, at in enumerate(between, 1)]
+    s.string(ROPE, rw.Drum("d", at=first, speed=0.5), *idlers, rw.Anchor("b", at=last), length=stations[-1] + 5.0)
+    return s
+
+
+def test_rope_that_is_paid_out_stays_on_its_balance() -> None:
+    """Most of it ends in the longest span, however coarse the record: a far one was found for some."""
+    ends = []
+    for every in (10.0, 200.0, 400.0):
+        frame = rw.simulate(paid_out((0.0, 0.0, 3.0, 0.0), (0.0, 100.0, 210.0, 300.0)), 400.0, every=every).frame
+        ends.append(frame.filter(like=".length").iloc[-1].to_numpy())
+    assert ends[0].argmax() == 1
+    assert ends[1] == pytest.approx(ends[0], abs=1e-6)
+    assert ends[2] == pytest.approx(ends[0], abs=1e-6)
+
+
+def test_a_balance_that_becomes_unstable_ends_a_run_at_its_time() -> None:
+    """Two equal spans share the rope until their end tension is least; then it would run into one of them."""
+    found = []
+    for every in (1.0, 30.0, 400.0):
+        with pytest.raises(rw.SimulationError, match="rope over 's1' is unstable") as caught:
+            rw.simulate(paid_out((0.0, 0.0, 0.0), (0.0, 100.0, 200.0)), 400.0, every=every)
+        found.append(caught.value.time)
+    assert found == pytest.approx([found[0]] * 3, abs=1e-4)
+    # Inextensible: u tanh(u) = 1 at u = L / 2a, and a length of 2a sinh(u) = L sinh(u) / u.
+    assert 205.0 + 0.5 * found[0] == pytest.approx(200.0 * 1.508879561538 / 1.199678640257, rel=1e-3)
+
+
 def test_a_carriage_does_not_run_past_the_end_of_its_span() -> None:
     rig = rw.standing_skyline(
         None,

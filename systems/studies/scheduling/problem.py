@@ -242,14 +242,15 @@ class ScheduleProblem:
         sheaves = [i for i, node in enumerate(self.equations.nodes) if isinstance(node, ControlSheave)]
         # The root of the mean square, by its value and slope at the present deviation.
         square = task.weights.get("tension deviation", 0.0) * FORCE**2 / (2.0 * task.deviation)
-        square /= (float(task.grid[-1]) - task.settle) * len(sheaves)
+        square /= len(sheaves)
         for i in sheaves:
             places = self._places(i)
             times = np.array([self.moments[m].time for m, _, _ in places])
+            span = float(times[-1] - times[0]) or 1.0  # from the first moment after settling
             around = np.concatenate([times[:1], times, times[-1:]])
             weights = (around[2:] - around[:-2]) / 2.0
             energy = task.weights.get("energy", 0.0) * FORCE
-            self._use(self.parts.sheave(i), places, np.array([square * weights, energy * weights]))
+            self._use(self.parts.sheave(i), places, np.array([square / span * weights, energy * weights]))
             for row in task.rows[i]:
                 if row.limit not in SMOOTH:
                     unit = self.equations.y_unit[self.equations.model.y.index[row.output]]

@@ -62,6 +62,11 @@ def test_plan_and_simulation_agree(plans: dict[str, rw.SchedulePlan]) -> None:
         assert np.abs(planned - simulated).max().max() < 1.0
 
 
+def test_settle_may_lie_between_the_times_of_the_grid() -> None:
+    plan = plan_of("tension deviation", settle=11.1)
+    assert plan.report.rounds[-1].planned == pytest.approx(plan.objective, rel=2e-3)
+
+
 def test_limits_hold_in_the_simulation(plans: dict[str, rw.SchedulePlan]) -> None:
     for plan in plans.values():
         frame = plan.result.full_frame
