@@ -84,9 +84,9 @@ class Moving:
         try:
             self._move_to(stop)
             self._require_rope()
-        except EquilibriumError:
+        except (EquilibriumError, SimulationError):
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
-            # by it finds the true one.
+            # by it finds the true one. Or a drive has turned, and a load is past a support: nearer by it has not yet.
             if stop - begin < _LEAST_STEP:
                 raise
             self.state = saved
@@ -149,7 +149,7 @@ class Moving:
         if alone:
             motion = self._follow(window, stop, motion)
             motion = self.solve(stop)
-            if drives.decoupled(self.state.point):
+            if drives.decoupled(self.state.point) and not self._passed_over(saved):
                 return motion
         self.state = saved
         drop()
@@ -168,11 +168,15 @@ class Moving:
         h = stop - self.time if coming is None else min(stop - self.time, max(coming.time, 0.0))
         standing = bool(self.state.standing())
         before = self.state.copy()
-        motion = self._advance(min(h, 0.02) if standing else h, motion, stop)
+        h = min(h, 0.02) if standing else h
+        motion = self._advance(h, motion, stop) if h <= self.tiny else self._integrate(h, motion, stop)
         if standing and self._let_go(before, stop):
             return self.solve(stop)
         coming = loads.next_crossing(self.state, motion.travel)
         if coming is None or coming.time > max(0.0, min(self.short, stop - self.time)):
+            if passed := self._passed_over(before):
+                name = self.state.runs[passed[0].r].nodes[passed[0].k].name
+                raise SimulationError(f"A load is past {name!r}, where the rope has turned", "Look there", self.time)
             return motion
         first, motion = self._locate(before, coming, motion, stop)
         return self._cross(first, motion, stop, exact=True)
@@ -222,6 +226,12 @@ class Moving:
     def _moving(self, x: np.ndarray, z: np.ndarray) -> Motion:
         return Motion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
 
+    def _passed_over(self, before: LineState) -> list[loads.Crossing]:
+        """Loads that have come past a support since `before` and have not crossed it: the rope there has turned."""
+        ends = {(r, k) for r, run in enumerate(before.runs) for k in (0, len(run.nodes) - 1)}
+        then = {(c.r, c.k) for c in loads.overrun(before, ends)}
+        return [c for c in loads.overrun(self.state, ends) if (c.r, c.k) not in then]
+
     def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
         """Moves the state on by `h` seconds, a little backwards too."""
         point, t = self.state.point, self.state.point.t
@@ -242,9 +252,13 @@ class Moving:
                 return end
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
-        integrator = idas_of(self.state.model, self.tolerance)
+        return self._integrate(h, motion, stop)
+
+    def _integrate(self, h: float, motion: Motion, stop: float) -> Motion:
+        """Moves the state on by `h` seconds with IDAS."""
+        point, integrator = self.state.point, idas_of(self.state.model, self.tolerance)
         point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
-        self.set_time(t + h)
+        self.set_time(point.t + h)
         return self.solve(stop)
 
     def _locate(
@@ -254,6 +268,8 @@ class Moving:
         for _ in range(20):
             if abs(first.gap) <= loads.NEAR * self.state.span_scale[first.r]:
                 return first, motion
+            if self.time + first.time < before.point.t:  # the rope has turned meanwhile
+                break
             if abs(first.time) > self.short:  # far overrun: once more from before, up to there
                 h = self.state.point.t + first.time - before.point.t
                 self.state = before.copy()
