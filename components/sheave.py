@@ -75,6 +75,7 @@ class Sheave(Wheel):
     friction: bearing friction referred to the rope (bearing coefficient times axle radius over sheave
     radius). The tension ratio is then exp(friction * wrap) in the direction of the run's driven speed,
     smooth through rest, where it is one: N = 2 T sin(wrap/2), T_out - T_in = friction * N, integrated.
+    Without it the equations have none, and the model no parameter of that name.
 
     A load that a hold-down geometry pushes back stays on the sheave: `held` = 1 keeps the travel at
     `held_travel` and leaves the tensions free. Raises InputError.
@@ -94,16 +95,11 @@ class Sheave(Wheel):
         return (Sheave, self.friction > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
+        described = "bearing friction referred to the rope"
+        rough = Variable("friction", Kind.PARAMETER, "1", described, self.friction, range=NOT_NEGATIVE)
         return (
             *self.place(),
-            Variable(
-                "friction",
-                Kind.PARAMETER,
-                "1",
-                "bearing friction referred to the rope",
-                self.friction,
-                range=NOT_NEGATIVE,
-            ),
+            *((rough,) if self.friction > 0.0 else ()),
             Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
             Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
             Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),

@@ -95,7 +95,7 @@ class CoSimulation:
             left = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
             participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
-        values = {key: float(value) for key, value in (start or {}).items()}
+        values = dict(start or {})
         for key, value in values.items():
             row = fmu.variable(key)
             if row["causality"] == "output" and pd.isna(row["start"]):

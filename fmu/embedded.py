@@ -86,7 +86,7 @@ def component(
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
     require_kind(file, "ModelExchange")
-    values = {key: float(value) for key, value in (parameters or {}).items()}
+    values = dict(parameters or {})
     for key, value in values.items():
         require_causality(file, key, "parameter")
         check.number(value, f"FMU component {name!r}", key)
@@ -97,15 +97,15 @@ def component(
     try:
         fmpy.extract(str(file.path), unzipdir=folder)
         dae = ca.DaeBuilder(name, folder)
-        for key, value in values.items():
-            dae.set(key, value)
         # CasADi reads all outputs as real numbers, and knows no dependencies of others.
         dae.set_y([n for n in file.names("output") if n not in dae.x()])
+        groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
+        starts = _starts(file, name, values, groups, ignore_events)  # the FMU tells what it refuses
+        for key, value in values.items():
+            dae.set(key, value)
         # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
         options = {"enable_forward": False, "enable_reverse": False}
         function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
-        groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
-        starts = _starts(file, name, values, groups, ignore_events)
         function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # whether it can
     except FmuError:
         shutil.rmtree(folder, ignore_errors=True)

@@ -97,9 +97,9 @@ class Moving:
             self._move_to(stop)
             self._require_rope()
             self._require_stable()
-        except EquilibriumError:
+        except (EquilibriumError, SimulationError):
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
-            # by it finds the true one.
+            # by it finds the true one. Or a drive has turned where a crossing is sought: nearer by it has not yet.
             if stop - begin < _LEAST_STEP:
                 raise
             self.state = saved
@@ -206,7 +206,7 @@ class Moving:
         h = min(h, 0.02) if standing else h
         before, begun, astray = self.state.copy(), motion, bool(loads.overrun(self.state, set()))
         while True:
-            motion = self._advance(h, motion, stop)
+            motion = self._advance(h, motion, stop) if h <= self.tiny else self._integrate(h, motion, stop)
             if standing and self._let_go(before, stop):
                 return self.solve(stop)
             if h <= _STRIDE or not self._swung(before, begun, motion):
@@ -277,6 +277,12 @@ class Moving:
     def _moving(self, x: np.ndarray, z: np.ndarray) -> Motion:
         return Motion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
 
+    def _passed_over(self, before: LineState) -> list[loads.Crossing]:
+        """Loads that have come past a support since `before` and have not crossed it: the rope there has turned."""
+        ends = {(r, k) for r, run in enumerate(before.runs) for k in (0, len(run.nodes) - 1)}
+        then = {(c.r, c.k) for c in loads.overrun(before, ends)}
+        return [c for c in loads.overrun(self.state, ends) if (c.r, c.k) not in then]
+
     def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
         """Moves the state on by `h` seconds, a little backwards too."""
         point, t = self.state.point, self.state.point.t
@@ -297,10 +303,14 @@ class Moving:
                 return end
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
-        integrator = idas_of(self.state.model, self.tolerance)
+        return self._integrate(h, motion, stop)
+
+    def _integrate(self, h: float, motion: Motion, stop: float) -> Motion:
+        """Moves the state on by `h` seconds with IDAS."""
+        point, integrator = self.state.point, idas_of(self.state.model, self.tolerance)
         led = point.z + h * motion.z
         point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
-        self.set_time(t + h)
+        self.set_time(point.t + h)
         motion = self.solve(stop)
         require_followed(self.state, led)
         return motion

@@ -111,6 +111,7 @@ rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead);
 rw_status rw_let_go(rw_instance *m, const rw_crossing *found);
 int rw_standing(const rw_instance *m);
 rw_status rw_overrun_settle(rw_instance *m);
+rw_status rw_overrun_moving(rw_instance *m);
 rw_status rw_limits(rw_instance *m);
 rw_status rw_lengths(rw_instance *m);
 

@@ -245,6 +245,17 @@ rw_status rw_overrun_settle(rw_instance *m)
     return overrun(m, just);
 }
 
+/* The same on the way: what an input or a switch throws over a support, or a rope that has turned within a step. Loads
+ * at the ends of a rope may lie beyond, where a jump has left them. */
+rw_status rw_overrun_moving(rw_instance *m)
+{
+    unsigned char just[RW_NK + 1];
+    rw_status status;
+    memset(just, 1, sizeof just);
+    status = overrun(m, just);
+    return status == RW_OK ? rw_rates(m) : status;
+}
+
 /* Loads cross: the first one, and all others that stand on a support at this time; then the line jumps. After
  * rw_rates. `first` may be NULL. */
 rw_status rw_cross(rw_instance *m, const rw_crossing *first)

@@ -195,7 +195,7 @@ static rw_status tick(rw_instance *m)
     for (int i = 0; i < RW_ND; i++)
         if (m->changes[i]) m->s.d[i] = m->fresh[i];
     m->s.solved = m->s.rated = m->s.shown = 0;
-    return rw_overrun_settle(m);
+    return rw_overrun_moving(m);
 }
 
 static int tick_due(const rw_instance *m)
@@ -218,7 +218,7 @@ static double next_look(const rw_instance *m)
 
 static rw_status advance(rw_instance *m, double end)
 {
-    rw_status status = rw_rates(m);
+    rw_status status = rw_overrun_moving(m);
     for (int turn = 0; status == RW_OK && turn < 1000000; turn++) {
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
@@ -240,7 +240,7 @@ static rw_status advance(rw_instance *m, double end)
         if (RW_COUPLED) h = fmin(h, m->s.h);
         if (RW_NL) h = fmin(h, next_look(m));
         status = step_to_event(m, h, stop);
-        if (status == RW_OK) status = rw_lengths(m);
+        if (status == RW_OK) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
     }
     if (status == RW_OK) {

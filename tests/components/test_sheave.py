@@ -60,6 +60,14 @@ def test_friction_holds_back(speed: float, sense: float) -> None:
         assert ratio == pytest.approx(np.exp(sense * 0.03 * eq[f"{name}.wrap"]), rel=1e-9)
 
 
+def test_a_frictionless_sheave_has_no_friction_to_set() -> None:
+    s = rw.System("idler")
+    nodes = [rw.Drum("a", at=(0.0, 0.0), speed=1.0), rw.Sheave("m", at=(100.0, 20.0)), rw.Anchor("b", at=(200.0, 0.0))]
+    s.string(ROPE, *nodes, tension=3e4)
+    with pytest.raises(rw.RopewayError, match=r"m\.friction"):
+        rw.equilibrium(s, parameters={"m.friction": 0.05})
+
+
 def test_a_bend_in_plan_wraps_too() -> None:
     s = rw.System("corner")
     corner = (

@@ -124,6 +124,8 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
         together.add("c", line2, start={"speed": 1.0})
     with pytest.raises(FmuVariableError, match=r"'c1\.tension_in' of line2\.fmu is calculated"):
         together.add("c", line2, start={"c1.tension_in": 1.0})
+    with pytest.raises(rw.InputError, match=r"c1\.speed is 'fast'"):
+        together.add("c", line2, start={"c1.speed": "fast"})  # type: ignore[dict-item]
     with pytest.raises(FmuImportError, match="is not for cs"):
         together.add("c", line2, kind="cs")  # type: ignore[arg-type]
 

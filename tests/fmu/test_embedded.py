@@ -9,7 +9,16 @@ import pytest
 from fmus import WEAK_UNIT, fed_line, open_line
 
 import ropeway as rw
-from ropeway.fmu import CoSimulation, FmuComponent, FmuExportError, FmuImportError, FmuVariableError, component, export
+from ropeway.fmu import (
+    CoSimulation,
+    FmuComponent,
+    FmuExportError,
+    FmuImportError,
+    FmuRunError,
+    FmuVariableError,
+    component,
+    export,
+)
 
 COMMAND = {"c1.speed": 1.5}
 INPUTS = {"c1.speed": rw.Schedule((0.0, 1.0, 2.0, 20.0), (1.0, 1.0, 1.5, 1.5))}
@@ -138,6 +147,10 @@ def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
         component("power", path, parameters={"unit.speed": 1.0}, ignore_events=True)
     with pytest.raises(FmuVariableError, match="no variable 'inertia'"):
         component("power", path, parameters={"inertia": 1.0}, ignore_events=True)
+    with pytest.raises(FmuRunError, match=r"It says: .* must be above 0"):
+        component("power", path, parameters={"unit.inertia": -1.0}, ignore_events=True)
+    with pytest.raises(rw.InputError, match=r"unit\.inertia is 'heavy'"):
+        component("power", path, parameters={"unit.inertia": "heavy"}, ignore_events=True)  # type: ignore[dict-item]
     with pytest.raises(rw.InputError, match="not an identifier"):
         component("a power unit", path, ignore_events=True)
     with pytest.raises(FmuExportError, match="is an FMU itself"):

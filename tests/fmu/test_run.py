@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 from fmus import HYDRAULIC, RESPONSE, ROPE, Opener, example_line, one_span, short_line, skyline, valley
 
 import ropeway as rw
-from ropeway.fmu import export
+from ropeway.fmu import Slave, export, load
 
 EVERY = 0.73  # no load crosses at one of its multiples
 
@@ -83,6 +83,27 @@ def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> 
     for kind in ("CoSimulation", "ModelExchange"):
         where, error = deviation(path, line, 40.0, kind, least=10)
         assert error < 1e-5, (kind, where)
+
+
+def test_a_load_thrown_over_a_sheave_as_the_rope_turns(tmp_path: Path, open_fmu: Opener) -> None:
+    """Friction turns with the rope, and takes 7 mm of it over the sheave at once: more than the load is away."""
+    s = rw.System("turning")
+    drums = rw.Drum("d", at=(0.0, 0.0), speed=1.0), rw.Drum("e", at=(200.0, 0.0), tension=50e3)
+    spans = s.string(ROPE, drums[0], rw.Sheave("m", at=(100.0, 15.0), friction=0.05), drums[1], tension=50e3)
+    s.hang(rw.Load("l", mass=400.0), spans, at=spans[0].length + 5e-4)
+    path = export(s, tmp_path / "turning.fmu")
+    one = open_fmu(path)
+    one.initialize()
+    one.set(d__speed=-1.0)
+    one.step(0.0, 1e-3)
+    with Slave(load(path), kind="ModelExchange") as other:
+        other.enter(0.0, {})
+        other.leave()
+        other.step(1e-3, {"d.speed": -1.0}, {"d.speed": -1.0})
+        names = ["m.travel", "m.tension_in"]
+        assert one.get(*names) == pytest.approx(other.get(names), rel=1e-8)
+        assert other.get(["m.loads_passed"])[0] == 1
+    assert one.fmu.getInteger([one.references["m.loads_passed"]]) == [1]
 
 
 @pytest.mark.parametrize(("speed", "at"), [(1.0, 100.0), (-1.0, 140.0)])

@@ -333,3 +333,28 @@ def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
     warm, cold = rw.equilibrium(slow, start=rw.equilibrium(fast)), rw.equilibrium(slow)
     assert warm["c1.rope_speed"] == 0.5
     assert warm["c1.power"] == pytest.approx(cold["c1.power"], rel=1e-9)
+
+
+@pytest.mark.parametrize("every", [1.0, 0.004])
+def test_a_load_that_a_slipping_drive_throws_over_its_sheave(every: float) -> None:
+    """The sheave swings at 4 Hz: it has turned again when the load is found beyond it."""
+    s = rw.System("flung")
+    drive = rw.HydraulicDrive(
+        displacement=1e-4,
+        gear_ratio=20.0,
+        sheave_radius=0.5,
+        relief_pressure=100e5,
+        pump_flow=0.02,
+        engine_power=60e3,
+        inertia=300.0,
+    )
+    c = rw.ControlSheave("c", at=(100.0, 5.0), drive=drive)
+    spans = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), c, rw.Anchor("b", at=(200.0, 0.0)), tension=40e3)
+    s.hang(rw.Load("l", mass=300.0), spans[0], at=spans[0].length - 0.01)
+    model = rw.equilibrium(s).model
+    start = rw.equilibrium(model, parameters={"c_b.length_start": spans[1].length - 0.2})
+    fine = rw.simulate(model, 1.0, every=0.1, start=start, tolerance=1e-9)
+    run = rw.simulate(model, 1.0, every=every, start=start)
+    crossings = [r.events.set_index("event").loc[["crossing forward"], "time"].to_list() for r in (fine, run)]
+    assert crossings[1] == pytest.approx(crossings[0], abs=1e-4)
+    assert run.frame["c.travel"].iloc[-1] == pytest.approx(fine.frame["c.travel"].iloc[-1], rel=1e-3)
