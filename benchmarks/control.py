@@ -59,7 +59,7 @@ def main(
         begin = time.perf_counter()
         result = rw.simulate(model, until, start=start, progress=False)
         spent = time.perf_counter() - begin
-        events = [e.event for e in result.crossings]
+        events = [e.event for e in result.noted]
         on, off = events.count("load put on"), events.count("load taken off")
         before, after = (int(r.passed[0][0] - r.passed[0][-1]) for r in (result.records[0], result.records[-1]))
         drives = sum(isinstance(node, rw.ControlSheave) for node in model.runs[0].nodes)

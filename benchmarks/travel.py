@@ -56,7 +56,7 @@ def travel(spans: int, until: float, tolerance: float) -> Run:
     spent, result = once()
     again, _ = once()
     peak = _memory()
-    what = [event.event for event in result.crossings]
+    what = [event.event for event in result.noted]
     end = result.at(until).loads["load"]
     on, off = what.count("load put on"), what.count("load taken off")
     return Run(

@@ -19,6 +19,7 @@ from ropeway.systems.result import Result
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.load_path import row, units_of
+from ropeway.systems.studies.payload import margins_of
 from ropeway.systems.studies.places import Places, require_pulled
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.stations import NEAR, SIDE
@@ -40,7 +41,9 @@ class Happening(NamedTuple):
 class Inhaul:
     """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
     saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
-    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station."""
+    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station: supports
+    reached and left, changes of the payload, and at the rows "beyond" a limit of `payload`: a tension its safe working
+    load, a spar or support its capacity, lift-off."""
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -111,6 +114,8 @@ class _Run:
         self.time = 0.0
         self.rows: list[dict[str, float | str | int]] = []
         self.events: list[Happening] = []
+        self.margins = margins_of(rig, rig.skyline.safety_factor, None, (None, 0.0), lift_off=True)
+        self.beyond: set[str] = set()
 
     def result(self) -> Inhaul:
         frame = pd.DataFrame(self.rows)
@@ -330,6 +335,10 @@ class _Run:
         solved = Solved(at, eq.point, outputs, "mainline")
         name = self.rig.carriage.name
         values = row(solved, solved[f"{name}.x"])
+        beyond = {limit for limit, margin in self.margins.items() if margin(values, solved) < 0.0}
+        for limit in sorted(beyond - self.beyond):
+            self.events.append(Happening(now, f"beyond {limit}", solved[f"{name}.x"]))
+        self.beyond = beyond
         point = eq.point.copy()
         point.u[:] = 0.0
         if "mainline.speed" in at.model.u.index:

@@ -16,6 +16,7 @@ from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.rope import Rope
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
 from ropeway.systems.studies.span_model import Solved
@@ -127,9 +128,13 @@ def payload(
 
 
 def margins_of(
-    rig: SkylineRig, safety_factor: float, others: float, clearances: tuple[float | None, float], lift_off: bool
+    rig: SkylineRig, safety_factor: float, others: float | None, clearances: tuple[float | None, float], lift_off: bool
 ) -> dict[str, Margin]:
-    """For each limit how far a loaded rig stays from it, in parts of the limit (of 10 m for clearances)."""
+    """For each limit how far a loaded rig stays from it, in parts of the limit (of 10 m for clearances). others: safety
+    factor of the ropes but the skyline, None: each its own."""
+
+    def working_load(rope: Rope) -> float:
+        return rope.breaking_load / (rope.safety_factor if others is None else others)
 
     def tension(column: str, limit: float) -> Margin:
         return lambda r, s: 1.0 - r[column] / limit
@@ -150,11 +155,11 @@ def margins_of(
     sky = "haulback" if rig.kind is Kind.RUNNING else "skyline"
     found: dict[str, Margin] = {f"{sky} tension": tension("highest_tension", skyline)}
     if rig.mainline is not None:
-        found["mainline tension"] = tension("mainline_highest", rig.mainline.breaking_load / others)
+        found["mainline tension"] = tension("mainline_highest", working_load(rig.mainline))
     if rig.haulback is not None and rig.kind is not Kind.RUNNING:
-        found["haulback tension"] = tension("haulback_highest", rig.haulback.breaking_load / others)
+        found["haulback tension"] = tension("haulback_highest", working_load(rig.haulback))
     if rig.turn is not None:
-        found["dropline tension"] = tension("dropline_tension", rig.turn.dropline.breaking_load / others)
+        found["dropline tension"] = tension("dropline_tension", working_load(rig.turn.dropline))
     block = rig.haulback_block
     if block is not None and block.capacity is not None:
         load, most = f"{block.name}.bearing_load", block.capacity
@@ -176,7 +181,7 @@ def margins_of(
             if lift_off:
                 found[f"lift-off of {spar.name}"] = standing(spar)
             for guy in spar.guylines:
-                found[f"guyline {guy.name}"] = pulled(f"{guy.name}_{spar.name}", guy.rope.breaking_load / others)
+                found[f"guyline {guy.name}"] = pulled(f"{guy.name}_{spar.name}", working_load(guy.rope))
     hold = rig.tailspar.tailhold
     if hold is not None and hold.capacity is not None:
         found[f"capacity of {hold.name}"] = tension("anchor_tension", hold.capacity)

@@ -1,5 +1,7 @@
 """A skyline rig in time: the same statics at every moment, events, power, and refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -162,3 +164,31 @@ def test_bad_questions_are_refused(how: dict[str, object], words: str) -> None:
         rw.inhaul(rig(), **asked)  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="no mainline"):
         rw.inhaul(rig(mainline=None, haulback=None, haulback_tension=None), payload=1.0, start=300.0, end=200.0)
+
+
+@pytest.mark.parametrize("radius", [0.0, 1.5])
+def test_limits_that_are_passed_are_events(radius: float) -> None:
+    """At the first row beyond each, over supports and shoes too."""
+    rig = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 22.0)),
+        supports=[
+            rw.IntermediateSupport("s1", at=(150.0, -38.0), radius=radius, capacity=20e3),
+            rw.IntermediateSupport("s2", at=(260.0, -88.0), radius=radius),
+        ],
+        tailspar=rw.TailSpar("tail", at=(400.0, -160.0)),
+        skyline=replace(ROPE, breaking_load=400e3),
+        tension=120e3,
+        mainline=MAIN,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    run = rw.inhaul(rig, payload=800.0, start=380.0, end=20.0, speed=3.0, every=1.0, changes=[(40.0, 2500.0)])
+    over = run.frame.highest_tension > rig.skyline.safe_working_load
+    begins = over & ~over.shift(fill_value=False)
+    told = run.events.set_index("event")
+    assert begins.sum() > 1
+    assert told.time["beyond skyline tension"].to_list() == begins.index[begins].to_list()
+    first = int(np.searchsorted(run.frame.index, told.time["beyond capacity of s1"]))
+    most = rw.payload(rig, safety_factor=1.0, stations=run.frame.carriage_x.iloc[first - 1 : first + 1]).frame
+    assert most.limited_by.iloc[1] == "capacity of s1"
+    assert most.payload.iloc[0] > 2500.0 > most.payload.iloc[1]
