@@ -81,6 +81,8 @@ def run(
                 values[name] = float(number)
             except ValueError as error:
                 raise InputError(f"{text!r} is not name=value", "Give a number after the equals sign") from error
+        if not out.parent.is_dir():
+            raise InputError(f"There is no folder {out.parent}", "Make it, or choose another")
         together = CoSimulation(step)
         together.add("fmu", file, start=values)
         frame = together.run(until)

@@ -35,7 +35,7 @@ def simulate(
     start: Equilibrium | None = None,
     tolerance: float = 1e-6,
     interventions: Sequence[Intervention] = (),
-    stop_at: Sequence[str] = (),
+    stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
 ) -> Result:
     """Simulate a system from its equilibrium.
@@ -54,14 +54,15 @@ def simulate(
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
-    if unknown := [event for event in stop_at if event not in known]:
+    stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
+    if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
     if start is None:
         rest = equilibrium(model)
     else:
         rest = start if declared_alike(start, model.system) else carried_over(start, model)
-    run = _Simulation(rest, signals, interventions, tolerance, tuple(stop_at))
+    run = _Simulation(rest, signals, interventions, tolerance, stops)
     with bar("simulate", until, progress) as advance:
         try:
             run.go(until, every, advance)

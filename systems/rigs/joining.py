@@ -18,6 +18,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
 from ropeway.systems.empty_rope import lengths_for_tension
+from ropeway.systems.rigs.bare_skyline import length_over_shoes
 from ropeway.systems.rigs.skyline import Kind, SkylineRig, Turn
 from ropeway.systems.system import GRAVITY
 
@@ -62,7 +63,7 @@ def joined(
     name: str | None = None,
     gravity: float = GRAVITY,
 ) -> SkylineRig:
-    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError."""
+    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError, EquilibriumError."""
     name = f"{kind.value} skyline" if name is None else name
     check.positive(gravity, name, "gravity", "m/s2")
     head = headspar.placed(terrain)
@@ -126,7 +127,8 @@ def joined(
 
 
 def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
-    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError."""
+    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError,
+    EquilibriumError."""
     placed = [support.placed(rig.terrain) for support in supports]
     return _with_length(replace(rig, supports=_shod([rig.headspar, *placed, rig.tailspar]), length=None))
 
@@ -149,6 +151,8 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
         names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
         names += [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends[len(rig.stands) - 1 :])]
         length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
+        if any(support.radius > 0.0 for support in rig.supports):  # so far over the points of the supports
+            length = length_over_shoes(replace(rig, length=length), rig.tension)
     check.positive(length or 0.0, rig.name, "length", "m")
     chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     shortest = chords / (1.0 + rope.strain.at(rope.breaking_load))

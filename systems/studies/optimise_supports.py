@@ -160,7 +160,7 @@ class _Search:
         self.tried += 1
         try:
             rig = with_supports(self.rig, supports)
-        except SlackRopeError:
+        except (SlackRopeError, EquilibriumError):
             return False
         margins = margins_of(rig, self.safety, self.safety, self.clearances, True)
         solver = Stations(rig)

@@ -12,16 +12,12 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
-from ropeway.components.anchor import Anchor
 from ropeway.components.errors import EquilibriumError, InputError
-from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Elastic
-from ropeway.components.spar import Block
-from ropeway.systems.equilibrium import equilibrium
+from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
 from ropeway.systems.studies.stations import Stations
-from ropeway.systems.system import System
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,17 +82,6 @@ def set_up(
 def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[str, Any]:
     """The row of a load path with another length of the skyline."""
     return row(Stations(replace(rig, length=length, tension=None)).solve(station, payload), station)
-
-
-def bare_tension(rig: SkylineRig) -> float:
-    """Tension of the bare skyline at the headspar [N], guyed spars held upright."""
-    bare = System(rig.name, gravity=rig.gravity)
-    first, *between, last = rig.ends
-    over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
-    spans = bare.string(
-        rig.skyline, Anchor(first.name, at=first.at), *over, Anchor(last.name, at=last.at), length=rig.length
-    )
-    return equilibrium(bare)[f"{spans[0].name}.tension_a"]
 
 
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:

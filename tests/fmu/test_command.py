@@ -31,8 +31,10 @@ def test_errors_on_one_line(tmp_path: Path) -> None:
         ("info", "none.fmu"),
         ("run", "none.fmu", "--until", "1"),
         ("run", "x", "--until", "1", "--start", "a"),
+        ("run", "x", "--until", "1", "-o", "none/x.csv"),
     ):
         done = ropeway(*arguments, cwd=tmp_path)
         assert done.returncode == 1
         assert len(done.stderr.splitlines()) == 1
         assert done.stderr.startswith("ropeway: ")
+    assert "There is no folder" in done.stderr

@@ -197,7 +197,7 @@ def test_limits_are_events_and_stop_the_run_only_when_asked() -> None:
     result = rw.simulate(s, until=60.0)
     found = result.events[["component", "event"]].to_numpy().tolist()
     assert found == [["a_d", "tension above SWL"], ["a_d", "tension above MBL"]]
-    stopped = rw.simulate(s, until=60.0, stop_at=("tension above MBL",))
+    stopped = rw.simulate(s, until=60.0, stop_at="tension above MBL")
     assert stopped.times[-1] < 60.0
     assert stopped.events["event"].iloc[-1] == "tension above MBL"
     with pytest.raises(rw.InputError, match="cannot stop at"):

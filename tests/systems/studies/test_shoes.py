@@ -5,6 +5,7 @@ import pytest
 import skyline_oracle as oracle
 
 import ropeway as rw
+from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.studies.stations import Stations
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
@@ -25,6 +26,20 @@ def rig(radius: float, **how: object) -> rw.SkylineRig:
         carriage=rw.Carriage("carriage", mass=450.0),
         **how,  # type: ignore[arg-type]
     )
+
+
+def test_the_tension_is_that_of_the_bare_rope_on_its_shoes() -> None:
+    supports = [rw.IntermediateSupport(f"s{x:g}", at=(x, z), radius=3.0) for x, z in ((150.0, 12.0), (320.0, -18.0))]
+    slack = rw.standing_skyline(
+        None,
+        headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+        supports=supports,
+        tailspar=rw.TailSpar("tail", at=(450.0, -69.0)),
+        skyline=ROPE,
+        tension=30e3,
+        carriage=rw.Carriage("carriage", mass=450.0),
+    )
+    assert bare_tension(slack) == pytest.approx(30e3, rel=1e-7)
 
 
 @pytest.mark.parametrize("payload", [0.0, 2500.0])

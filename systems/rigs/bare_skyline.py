@@ -1,0 +1,34 @@
+"""The skyline of a rig without carriage and load, guyed spars held upright."""
+
+from __future__ import annotations
+
+from ropeway.components.anchor import Anchor
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.span import Span
+from ropeway.components.spar import Block
+from ropeway.systems.equilibrium import equilibrium
+from ropeway.systems.rigs.skyline import SkylineRig
+from ropeway.systems.system import System
+
+
+def bare_tension(rig: SkylineRig) -> float:
+    """Its tension at the headspar [N]."""
+    bare, spans = _strung(rig)
+    return equilibrium(bare)[f"{spans[0].name}.tension_a"]
+
+
+def length_over_shoes(rig: SkylineRig, tension: float) -> float:
+    """Its unstretched length [m] for a tension at the headspar [N], from the rig's length that is near it. Raises
+    EquilibriumError."""
+    bare, spans = _strung(rig)
+    freed = f"{spans[-1].name}.length_start"
+    found = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
+    return float(sum(found[f"{span.name}.length_start"] for span in spans))
+
+
+def _strung(rig: SkylineRig) -> tuple[System, tuple[Span, ...]]:
+    bare = System(rig.name, gravity=rig.gravity)
+    first, *between, last = rig.ends
+    over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
+    anchors = [Anchor(node.name, at=node.at) for node in (first, last)]
+    return bare, bare.string(rig.skyline, anchors[0], *over, anchors[1], length=rig.length)
