@@ -181,7 +181,7 @@ def test_a_plan_ends_where_it_ends() -> None:
 def test_a_schedule_from_a_wrong_file_names_file_and_line(tmp_path: object) -> None:
     path = rw.Schedule((0.0, 1.5), (1.0, 1.25)).to_csv(f"{tmp_path}/one.csv")
     assert rw.Schedule.from_csv(path) == rw.Schedule((0.0, 1.5), (1.0, 1.25))
-    with pytest.raises(rw.InputError, match="line 1: column c1"):
+    with pytest.raises(rw.InputError, match="line 1: no column c1"):
         rw.Schedule.from_csv(path, column="c1.speed")
     path.write_text("time,speed\n0,1\n1,fast\n")
     with pytest.raises(rw.InputError, match="line 3"):
