@@ -139,7 +139,8 @@ class Follower:
         m, k, nominal = self.model, self.x.shape[1], self.model.x.nominals
         n = len(nominal)
         slope = (b.point.u - a.point.u) / (b.point.t - a.point.t)
-        alone = all(drives_of(m, _ACCURACY).decoupled(line.point) for line in (a, b))
+        drives = drives_of(m, _ACCURACY)
+        alone = all(drives.decoupled(line.point) for line in (a, b))
         weights = 1.0 / self.varied.nominal
         moving = self._directions(a, point, self.x)
 
@@ -149,7 +150,7 @@ class Follower:
 
         def directions(now: Point, values: np.ndarray) -> Directions:
             x = values[n:].reshape(n, k) * nominal[:, None] * weights
-            if alone:
+            if alone and drives.decoupled(now):  # a limit can bind between two records
                 return replace(moving, x=x)
             newton_of(m).solve(now)
             return self._directions(a, now, x)
