@@ -78,7 +78,7 @@ class Drives:
         if self.ties:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
-            self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.densify(ca.vec(scaled)))]))
+            self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(*scaled.nonzeros()))]))
         w, slope = model.sym("w", nx), model.sym("slope", nu)
         x0, rate = model.sym("x0", nx), model.sym("rate", nx)
         passed = tau * h
