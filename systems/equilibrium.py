@@ -257,9 +257,7 @@ def _let_out(state: LineState) -> None:
 
 def _check(state: LineState) -> None:
     """Raises EquilibriumError for a root that no rope can have: a piece of no length, or an unstable balance."""
-    bare = state.without_rope()
-    if bare is not None:
-        raise EquilibriumError(f"No rope is left in span {bare!r}", "Give the run more rope", bare)
+    state.require_rope("Give the run more rope")
     require_stable(state)
 
 

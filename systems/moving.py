@@ -95,7 +95,7 @@ class Moving:
         begin = saved.point.t
         try:
             self._move_to(stop)
-            self._require_rope()
+            self.state.require_rope("End the run before, or turn the drive")
             self._require_stable()
         except (EquilibriumError, SimulationError):
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
@@ -107,12 +107,6 @@ class Moving:
             self.disturb()
             self.run_to((begin + stop) / 2.0)
             self.run_to(stop)
-
-    def _require_rope(self) -> None:
-        bare = self.state.without_rope()
-        if bare is not None:
-            remedy = "End the run before, or turn the drive"
-            raise EquilibriumError(f"No rope is left in span {bare!r}", remedy, bare)
 
     def _require_stable(self) -> None:
         if not has_free_nodes(self.state.model) and slack(self.state):
@@ -276,12 +270,6 @@ class Moving:
 
     def _moving(self, x: np.ndarray, z: np.ndarray) -> Motion:
         return Motion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
-
-    def _passed_over(self, before: LineState) -> list[loads.Crossing]:
-        """Loads that have come past a support since `before` and have not crossed it: the rope there has turned."""
-        ends = {(r, k) for r, run in enumerate(before.runs) for k in (0, len(run.nodes) - 1)}
-        then = {(c.r, c.k) for c in loads.overrun(before, ends)}
-        return [c for c in loads.overrun(self.state, ends) if (c.r, c.k) not in then]
 
     def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
         """Moves the state on by `h` seconds, a little backwards too."""

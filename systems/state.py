@@ -204,13 +204,13 @@ class LineState:
             self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
         self.write_slots()
 
-    def without_rope(self) -> str | None:
-        """The span in which no rope is left, if any."""
+    def require_rope(self, remedy: str) -> None:
+        """Raises EquilibriumError where no rope is left in a span."""
         for r, run in enumerate(self.runs):
             length = np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
             if np.any(length <= 0.0):
-                return run.spans[int(np.argmin(length))].name
-        return None
+                name = run.spans[int(np.argmin(length))].name
+                raise EquilibriumError(f"No rope is left in span {name!r}", remedy, name)
 
     def unpin(self) -> None:
         """Clamps pinned loads to the rope where they hang, so that they travel with it."""
