@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import brentq, newton
@@ -21,7 +22,7 @@ TOUCH = 0.5 * EDGE
 that it does not go to and fro."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Places:
     """The places of a rig's carriage with a payload [kg]."""
 
@@ -31,9 +32,7 @@ class Places:
     def rolls(self, k: int) -> bool:
         """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. A long mainline, which
         stretches more than the shoe is wide, lets it run over at once."""
-        at = span_model(self.rig, Place(k, k))
-        steps = np.linspace(self.edge(k, -1), self.edge(k, 1), 13)
-        return bool(np.all(np.diff([self.paid_out(at, at.solve(float(x), self.payload)) for x in steps]) > 0.0))
+        return _rolls(self, k)
 
     def in_order(self) -> list[Place]:
         """All places of the carriage, in the order of their stations."""
@@ -69,20 +68,7 @@ class Places:
 
     def edge(self, k: int, side: int) -> float:
         """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
-        support = self.rig.supports[k]
-        middle, *_ = support.at
-        # The shoe is as wide as its circle; where it would end, the carriage has long left it.
-        far = 0.99 * STEEPEST * support.radius + side * (support.centre[0] - middle)
-
-        def off(x: float) -> float:
-            return self.on_shoe(k, x).off_shoe - EDGE
-
-        if off(middle) > 0.0:
-            raise EquilibriumError(f"The skyline lifts off the shoe of {support.name!r}", "Raise it, or slacken it")
-        reach = 0.05 * support.radius
-        while off(middle + side * reach) < 0.0 and reach < far:
-            reach = min(1.5 * reach, far)
-        return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
+        return _edge(self, k, side)
 
     def touch(self, at: SpanModel, k: int) -> float:
         """Where the carriage comes on to the shoe of support k out of a span [m]."""
@@ -128,6 +114,31 @@ class Places:
         """Length of the mainline [m, unstretched], what lies on rollers too."""
         layout = at.model.layouts[at.roles.index("mainline")]
         return float(point.p[layout.length_start].sum() + layout.travel.read(point.x, point.z)[0])
+
+
+@lru_cache(maxsize=64)
+def _rolls(places: Places, k: int) -> bool:
+    at = span_model(places.rig, Place(k, k))
+    steps = np.linspace(places.edge(k, -1), places.edge(k, 1), 13)
+    return bool(np.all(np.diff([places.paid_out(at, at.solve(float(x), places.payload)) for x in steps]) > 0.0))
+
+
+@lru_cache(maxsize=64)
+def _edge(places: Places, k: int, side: int) -> float:
+    support = places.rig.supports[k]
+    middle, *_ = support.at
+    # The shoe is as wide as its circle; where it would end, the carriage has long left it.
+    far = 0.99 * STEEPEST * support.radius + side * (support.centre[0] - middle)
+
+    def off(x: float) -> float:
+        return places.on_shoe(k, x).off_shoe - EDGE
+
+    if off(middle) > 0.0:
+        raise EquilibriumError(f"The skyline lifts off the shoe of {support.name!r}", "Raise it, or slacken it")
+    reach = 0.05 * support.radius
+    while off(middle + side * reach) < 0.0 and reach < far:
+        reach = min(1.5 * reach, far)
+    return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
 
 
 def require_pulled(rig: SkylineRig) -> None:
