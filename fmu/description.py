@@ -124,11 +124,7 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
     by_name = {v.name: v for v in shown}
     variables = ElementTree.SubElement(root, "ModelVariables")
     for v in shown:
-        scalar = ElementTree.SubElement(
-            variables,
-            "ScalarVariable",
-            _attributes(**_told(v)),
-        )
+        scalar = ElementTree.SubElement(variables, "ScalarVariable", _attributes(**_told(v)))
         of = place[by_name[v.state].reference] if v.state else None
         real = {"unit": v.unit, "nominal": v.nominal, "derivative": of} if v.kind == "Real" else {}
         ElementTree.SubElement(scalar, v.kind, _attributes(**real, start=v.start))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import fmpy
 import numpy as np
@@ -48,6 +48,15 @@ def require_kind(fmu: Fmu, kind: str) -> None:
         )
 
 
+class _Group(NamedTuple):
+    """Variables of one kind, their places among those asked for, and their value references."""
+
+    kind: str
+    names: list[str]
+    places: list[int]
+    references: list[int]
+
+
 class Instance:
     """An open instance. `time` is that of its last communication point or event [s]; `log` what it said. Raises
     FmuImportError."""
@@ -65,6 +74,7 @@ class Instance:
         self._three = fmu.fmi != "2.0"
         self._references = {str(n): int(r) for n, r in fmu.variables["reference"].items()}
         self._kinds = {str(n): str(kind) for n, kind in fmu.variables["kind"].items()}
+        self._groups: dict[tuple[str, ...], list[_Group]] = {}  # the same variables are asked for at every step
         self._open = False
         self._folder = tempfile.mkdtemp(prefix="ropeway-")
         try:
@@ -136,18 +146,21 @@ class Instance:
     def _where(self, names: Iterable[str]) -> list[int]:
         return [self._references[n] if n in self._references else int(self.fmu.variable(n)["reference"]) for n in names]
 
-    def _by_kind(self, names: Iterable[str]) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = {}
-        for name in names:
-            found.setdefault(self._kinds.get(name, "Real"), []).append(name)
-        return found
+    def _by_kind(self, names: tuple[str, ...]) -> list[_Group]:
+        if names not in self._groups:
+            places: dict[str, list[int]] = {}
+            for i, name in enumerate(names):
+                places.setdefault(self._kinds.get(name, "Real"), []).append(i)
+            owned = {kind: [names[i] for i in own] for kind, own in places.items()}
+            self._groups[names] = [_Group(kind, own, places[kind], self._where(own)) for kind, own in owned.items()]
+        return self._groups[names]
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets variables, Booleans by 0 and 1. Raises FmuRunError, FmuVariableError."""
-        for kind, names in self._by_kind(values).items():
-            own = {name: values[name] for name in names}
-            numbers = list(own.values()) if kind == "Real" else self._whole(own, kind)
-            self.call(f"values for {', '.join(own)}", f"set{kind}", self._where(own), numbers)
+        for group in self._by_kind(tuple(values)):
+            own = {name: values[name] for name in group.names}
+            numbers = list(own.values()) if group.kind == "Real" else self._whole(own, group.kind)
+            self.call(f"values for {', '.join(own)}", f"set{group.kind}", group.references, numbers)
 
     def _whole(self, values: Mapping[str, float], kind: str) -> list[int]:
         for name, value in values.items():
@@ -159,11 +172,11 @@ class Instance:
 
     def get(self, names: Sequence[str]) -> np.ndarray:
         """Values of variables, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
-        values: dict[str, float] = {}
-        for kind, own in self._by_kind(names).items():
-            found = self.call(f"to show {', '.join(own)}", f"get{kind}", self._where(own))
-            values.update(zip(own, found, strict=True))
-        return np.array([values[name] for name in names], dtype=float)
+        values = np.zeros(len(names))
+        for group in self._by_kind(tuple(names)):
+            shown = self.call(f"to show {', '.join(group.names)}", f"get{group.kind}", group.references)
+            values[group.places] = shown
+        return values
 
     def set_rates(self, rates: Mapping[str, float]) -> None:
         """Sets rates of inputs in the next step (FMI 2.0). Raises FmuRunError."""
