@@ -14,17 +14,22 @@ MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
 GROUND = rw.Profile([0, 100, 200, 260, 300, 400, 500], [100, 85, 70, 75, 65, 50, 52])
 
 
+PARTS: dict[str, object] = {
+    "headspar": rw.HeadSpar("head", station=0.0, height=15.0),
+    "supports": [rw.IntermediateSupport("jack", station=260.0, height=9.0)],
+    "tailspar": rw.TailSpar("tail", station=480.0, height=8.0),
+    "skyline": ROPE,
+    "tension": 70e3,
+    "carriage": rw.Carriage("carriage", mass=450.0),
+}
+
+
 def corridor(**how: object) -> rw.SkylineRig:
-    parts: dict[str, object] = {
-        "headspar": rw.HeadSpar("head", station=0.0, height=15.0),
-        "supports": [rw.IntermediateSupport("jack", station=260.0, height=9.0)],
-        "tailspar": rw.TailSpar("tail", station=480.0, height=8.0),
-        "skyline": ROPE,
-        "tension": 70e3,
-        "mainline": MAIN,
-        "carriage": rw.Carriage("carriage", mass=450.0),
-    }
-    return rw.standing_skyline(GROUND, **{**parts, **how})  # type: ignore[arg-type]
+    return rw.standing_skyline(GROUND, **{**PARTS, "mainline": MAIN, **how})  # type: ignore[arg-type]
+
+
+def lowered(**how: object) -> rw.SkylineRig:
+    return rw.live_skyline(GROUND, **{**PARTS, **how})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -205,15 +210,7 @@ def test_an_infeasible_corridor_is_an_answer() -> None:
 
 
 def test_live_and_running_skylines_keep_the_clearance() -> None:
-    live = rw.live_skyline(
-        GROUND,
-        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
-        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
-        skyline=ROPE,
-        tension=70e3,
-        mainline=MAIN,
-        carriage=rw.Carriage("carriage", mass=450.0),
-    )
+    live = lowered(supports=[], tailspar=rw.TailSpar("tail", station=240.0, height=10.0), mainline=MAIN)
     double = rw.Rope(mass_per_length=1.4, axial_stiffness=15e6, breaking_load=256e3)
     running = rw.running_skyline(
         GROUND,
@@ -235,14 +232,7 @@ def test_live_and_running_skylines_keep_the_clearance() -> None:
 
 
 def test_a_height_above_the_chord_is_told() -> None:
-    live = rw.live_skyline(
-        GROUND,
-        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
-        tailspar=rw.TailSpar("tail", station=240.0, height=10.0),
-        skyline=ROPE,
-        tension=70e3,
-        carriage=rw.Carriage("carriage", mass=450.0),
-    )
+    live = lowered(supports=[], tailspar=rw.TailSpar("tail", station=240.0, height=10.0))
     study = rw.payload(live, clearance=60.0, stations=[120.0])
     assert (study.payload, study.limiting.limited_by) == (0.0, "clearance")
     with pytest.raises(rw.OutOfReachError, match=r"the chord of its span is at 99\.1667 m"):
@@ -251,15 +241,7 @@ def test_a_height_above_the_chord_is_told() -> None:
 
 def test_a_live_skyline_over_a_jack_comes_as_low_as_it_goes() -> None:
     """Beside the saddle no tension brings the carriage down to the clearance: there it rides higher, and carries."""
-    live = rw.live_skyline(
-        GROUND,
-        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
-        supports=[rw.IntermediateSupport("jack", station=260.0, height=9.0)],
-        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
-        skyline=ROPE,
-        tension=70e3,
-        carriage=rw.Carriage("carriage", mass=450.0),
-    )
+    live = lowered()
     study = rw.payload(live, clearance=1.0, stations=[100.0, 259.0, 260.0, 261.0, 380.0])
     assert (study.frame.payload > 2000.0).all()
     assert study.frame.clearance[[0, 4]].to_numpy() == pytest.approx(1.0, abs=1e-9)
