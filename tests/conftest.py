@@ -1,10 +1,35 @@
-"""Makes the helpers of this folder importable from every test, from a checkout and against an installed package."""
+"""Makes the helpers of this folder importable from every test, and gives the campaigns their options."""
 
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
+import pytest
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
 settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ropeway")
+
+
+class Campaign(NamedTuple):
+    """What a campaign of random cases was asked for on the command line."""
+
+    seed: int
+    count: int | None
+
+    def size(self, default: int) -> int:
+        """Number of cases to try: `default` unless the command line says otherwise."""
+        return default if self.count is None else self.count
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Declares the options of the campaigns."""
+    parser.addoption("--campaign-seed", type=int, default=1, help="seed of the random cases of tests/campaigns")
+    parser.addoption("--campaign-count", type=int, default=None, help="number of random cases, instead of a file's own")
+
+
+@pytest.fixture
+def campaign(request: pytest.FixtureRequest) -> Campaign:
+    """Seed and number of random cases: `pytest tests/campaigns -m slow --campaign-seed 7 --campaign-count 1000`."""
+    return Campaign(request.config.getoption("--campaign-seed"), request.config.getoption("--campaign-count"))
