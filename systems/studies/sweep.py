@@ -16,6 +16,7 @@ import pandas as pd
 from ropeway.components.errors import InputError, WorkerError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.studies.cases import table_of
@@ -101,7 +102,7 @@ def _table(cases: pd.DataFrame, rows: Mapping[int, Row], units: Mapping[str, str
     found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
     table = pd.concat([cases.loc[there], found], axis=1)
     table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
-    table.attrs["units"] = dict(units)
+    table.attrs["units"] = Labels(units)
     return table
 
 
