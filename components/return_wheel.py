@@ -6,7 +6,9 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.check import POSITIVE
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
@@ -80,3 +82,10 @@ class TensionedReturn(Wheel):
             },
             outputs=outputs,
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        way, pull = np.stack([v.way_x, v.way_y, v.way_z]), v.a.force + v.b.force
+        return {
+            "drawn": laws.Law(np.sum(pull * way, axis=0) + v.take_up, v.take_up),
+            "tension_law": laws.ratio(v.a.force, v.b.force),
+        }

@@ -6,7 +6,9 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
@@ -115,3 +117,11 @@ class Sheave(Wheel):
         # One newton per millimetre keeps the held residual in the scale of the free one.
         law = (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
         return Equations(residuals={"tension_law": law}, outputs=outputs)
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        by = 1.0
+        if self.friction > 0.0:
+            by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh(v.b.speed / 0.01))
+        free = laws.ratio(v.a.force, v.b.force, by)
+        standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as the residual has it
+        return {"tension_law": laws.Law(np.where(v.held > 0.0, standing, free.miss), free.size)}
