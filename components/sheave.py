@@ -68,6 +68,20 @@ class Wheel(Node):
         }
 
 
+def held_variables() -> tuple[Variable, Variable]:
+    """Discrete variables of a wheel that turns freely: whether a load stands on it, and where."""
+    return (
+        Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
+        Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),
+    )
+
+
+def tension_law(v: Any, t_in: Any, t_out: Any) -> Any:
+    """Residual of a wheel that turns freely: equal tensions, or the travel at which a load stands on it."""
+    # One newton per millimetre keeps the held residual in the scale of the free one.
+    return (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
+
+
 @dataclass(frozen=True)
 class Sheave(Wheel):
     """An idler sheave. Frictionless: equal tension on both sides.
@@ -101,8 +115,7 @@ class Sheave(Wheel):
             *self.place(),
             *((rough,) if self.friction > 0.0 else ()),
             Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
-            Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
-            Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),
+            *held_variables(),
             Variable("tension_law", Kind.RESIDUAL, "N", "tensions on both sides", 0.0, site.force),
             *self.wheel_outputs(site),
         )
@@ -112,6 +125,4 @@ class Sheave(Wheel):
         t_in, t_out = outputs["tension_in"], outputs["tension_out"]
         if self.friction > 0.0:
             t_in = t_in * (v.friction * outputs["wrap"] * sign(v.b.speed, 0.01)).exp()
-        # One newton per millimetre keeps the held residual in the scale of the free one.
-        law = (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
-        return Equations(residuals={"tension_law": law}, outputs=outputs)
+        return Equations(residuals={"tension_law": tension_law(v, t_in, t_out)}, outputs=outputs)

@@ -250,12 +250,11 @@ class _Simulation:
 
     def note(self, crossing: loads.Crossing, what: str) -> None:
         """Writes an event down; its value is the load's number on the rope."""
-        if not what:
-            return
         run = self.state.runs[crossing.r]
-        if run.loads.mass[crossing.load] == 0.0:  # a missing load
+        load = crossing.load - run.loads.first
+        if run.loads.mass[load] == 0.0:  # a missing load
             return
-        name = run.loads.names[crossing.load]
+        name = run.loads.names[load]
         self.events.append(
             Event(
                 self.state.point.t,
