@@ -69,11 +69,12 @@ class Moving:
         state: LineState,
         signals: Sequence[Signal],
         tolerance: float,
-        record: Callable[[bool], None],
-        note: Callable[[loads.Crossing, str], None],
-        rewind: Callable[[], Callable[[], None]],
+        record: Callable[[bool], None] = lambda exact: None,
+        note: Callable[[loads.Crossing, str], None] = lambda crossing, what: None,
+        rewind: Callable[[], Callable[[], None]] = lambda: lambda: None,
     ) -> None:
-        """rewind() marks the records and events so far and returns a function that drops later ones."""
+        """rewind() marks the records and events so far and returns a function that drops later ones. By default
+        nothing is written down."""
         self.state = state
         self.signals = tuple(signals)
         self.breaks = breaks_of(signals)

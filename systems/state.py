@@ -14,6 +14,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, nearest
 from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
+from ropeway.systems.pending import Pending
 from ropeway.systems.run import Loads, Run, extended, loads_passed, rounds
 from ropeway.systems.start import run_start
 
@@ -24,7 +25,8 @@ LOAD_OUTPUTS = ("x", "y", "z", "distance")
 @dataclass(frozen=True)
 class Record:
     """A state written down: time [s], states, algebraic variables, inputs, the number of the first load that has not
-    passed each support of each run, and the discrete variables that are `kept` besides."""
+    passed each support of each run, and the discrete variables that are `kept` besides; and what was
+    `pending` then in a run."""
 
     time: float
     x: np.ndarray
@@ -32,6 +34,7 @@ class Record:
     u: np.ndarray
     passed: tuple[np.ndarray, ...]
     kept: np.ndarray
+    pending: Pending
 
 
 class LineState:
@@ -95,11 +98,11 @@ class LineState:
         else:
             layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
 
-    def snapshot(self) -> Record:
+    def snapshot(self, pending: Pending) -> Record:
         """The state as it can be written down and made again."""
         q = self.point
         passed = tuple(p + run.loads.first for p, run in zip(self.passed, self.runs, strict=True))
-        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept])
+        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept], pending)
 
     @classmethod
     def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
