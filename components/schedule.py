@@ -10,6 +10,7 @@ import numpy as np
 
 from ropeway.components import table
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,10 @@ class Schedule:
         return float(np.interp(time, self.times, self.speeds))
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes columns time [s] and speed [m/s]; returns the path."""
+        """Writes columns time [s] and speed [m/s]; returns the path. Raises WriteError."""
         rows = "".join(f"{time!r},{speed!r}\n" for time, speed in zip(self.times, self.speeds, strict=True))
-        Path(path).write_text(f"time,speed\n{rows}")
+        with whole(path) as file:
+            file.write_text(f"time,speed\n{rows}", encoding="utf-8")
         return Path(path)
 
     @classmethod

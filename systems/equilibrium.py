@@ -15,6 +15,7 @@ from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSy
 from ropeway.systems.assembly import assemble
 from ropeway.systems.carrying import carried_over, declared_alike, undriven
 from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.pending import Pending
@@ -140,6 +141,7 @@ class Equilibrium:
         )
 
 
+@interruptible
 def equilibrium(
     system: System | Model,
     *,

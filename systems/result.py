@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
@@ -181,13 +182,15 @@ class Result:
         return energy(self)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame; returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def to_parquet(self, path: str | Path) -> Path:
-        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path."""
-        self.frame.to_parquet(path)
+        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_parquet(file)
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:

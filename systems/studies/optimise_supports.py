@@ -11,6 +11,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row, stations_of
@@ -71,6 +72,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 
 
+@interruptible
 def optimise_supports(
     rig: SkylineRig,
     candidates: Sequence[Candidate],

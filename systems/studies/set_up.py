@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
@@ -31,6 +32,7 @@ class SetUp:
     loaded: dict[str, Any]
 
 
+@interruptible
 def set_up(
     rig: SkylineRig,
     *,
@@ -84,6 +86,7 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
     return row(Stations(replace(rig, length=length, tension=None)).solve(station, payload), station)
 
 
+@interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
     """A new rope settling: one row for each turn (station [m], payload [kg]) in order.
 

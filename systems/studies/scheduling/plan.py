@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
@@ -157,8 +158,10 @@ class SchedulePlan:
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path. Raises
+        WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def plot(self) -> Figure:
