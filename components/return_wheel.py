@@ -8,11 +8,13 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel
 
 
+@checked
 @dataclass(frozen=True)
 class TensionedReturn(Wheel):
     """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.

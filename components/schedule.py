@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from ropeway.components import table
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 
 
+@checked
 @dataclass(frozen=True)
 class Schedule:
     """Piecewise linear over time: `times` [s], strictly increasing, and as many `speeds` [m/s].

@@ -9,10 +9,12 @@ from typing import Any
 from ropeway.components import check
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 
 
+@checked
 @dataclass(frozen=True)
 class Wheel(Node):
     """A support that a rope runs over, coming in at seat a and going out at seat b. hold_down: the rope runs
@@ -68,6 +70,7 @@ class Wheel(Node):
         }
 
 
+@checked
 @dataclass(frozen=True)
 class Sheave(Wheel):
     """An idler sheave. Frictionless: equal tension on both sides.

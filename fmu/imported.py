@@ -13,12 +13,14 @@ from xml.etree import ElementTree
 import fmpy
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.fmu import units
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Fmu:
     """An FMU file. `kinds`: "ModelExchange", "CoSimulation"; `platforms`: those that it has a binary for.
@@ -51,6 +53,7 @@ class Fmu:
         return [str(n) for n in self.variables.index[chosen]]
 
 
+@checked
 def load(path: str | Path) -> Fmu:
     """Reads an FMU of version 2.0 or 3.0. Raises FmuImportError."""
     file = Path(path)

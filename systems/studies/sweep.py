@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model
@@ -29,6 +30,7 @@ Study = Callable[..., Mapping[str, Any] | float]
 _FAILURE = ("error", "message")
 
 
+@checked
 def sweep(
     study: Study | System | Model,
     parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
