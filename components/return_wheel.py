@@ -10,11 +10,13 @@ import numpy as np
 
 from ropeway.components import check, laws
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
 
 
+@checked
 @dataclass(frozen=True)
 class TensionedReturn(Wheel):
     """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.

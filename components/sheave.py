@@ -11,10 +11,12 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 
 
+@checked
 @dataclass(frozen=True)
 class Wheel(Node):
     """A support that a rope runs over, coming in at seat a and going out at seat b. hold_down: the rope runs
@@ -91,6 +93,7 @@ def free_or_held(v: Any, by: np.ndarray | float = 1.0) -> laws.Law:
     return laws.Law(np.where(v.held > 0.0, standing, free.miss), free.size)
 
 
+@checked
 @dataclass(frozen=True)
 class Sheave(Wheel):
     """An idler sheave. Frictionless: equal tension on both sides.

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.check import POSITIVE, Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
@@ -23,6 +24,7 @@ from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
 
 
+@checked
 @interruptible
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
     """The flat model of a system.

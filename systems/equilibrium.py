@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import catenary
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
@@ -25,6 +26,7 @@ from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True)
 class Equilibrium:
     """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
@@ -141,6 +143,7 @@ class Equilibrium:
         )
 
 
+@checked
 @interruptible
 def equilibrium(
     system: System | Model,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
@@ -37,6 +38,7 @@ class Event(NamedTuple):
     load: str = ""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Result:
     """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
@@ -28,6 +29,7 @@ from ropeway.systems.state import LineState, Record
 from ropeway.systems.system import System
 
 
+@checked
 @interruptible
 def simulate(
     system: System | Model,

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.component import (
     Component,
     Node,
@@ -58,6 +59,7 @@ class Feed:
     around: int | None = None
 
 
+@checked
 class System:
     """Components and their connections. Declarations only: nothing is solved here."""
 
