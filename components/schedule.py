@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ropeway.components import table
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 
 
+@checked
 @dataclass(frozen=True)
 class Schedule:
     """Piecewise linear over time: `times` [s], strictly increasing, and as many `speeds` [m/s].

@@ -16,6 +16,7 @@ import casadi as ca
 
 import ropeway
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 from ropeway.fmu import compiler, description, documentation, tables
@@ -45,6 +46,7 @@ _HEADERS = {
 _NAMESPACE = uuid.UUID("6f1f3d52-6c2b-4c0e-9d5b-1d0d3c7a9f10")
 
 
+@checked
 @interruptible
 def export(
     system: System | Model | Equilibrium | SkylineRig,

@@ -133,8 +133,16 @@ class Newton:
 
     def matrix(self, point: Point) -> csc_matrix:
         """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
-        values = self._matrix(*self.arguments(point))[0]
-        return csc_matrix((values, self._rows, self._columns), shape=self.jacobian.size_out(0))
+        return csc_matrix((self.jacobian_values(point), self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    def jacobian_values(self, point: Point) -> np.ndarray:
+        """The entries of `matrix` in the order of its pattern."""
+        return self._matrix(*self.arguments(point))[0].copy()
+
+    def matrix_places(self) -> csc_matrix:
+        """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
+        numbers = np.arange(1, len(self._rows) + 1)
+        return csc_matrix((numbers, self._rows, self._columns), shape=self.jacobian.size_out(0))
 
     def solve(
         self,

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.interrupts import interruptible, keeping
@@ -38,6 +39,7 @@ class Happening(NamedTuple):
     station: float
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Inhaul:
     """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
@@ -60,6 +62,7 @@ class Inhaul:
         return inhaul_figure(self)
 
 
+@checked
 @interruptible
 def inhaul(
     rig: SkylineRig,

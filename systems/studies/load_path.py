@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.span import Span
@@ -48,6 +49,7 @@ UNITS = {
 }
 
 
+@checked
 @interruptible
 def load_path(
     rig: SkylineRig,

@@ -12,6 +12,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
@@ -41,6 +42,7 @@ NO_EQUILIBRIUM = "no equilibrium"
 """What limits a payload where there is nothing else to say."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class PayloadStudy:
     """The largest payload by station. `frame` has one row a station: station [m], payload [kg], limited_by,
@@ -89,6 +91,7 @@ def is_lowered(rig: SkylineRig) -> bool:
     return rig.kind is not Kind.STANDING and rig.turn is None
 
 
+@checked
 @interruptible
 def payload(
     rig: SkylineRig,

@@ -9,6 +9,7 @@ from functools import cached_property
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
@@ -26,6 +27,7 @@ from ropeway.systems.studies.scheduling.plan import SchedulePlan
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RecedingHorizon:
     """A line driven by plan after plan: the plans, when each began [s], the schedules as driven, and the simulation
@@ -50,6 +52,7 @@ class RecedingHorizon:
         return pd.DataFrame(rows).rename_axis("plan")
 
 
+@checked
 @interruptible
 def receding_horizon(
     line: System,

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
@@ -57,6 +58,7 @@ _SAMPLES = 4
 """Records of a simulation in each interval of the schedule."""
 
 
+@checked
 @interruptible
 def optimise_schedule(
     line: System,

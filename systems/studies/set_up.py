@@ -12,6 +12,7 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
@@ -21,6 +22,7 @@ from ropeway.systems.studies.load_path import row
 from ropeway.systems.studies.stations import Stations
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class SetUp:
     """How to rig a skyline: `length` unstretched [m], `tension` of the bare rope at the headspar [N], the `rig`
@@ -32,6 +34,7 @@ class SetUp:
     loaded: dict[str, Any]
 
 
+@checked
 @interruptible
 def set_up(
     rig: SkylineRig,
@@ -86,6 +89,7 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
     return row(Stations(replace(rig, length=length, tension=None)).solve(station, payload), station)
 
 
+@checked
 @interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
     """A new rope settling: one row for each turn (station [m], payload [kg]) in order.

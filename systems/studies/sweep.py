@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, WorkerError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.interrupts import interruptible, keeping
@@ -31,6 +32,7 @@ Study = Callable[..., Mapping[str, Any] | float]
 _FAILURE = ("error", "message")
 
 
+@checked
 @interruptible
 def sweep(
     study: Study | System | Model,

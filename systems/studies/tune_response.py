@@ -12,6 +12,7 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.response import Response, check_precedence
 from ropeway.systems.carrying import carried_over
@@ -28,6 +29,7 @@ from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class TunedResponse:
     """The best `response` and `precedence` found, the `line` with them, and their `objective`; `baseline` is the
@@ -45,6 +47,7 @@ class TunedResponse:
     history: pd.DataFrame
 
 
+@checked
 @interruptible
 def tune_response(
     line: System,

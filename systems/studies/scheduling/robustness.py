@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, RopewayError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.scheduling.plan import SchedulePlan
 
 
+@checked
 @dataclass(frozen=True)
 class Disturbance:
     """What is not as planned: all masses times `mass`, the speed of `sheave` times `speed` and its schedule `delay`
