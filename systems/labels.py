@@ -23,5 +23,5 @@ class Labels(dict[str, str]):
             'Give the frame others: frame.attrs["units"] = {**frame.attrs["units"], "column": "kN"}',
         )
 
-    __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse  # type: ignore[assignment]
-    pop = popitem = clear = _refuse  # type: ignore[assignment]
+    __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse
+    pop = popitem = clear = _refuse
