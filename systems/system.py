@@ -121,9 +121,9 @@ class System:
             raise InputError(f"{one} and {other} cannot be joined", "Join an output to an input")
         for port in (source, target):
             self._require_part(port.owner)
-        one, other = (port.owner.unit_of(port.name) for port in (source, target))
-        if one and other and not units.same(one, other):
-            raise InputError(f"{source} is in {one}, {target} in {other}", "Connect variables of one unit")
+        given, taken = (port.owner.unit_of(port.name) for port in (source, target))
+        if given and taken and not units.same(given, taken):
+            raise InputError(f"{source} is in {given}, {target} in {taken}", "Connect variables of one unit")
         if (target.owner.name, target.name) in self.links:
             raise InputError(f"Port {target} is joined twice", "One output drives an input")
         self.links[target.owner.name, target.name] = (source.owner.name, source.name)
@@ -164,10 +164,10 @@ class System:
             raise InputError("string needs either length or tension", "Give one of them")
         for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
             if node.through(seat) is None:
-                raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
+                raise InputError(f"{node.described} stands inside the rope", "A rope can end there, not run over it")
         for before, after in pairwise(nodes):
             if before.at == after.at:
-                raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
+                raise InputError(f"{before.described} and {after.described} stand at one place", "Move one of them")
         points = [node.at for node in nodes]
         prefix = "" if name is None else f"{name}_"
         names = [f"{prefix}{a.name}_{b.name}" for a, b in pairwise(nodes)]

@@ -18,7 +18,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
 from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.rigs.supports import read_supports
+from ropeway.systems.rigs.supports import read_supports, with_own
 from ropeway.systems.system import GRAVITY, System
 
 
@@ -73,17 +73,21 @@ def _line(
     """The line with its return wheel drawn by `take_up`, or in its place for None."""
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     nodes: list[Node] = []
-    for i, row in enumerate(table.itertuples(index=False)):
-        label, at = str(row.name), tuple(points[i])
-        if row.kind == "control":
+    for i, row in enumerate(table.to_dict("records")):
+        about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
+        if row["kind"] == "control":
+            own = with_own(drive, row, "drive")
+            with_own(None, row, "response")  # no sheave of an endless line has one
             # The drive's wheel lies flat: it holds the rope in height from either side.
-            nodes.append(ControlSheave(label, at=at, hold_down=i == 0, speed=speed, drive=drive or IdealDrive()))
-        elif row.kind == "return" and take_up is not None:
+            nodes.append(ControlSheave(**about, at=at, hold_down=i == 0, speed=speed, drive=own or IdealDrive()))
+        elif row["kind"] == "return" and take_up is not None:
             # It slides in the middle between its ropes, away from them.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
             way = before / np.linalg.norm(before) + after / np.linalg.norm(after)
-            nodes.append(TensionedReturn(label, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up))
+            nodes.append(
+                TensionedReturn(**about, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up)
+            )
         else:
-            nodes.append(Sheave(label, at=at))
+            nodes.append(Sheave(**about, at=at))
     line = System(name, gravity=gravity)
     return line, line.string(rope, *nodes, nodes[0], tension=tension)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,13 @@ from numpy.typing import ArrayLike
 from ropeway.components import check, table
 from ropeway.components.catenary import Strain, Vector, segment
 from ropeway.components.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+_STATIONS = table.Layout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
+_COORDINATES = table.Layout(dict.fromkeys("xyz", "m"), "x,y,z\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1")
 
 
 class Clearance(NamedTuple):
@@ -63,22 +70,35 @@ class Profile:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
 
     @classmethod
-    def from_csv(cls, path: str | Path) -> Profile:
-        """From a CSV file with columns station and elevation [m]; others are left alone.
+    def from_csv(cls, path: str | Path | pd.DataFrame) -> Profile:
+        """From a table, see `docs/files.md`.
 
-        Raises InputError that names the file and line.
+        Parameters
+        ----------
+        path : str, Path or DataFrame
+            With columns station and elevation [m]; or with columns x, y, z [m] of a broken line in map coordinates,
+            whose station is the horizontal length along it. Other columns are left alone.
+
+        Raises
+        ------
+        InputError
+            With file, line and column.
         """
-        rows: list[tuple[float, float]] = []
-        for line, (x, z) in table.numbers(path, ("station", "elevation")):
-            if not (math.isfinite(x) and math.isfinite(z)) or (rows and x <= rows[-1][0]):
-                raise InputError(
-                    f"{path}, line {line}: station {x:g} m, elevation {z:g} m",
-                    "Stations must increase, and all values be finite",
+        read = table.read(path, _STATIONS, _COORDINATES)
+        if read.layout is _STATIONS:
+            station, elevation = read.numbers("station", "elevation").T
+        else:
+            x, y, elevation = read.numbers("x", "y", "z").T
+            station = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+            in_degrees = np.abs(x).max() <= 180.0 and np.abs(y).max() <= 90.0
+            if in_degrees and np.ptp(elevation) > 20.0 * station[-1]:
+                raise read.error(
+                    f"{station[-1]:g} m long and {np.ptp(elevation):g} m high", "Are x and y in degrees? Give metres"
                 )
-            rows.append((x, z))
-        if len(rows) < 2:
-            raise InputError(f"{path} has {len(rows)} points", "Give at least two")
-        return cls(*np.array(rows).T)
+        read.require_increase(station, "station", "m")
+        if len(read) < 2:
+            raise read.error("it has 1 point", "Give at least two")
+        return cls(station, elevation)
 
     @classmethod
     def from_dem(
