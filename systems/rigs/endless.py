@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
 from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.rigs.supports import read_supports, with_own
+from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
 
 
@@ -76,10 +77,11 @@ def _line(
     for i, row in enumerate(table.to_dict("records")):
         about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
         if row["kind"] == "control":
-            own = with_own(drive, row, "drive")
-            with_own(None, row, "response")  # no sheave of an endless line has one
+            own: Drive = drive or IdealDrive()
+            own = replace(own, **own_values(own, row, "drive"))
+            own_values(None, row, "response")  # no sheave of an endless line has one
             # The drive's wheel lies flat: it holds the rope in height from either side.
-            nodes.append(ControlSheave(**about, at=at, hold_down=i == 0, speed=speed, drive=own or IdealDrive()))
+            nodes.append(ControlSheave(**about, at=at, hold_down=i == 0, speed=speed, drive=own))
         elif row["kind"] == "return" and take_up is not None:
             # It slides in the middle between its ropes, away from them.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,7 +20,7 @@ from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.systems.empty_rope import support_tensions
-from ropeway.systems.rigs.supports import read_supports, with_own
+from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
 
 _Part = TypeVar("_Part", Drive, Response)
@@ -67,9 +68,12 @@ def monocable(
         if row["kind"] == "anchor":
             nodes.append(Anchor(**about, at=at))
         elif row["kind"] == "control":
-            own = with_own(_of(drive, row), row, "drive")
-            rule = with_own(_of(response, row), row, "response")
-            nodes.append(ControlSheave(**about, at=at, speed=speed, drive=own or IdealDrive(), response=rule))
+            own: Drive = _of(drive, row) or IdealDrive()
+            own = replace(own, **own_values(own, row, "drive"))
+            rule: Response | None = _of(response, row)
+            changes = own_values(rule, row, "response")
+            rule = None if rule is None else replace(rule, **changes)
+            nodes.append(ControlSheave(**about, at=at, speed=speed, drive=own, response=rule))
         elif row["kind"] == "drum" and i == 0 and not controlled:
             nodes.append(Drum(**about, at=at, speed=speed))
         elif row["kind"] == "drum":

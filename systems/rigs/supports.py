@@ -5,9 +5,9 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import pandas as pd
 
@@ -16,8 +16,6 @@ from ropeway.components.drive import Drive, HydraulicDrive
 from ropeway.components.errors import InputError
 from ropeway.components.identifier import identifier
 from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
-
-_Part = TypeVar("_Part", bound=Drive | Response)
 
 KINDS = ("anchor", "drum", "idler", "control", "return")
 """Kinds of support of a mono-cable line. A return is the wheel at which the rope turns back."""
@@ -130,17 +128,17 @@ def _check_fields(read: table.Table, own: list[str]) -> None:
             raise read.error(f"a {part} has no {field!r}", remedy, table.HEADER, key)
 
 
-def with_own(part: _Part | None, row: Mapping[Any, Any], prefix: str) -> _Part | None:
-    """A drive or response with the values that the row of its support gives in columns `prefix.field`; blank ones leave
-    it as it is. Raises InputError for a value that it does not use."""
+def own_values(part: Drive | Response | None, row: Mapping[Any, Any], prefix: str) -> dict[str, Any]:
+    """Fields of a drive or response that the row of its support gives in columns `prefix.field`; blank ones leave it as
+    it is. Raises InputError for a value that it does not use."""
     given = {
         str(column).removeprefix(f"{prefix}."): value
         for column, value in row.items()
         if str(column).startswith(f"{prefix}.") and not math.isnan(value)
     }
-    if not given:
-        return part
-    known = [f.name for f in fields(part)] if isinstance(part, _PARTS[prefix]) else []
+    known: dict[str, Any] = {}
+    if part is not None and isinstance(part, _PARTS[prefix]):
+        known = {f.name: f.type for f in fields(part)}
     for field in given:
         if field not in known:
             owner = f"the {prefix} of {row['label']!r}"
@@ -149,7 +147,4 @@ def with_own(part: _Part | None, row: Mapping[Any, Any], prefix: str) -> _Part |
                 f"{row['place']}, column {prefix}.{field}: {owner} has {has}",
                 f"Give {prefix}= as a {' or '.join(kind.__name__ for kind in _PARTS[prefix])}, or leave the column out",
             )
-    if part is None:  # for the type checker: no part has none of the fields
-        return None
-    flags = {f.name for f in fields(part) if f.type == "bool"}
-    return replace(part, **{n: bool(v) if n in flags else float(v) for n, v in given.items()})
+    return {n: bool(v) if known[n] == "bool" else float(v) for n, v in given.items()}
