@@ -102,25 +102,55 @@ class Profile:
 
     @classmethod
     def from_dem(
-        cls, path: str | Path, start: tuple[float, float], end: tuple[float, float], spacing: float | None = None
+        cls,
+        path: str | Path,
+        start: tuple[float, float],
+        end: tuple[float, float],
+        spacing: float | None = None,
+        *,
+        band: int | None = None,
+        unit: str | None = None,
+        nodata: float | None = None,
+        largest_jump: float | None = None,
     ) -> Profile:
-        """From a raster of elevations, between two points (easting, northing) in the raster's coordinates.
+        """From a raster of elevations, see `docs/files.md`; needs the extra `gis`.
 
-        Bilinear between the centres of its cells; spacing [m]: of the stations, by default half a cell. Needs
-        rasterio (the extra `gis`). Raises InputError where the line leaves the raster or its data.
+        Parameters
+        ----------
+        path : str or Path
+        start, end : tuple of float
+            Easting and northing in the raster's coordinate system; longitude and latitude [degrees] where that is
+            geographic.
+        spacing : float, optional
+            Of the stations on the ground [m], about; by default half a cell.
+        band : int, optional
+            The one with the elevations, from 1; needed where there are several.
+        unit : str, optional
+            Of the elevations, such as "m" or "ft"; by default that of the band or of the vertical coordinate system.
+        nodata : float, optional
+            A value that stands for no data, besides the one that the raster declares.
+        largest_jump : float, optional
+            Between neighbouring cells [m], above which they are no ground; by default 50 m and three cells.
+
+        Raises
+        ------
+        InputError
+            The line leaves the raster or its data; or the raster leaves open what its numbers are.
         """
         try:
             import rasterio
         except ImportError as error:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
-        from ropeway.systems.studies.raster import along
+        from ropeway.systems.studies.raster import Reading, along
 
+        reading = Reading(spacing, band, unit, nodata, largest_jump)
+        start, end = check.pair(start, "from_dem", "start"), check.pair(end, "from_dem", "end")
         try:
             raster = rasterio.open(path)
-        except rasterio.errors.RasterioIOError as error:
+        except (rasterio.errors.RasterioIOError, rasterio.errors.NotGeoreferencedWarning, TypeError) as error:
             raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
         with raster:
-            return cls(*along(raster, str(path), start, end, spacing))
+            return cls(*along(raster, str(path), start, end, reading))
 
     def elevation_at(self, station: float) -> float:
         """Elevation [m] at a station [m]. Raises InputError outside the profile."""
