@@ -53,7 +53,8 @@ def endless(
     if len(returns) != 1:
         raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
     if take_up is None:
-        empty, _ = _line(rope, table, tension, 0.0, None, None, name, gravity)
+        bare = table[[column for column in table if "." not in column]]  # at rest an ideal drive does
+        empty, _ = _line(rope, bare, tension, 0.0, None, None, name, gravity)
         take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
     line, spans = _line(rope, table, tension, speed, drive, take_up, name, gravity)
     if load_mass is not None and load_spacing is not None:

@@ -20,7 +20,7 @@ from ropeway.components.response import ProportionalResponse, Response, Threshol
 KINDS = ("anchor", "drum", "idler", "control", "return")
 """Kinds of support of a mono-cable line. A return is the wheel at which the rope turns back."""
 
-MOST = 20_000
+MOST = 10_000
 """More supports than this are no line, but perhaps a terrain."""
 
 _LAYOUT = table.Layout(

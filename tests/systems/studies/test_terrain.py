@@ -92,6 +92,33 @@ def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) ->
         rw.Profile.from_csv(file)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_lines_in_map_coordinates(tmp_path: Path, encoding: str) -> None:
+    """A bend to the left: the station is the horizontal length."""
+    file = tmp_path / "map.csv"
+    text = "X;Y;Z;Bemerkung\n2'600'000,5;1'200'000;846,4;Stra\u00dfe\n"
+    text += "2'600'003,5;1'200'004;840;\n2'599'991,5;1'200'009;835,25;\n"
+    file.write_text(text, encoding=encoding)
+    ground = rw.Profile.from_csv(file)
+    np.testing.assert_allclose(ground.station, [0.0, 5.0, 18.0])
+    np.testing.assert_allclose(ground.elevation, [846.4, 840.0, 835.25])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x,y,z\n0,0,5\n3,4,6\n3,4,7\n", "line 4: station does not increase: 5 m after 5 m"),
+        ("x,y,z\n7.91,46.21,1400\n7.92,46.22,1350\n", "degrees"),
+        ("x,y\n0,0\n3,4\n", "line 1: no column"),
+    ],
+)
+def test_bad_lines_in_map_coordinates(tmp_path: Path, text: str, words: str) -> None:
+    file = tmp_path / "map.csv"
+    file.write_text(text)
+    with pytest.raises(rw.InputError, match=words):
+        rw.Profile.from_csv(file)
+
+
 def test_bad_profiles_are_refused() -> None:
     with pytest.raises(rw.InputError, match="no file"):
         rw.Profile.from_csv("nowhere.csv")
