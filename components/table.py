@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import difflib
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ropeway.components import table_numbers, units
 from ropeway.components.errors import InputError
 from ropeway.components.table_file import RawTable, name_and_unit, read_file
 from ropeway.components.table_numbers import Cell
 
-if TYPE_CHECKING:
-    import pandas as pd
+Source = str | Path | pd.DataFrame
+"""What a table is read from."""
 
 
 HEADER = -1
@@ -123,7 +122,7 @@ class Table:
         return values if (factor, offset) == (1.0, 0.0) else factor * values + offset
 
 
-def read(source: str | Path | pd.DataFrame, *layouts: Layout) -> Table:
+def read(source: Source, *layouts: Layout) -> Table:
     """A table from a file or a DataFrame.
 
     Parameters
@@ -143,9 +142,8 @@ def read(source: str | Path | pd.DataFrame, *layouts: Layout) -> Table:
     InputError
         With the file, the line and an example of the format.
     """
-    frame = _frame(source)
-    if frame is not None:
-        raw = RawTable("the DataFrame", *_of_frame(frame))
+    if isinstance(source, pd.DataFrame):
+        raw = RawTable("the DataFrame", *_of_frame(source))
     elif isinstance(source, str | Path):
         try:
             raw = read_file(Path(source), [list(layout.columns) for layout in layouts])
@@ -202,12 +200,6 @@ def _length_hint(row: Sequence[Cell], raw: RawTable) -> str:
 def _with_example(remedy: str, layout: Layout) -> str:
     end = "" if remedy.endswith("?") else "."
     return f"{remedy}{end} An example: {' / '.join(layout.example.splitlines())}"
-
-
-def _frame(source: object) -> pd.DataFrame | None:
-    """The source, where it is a DataFrame; pandas is not imported for others."""
-    pandas = sys.modules.get("pandas")
-    return source if pandas is not None and isinstance(source, pandas.DataFrame) else None
 
 
 def _of_frame(frame: pd.DataFrame) -> tuple[list[str], list[list[Cell]], list[str], str, str]:

@@ -14,11 +14,13 @@ import fmpy
 import pandas as pd
 
 from ropeway.components import units
+from ropeway.components.checked import checked
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Fmu:
     """An FMU file. `kinds`: "ModelExchange", "CoSimulation"; `platforms`: those that it has a binary for.
@@ -52,6 +54,7 @@ class Fmu:
         return [str(n) for n in self.variables.index[chosen]]
 
 
+@checked
 def load(path: str | Path) -> Fmu:
     """Reads an FMU of version 2.0 or 3.0. Raises FmuImportError."""
     file = Path(path)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
@@ -18,14 +18,16 @@ from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
+from ropeway.components.table import Source
 from ropeway.systems.equilibrium import equilibrium
 from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
 
 
+@checked
 def endless(
     rope: Rope,
-    supports: str | Path | pd.DataFrame,
+    supports: Source,
     *,
     tension: float,
     speed: Speed = 1.0,

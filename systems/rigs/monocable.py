@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, TypeVar
-
-import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
@@ -19,6 +17,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
+from ropeway.components.table import Source
 from ropeway.systems.empty_rope import support_tensions
 from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
@@ -26,9 +25,10 @@ from ropeway.systems.system import GRAVITY, System
 _Part = TypeVar("_Part", Drive, Response)
 
 
+@checked
 def monocable(
     rope: Rope,
-    supports: str | Path | pd.DataFrame,
+    supports: Source,
     *,
     tension: float,
     speed: Speed = 1.0,

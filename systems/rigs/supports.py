@@ -6,7 +6,6 @@ import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -35,7 +34,7 @@ _PARTS: Mapping[str, tuple[type, ...]] = {
 _WORDS = {"true": 1.0, "yes": 1.0, "false": 0.0, "no": 0.0}
 
 
-def read_supports(source: str | Path | pd.DataFrame, *, endless: bool = False) -> pd.DataFrame:
+def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFrame:
     """The table of supports, checked, in the order of the rope.
 
     Parameters

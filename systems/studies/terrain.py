@@ -6,18 +6,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ropeway.components import check, table
 from ropeway.components.catenary import Strain, Vector, segment
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 _STATIONS = table.Layout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
 _COORDINATES = table.Layout(dict.fromkeys("xyz", "m"), "x,y,z\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1")
@@ -41,6 +38,7 @@ class Piece(NamedTuple):
     strain: Strain
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Profile:
     """The ground along a corridor: `station` [m], increasing, and `elevation` [m] there, straight between.
@@ -70,7 +68,7 @@ class Profile:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
 
     @classmethod
-    def from_csv(cls, path: str | Path | pd.DataFrame) -> Profile:
+    def from_csv(cls, path: table.Source) -> Profile:
         """From a table, see `docs/files.md`.
 
         Parameters

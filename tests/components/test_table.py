@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import math
-import os
 import re
 from pathlib import Path
 
@@ -168,9 +167,8 @@ def test_files_that_hold_no_table(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.csv", "a\0b.csv", tmp_path / ("n" * 300)):
         with pytest.raises(rw.InputError, match=r"folder|no file|cannot be read"):
             rw.Profile.from_csv(path)
-    os.mkfifo(tmp_path / "pipe")
     for wrong in (None, 3, b"plan.csv", {"time": [0]}, [0, 1]):
-        with pytest.raises(rw.InputError, match="Give the path of a file, or a DataFrame"):
+        with pytest.raises(rw.InputError, match="DataFrame"):
             rw.Profile.from_csv(wrong)  # type: ignore[arg-type]
 
 
