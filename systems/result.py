@@ -16,6 +16,8 @@ from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.moving import Moving
 from ropeway.systems.newton import newton_of
@@ -65,6 +67,7 @@ class Result:
         return np.array([r.time for r in self.records])
 
     @cached_property
+    @interruptible
     def _solved(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
@@ -100,10 +103,10 @@ class Result:
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
-        frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}
-        frame.attrs["descriptions"] = {
-            table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen
-        }
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
+        frame.attrs["descriptions"] = Labels(
+            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
+        )
         return frame
 
     @cached_property

@@ -183,10 +183,10 @@ class _Simulation:
             self.line.tolerance,
         )
 
-    def result_so_far(self) -> Result:
+    def result_so_far(self) -> Result | None:
         """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
         self.drop()
-        return self.result()
+        return self.result() if self.records else None
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""
