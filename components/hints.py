@@ -23,6 +23,10 @@ _INFINITE = "may be infinite"
 Unbounded = Annotated[float, _INFINITE]
 """A number that may be infinite, as the stiffness of a rope that does not stretch."""
 
+_UNDEFINED = "may be NaN"
+Undefined = Annotated[float, _UNDEFINED]
+"""A number that is NaN where there is none."""
+
 _PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth}
 _NAMES: dict[Any, str] = {str: "text", type(None): "None", np.ndarray: "an array"}
 
@@ -64,6 +68,8 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
     """`Unbounded`, or a hint with the `Range` of its values."""
     if extra == _INFINITE:
         return kinds.unbounded
+    if extra == _UNDEFINED:
+        return kinds.instance_of((float, int), "a number")
     inner = check_of(hint)
     if inner is None or not isinstance(extra, Range):
         return inner
@@ -79,13 +85,14 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
 
 
 def _union(options: tuple[Any, ...]) -> Check | None:
-    """None of the options allows everything, or there is no check. An array that may stand for a sequence is
-    checked as one."""
+    """Any one of them. An array holds numbers: where it may stand for a sequence it is checked as one."""
     checks = {option: check_of(option) for option in options}
     if None in checks.values():
         return None
-    if any(get_origin(option) is Sequence for option in options):
-        checks.pop(np.ndarray, None)
+    if np.ndarray in checks:
+        del checks[np.ndarray]
+        if not any(get_origin(option) is Sequence for option in options):
+            checks[ArrayLike] = kinds.array
     plain = [o for o in checks if isinstance(o, type) and o not in _PLAIN and not getattr(o, "_is_protocol", False)]
     others = [check for option, check in checks.items() if option not in plain and check is not None]
     return kinds.any_of(tuple(plain), [_name(o) for o in plain], others)
@@ -97,7 +104,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     if origin is Callable:
         return kinds.with_members(("__call__",), "a function")
     if issubclass(origin, np.ndarray):
-        return kinds.instance_of((np.ndarray,), "an array")
+        return kinds.array
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
     if issubclass(origin, Mapping):
         return kinds.mapping_of(checks[0], checks[1], "a mapping of names to values")

@@ -11,6 +11,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
+from ropeway.components.hints import Undefined
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
@@ -55,7 +56,7 @@ class SupportPlan:
     supports: tuple[IntermediateSupport, ...]
     feasible: bool
     limited_by: str
-    station: float
+    station: Undefined
     tried: int
 
     @property
