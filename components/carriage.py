@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ropeway.components import check
+from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.checked import checked
@@ -144,3 +144,16 @@ class Carriage(Node):
         if not self.clamped:
             residuals["tension_law"] = outputs["tension_b"] - outputs["tension_a"]
         return Equations(residuals=residuals, outputs=outputs)
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        ropes = [getattr(v, seat.name).force for seat in self.seats]
+        held = laws.weight((v.mass + v.payload) * v.gravity)
+        if self.holding is not None:
+            way = ropes[0] / laws.tension(ropes[0]) - ropes[1] / laws.tension(ropes[1])
+            if self.holding == "horizontal":
+                way[2] = 0.0
+            held = held + v.holding * way / laws.tension(way)
+        found = {f"balance_{axis}": law for axis, law in laws.balance(*ropes, held).items()}
+        if not self.clamped:
+            found["tension_law"] = laws.ratio(ropes[0], ropes[1])
+        return found

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ropeway.components import shoe
+from ropeway.components import laws, shoe
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
@@ -113,3 +113,7 @@ class CarriageOnShoe(Carriage):
                 "support_force": -load[2],
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        # The shoe's force is normal to it: what is left of all pulls is along the normal where rope lies on it too.
+        return {} if self.clamped else {"tension_law": laws.ratio(v.a.force, v.b.force)}

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
 from ropeway.components.checked import checked
@@ -83,3 +83,8 @@ class Drum(Node):
         if self.tension is None:
             return Equations(rates={"travel": v.speed}, outputs={"rope_tension": pull})
         return Equations(residuals={"tension_kept": pull - v.tension}, outputs={"rope_tension": pull})
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        if self.tension is None:
+            return {}
+        return {"tension_kept": laws.Law(laws.tension(v.rope.force) - v.tension, v.tension)}

@@ -7,7 +7,9 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.checked import checked
@@ -92,6 +94,10 @@ class SpringAnchor(Node):
             residuals={f"spring_{a}": pull[i] - v.stiffness * (place[i] - rest[i]) for i, a in enumerate("xyz")},
             outputs={"tension": norm(pull)},
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        given = np.stack([v.x - v.rest_x, v.y - v.rest_y, v.z - v.rest_z])
+        return {f"spring_{axis}": law for axis, law in laws.balance(v.rope.force, -v.stiffness * given).items()}
 
 
 @checked
@@ -233,3 +239,14 @@ class GuyedSpar(HeadSpar):
                 "tension": size(v.skyline.force),
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        mast = np.stack([v.x - v.foot_x, v.y - v.foot_y, v.z - v.foot_z])
+        ropes = [getattr(v, seat.name).force for seat in self.seats]
+        length = laws.tension(mast)
+        forces = [*ropes, v.axial * mast / v.height, laws.weight(v.mass / 2.0 * v.gravity)]
+        found = {f"balance_{axis}": law for axis, law in laws.balance(*forces).items()}
+        found["rigid"] = laws.Law(length - v.height, v.height)
+        for rope in self.blocks:
+            found[f"{rope}_law"] = laws.ratio(getattr(v, f"{rope}_in").force, getattr(v, f"{rope}_out").force)
+        return found

@@ -80,6 +80,11 @@ class Slots:
         """Span and slot number of every slot."""
         return _cells(np.arange(len(self.count)), self.count)
 
+    def filled(self, d: np.ndarray) -> int:
+        """Number of slots with a load."""
+        span, slot = self._cells
+        return len(span) - int(np.count_nonzero(d[self.empty[span] + slot]))
+
     def write(
         self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
     ) -> None:

@@ -13,8 +13,9 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.checked import checked
-from ropeway.components.errors import EquilibriumError, InputError, RopewayError, SimulationError
+from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.newton import Point, newton_of, outputs_of
 from ropeway.systems.result import Result
 from ropeway.systems.rigs.skyline import SkylineRig
@@ -62,6 +63,7 @@ class Inhaul:
 
 
 @checked
+@interruptible
 def inhaul(
     rig: SkylineRig,
     *,
@@ -99,7 +101,8 @@ def inhaul(
         rig.span_of(station)
     run = _Run(rig, float(payload), every, list(changes), tolerance)
     try:
-        run.go(float(start), float(end), speed if end < start else -speed)
+        with keeping(run.result):
+            run.go(float(start), float(end), speed if end < start else -speed)
     except EquilibriumError as error:
         raise SimulationError(error.cause, error.remedy, run.time, run.result()) from error
     except SimulationError as error:
@@ -270,6 +273,10 @@ class _Run:
                 tolerance=self.tolerance,
                 progress=False,
             )
+        except Interrupted as interrupted:
+            if isinstance(interrupted.result, Result):
+                self.record_all(at, interrupted.result, speed)
+            raise
         except SimulationError as error:
             if not isinstance(error.result, Result):
                 raise

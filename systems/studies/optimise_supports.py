@@ -13,6 +13,7 @@ from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.hints import Undefined
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row, stations_of
@@ -77,6 +78,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
 
 
 @checked
+@interruptible
 def optimise_supports(
     rig: SkylineRig,
     candidates: Sequence[Candidate],

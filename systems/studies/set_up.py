@@ -15,6 +15,7 @@ from ropeway.components import check
 from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
@@ -34,6 +35,7 @@ class SetUp:
 
 
 @checked
+@interruptible
 def set_up(
     rig: SkylineRig,
     *,
@@ -88,6 +90,7 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
 
 
 @checked
+@interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
     """A new rope settling: one row for each turn (station [m], payload [kg]) in order.
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
@@ -156,8 +157,10 @@ class SchedulePlan:
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path. Raises
+        WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def plot(self) -> Figure:
