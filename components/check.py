@@ -67,6 +67,12 @@ def not_negative(value: float, owner: str, field: str, unit: str = "") -> None:
     number(value, owner, field, unit, NOT_NEGATIVE)
 
 
+def index(value: int, count: int, owner: str, field: str) -> None:
+    """The number of one of `count` things, counted from 0."""
+    if not 0 <= value < count:
+        raise InputError(f"{owner}: {field} is {value}", f"Give 0 to {count - 1}" if count else "There is none")
+
+
 def share(value: float, owner: str, field: str) -> None:
     """A number above zero and at most one."""
     number(value, owner, field, "", SHARE)

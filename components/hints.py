@@ -5,19 +5,24 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ropeway.components import kinds
-from ropeway.components.check import Range
+from ropeway.components.check import POSITIVE, Range
 from ropeway.components.kinds import Check, RefusedError
 
 Array = NDArray[np.float64]
 
 Numbers = float | Array
 """A number, or numbers side by side."""
+
+Positive = Annotated[float, POSITIVE]
+PositiveNumbers = Annotated[Numbers, POSITIVE]
+"""Numbers above zero."""
 
 _INFINITE = "may be infinite"
 Unbounded = Annotated[float, _INFINITE]
@@ -52,7 +57,7 @@ def check_of(hint: Any) -> Check | None:
         return kinds.one_of(arguments)
     if origin is not None:
         return _container(origin, arguments)
-    if getattr(hint, "_is_protocol", False):
+    if _is_protocol(hint):
         members = sorted(_members(hint))
         return kinds.with_members(members, f"{kinds.article(hint.__name__)}, which has {', '.join(members)}")
     if isinstance(hint, type):
@@ -93,9 +98,16 @@ def _union(options: tuple[Any, ...]) -> Check | None:
         del checks[np.ndarray]
         if not any(get_origin(option) is Sequence for option in options):
             checks[ArrayLike] = kinds.array
-    plain = [o for o in checks if isinstance(o, type) and o not in _PLAIN and not getattr(o, "_is_protocol", False)]
+    if Path in checks:
+        del checks[Path]
+        checks[str] = kinds.path
+    plain = [o for o in checks if isinstance(o, type) and o not in (*_PLAIN, str) and not _is_protocol(o)]
     others = [check for option, check in checks.items() if option not in plain and check is not None]
     return kinds.any_of(tuple(plain), [_name(o) for o in plain], others)
+
+
+def _is_protocol(hint: Any) -> bool:
+    return bool(getattr(hint, "_is_protocol", False))
 
 
 def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
@@ -120,6 +132,6 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
 
 def _members(protocol: Any) -> set[str]:
     """Names of what an object must have to follow a protocol."""
-    bases = [b for b in protocol.__mro__ if getattr(b, "_is_protocol", False) and b is not typing.Protocol]
+    bases = [b for b in protocol.__mro__ if _is_protocol(b) and b is not typing.Protocol]
     names = {name for b in bases for name in (*vars(b), *vars(b).get("__annotations__", {}))}
     return {name for name in names if not name.startswith("_")}

@@ -10,6 +10,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
@@ -93,6 +94,13 @@ def truth(value: Any) -> Any:
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     raise RefusedError(value, "True or False")
+
+
+def path(value: Any) -> Any:
+    """A file or a folder by its path."""
+    if isinstance(value, (str, Path)) and "\0" not in str(value):
+        return value
+    raise RefusedError(value, "the path of a file")
 
 
 def array(value: Any) -> Any:

@@ -169,6 +169,11 @@ def exported() -> Path:
 
 
 @cache
+def exported_line() -> Path:
+    return rw.fmu.export(line(), folder() / "line.fmu")
+
+
+@cache
 def fmu() -> rw.fmu.Fmu:
     return rw.fmu.load(exported())
 
@@ -389,7 +394,7 @@ def _methods() -> dict[str, Callable[[], Call]]:
         master = rw.fmu.CoSimulation(step=0.5)
         if name != "add":
             master.add("span", exported())
-            master.add("line", line())
+            master.add("line", exported_line())
         return Call(getattr(master, name), arguments)
 
     def slave(name: str, /, **arguments: Any) -> Call:

@@ -168,6 +168,7 @@ class SkylineRig:
 
     def chord(self, span: int, station: float) -> float:
         """Height z of the chord of a span at a station [m]."""
+        check.index(span, self.spans, self.name, "span")
         a, b = self.stands[span].at, self.stands[span + 1].at
         return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0])
 
@@ -178,6 +179,7 @@ class SkylineRig:
 
     def start(self, span: int, station: float, payload: float, height: float | None = None) -> carriage_start.Start:
         """Where the carriage is about: the ellipse of its span [or at a given `height` z]."""
+        check.index(span, self.spans, self.name, "span")
         load = (self.carriage.mass + payload) * self.gravity
         weight, strain = self.skyline.mass_per_length * self.gravity, self.skyline.strain
         ends = self.points[span : span + 2]
@@ -212,6 +214,9 @@ class SkylineRig:
         of the mainline's drum (of the clamp, where there is one). Raises InputError, SlackRopeError.
         """
         mass = self.carriage.payload if payload is None else payload
+        for count, what, number in ((self.spans, "span", span), (len(self.supports), "on", on)):
+            if number is not None:
+                check.index(number, count, self.name, what)
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
         system = System(self.name, gravity=self.gravity)

@@ -192,6 +192,8 @@ class Profile:
         """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
         too. (inf, nan) where there is no ground below."""
         line = np.asarray(points, dtype=float).reshape(-1, 2)
+        if not len(line):
+            raise InputError("The line has no points", "Give one or more (x, z)")
         line = line[np.argsort(line[:, 0], kind="stable")]
         x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
         height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)
