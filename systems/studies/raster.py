@@ -23,6 +23,7 @@ def along(
         raise InputError(f"{name}: start and end are one point", "Give two different points")
     step = spacing if spacing is not None else min(abs(raster.transform.a), abs(raster.transform.e)) / 2.0
     check.positive(step, name, "spacing", "m")
+    check.count(length / step, name, "stations")
     if raster.crs is not None and raster.crs.is_geographic:
         raise InputError(f"{name} is in degrees", _REPROJECT)
     if raster.crs is not None and raster.crs.is_projected and raster.crs.linear_units_factor[1] != 1.0:

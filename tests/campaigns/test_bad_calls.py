@@ -76,8 +76,16 @@ MAY_BE_NAN = {
     "load_path",
     "SupportPlan",
     "sweep",
+    "optimise_schedule",
+    "SchedulePlan",
+    "receding_horizon",
 }
 """Callables whose tables have NaN where there is no number, as they say, and what only keeps what it is given."""
+
+ANYTHING = {"description"}
+"""Arguments that may be anything."""
+MUCH = {"until", "generations", "population", "horizon"}
+"""Arguments whose large values ask for long work, and get it."""
 
 
 class Spoilt(NamedTuple):
@@ -113,9 +121,11 @@ def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spo
     pick = rng.random()
     zoo = NEVER if pick < 0.25 else NO_NUMBER if pick < 0.5 else ODD
     wrong = zoo[int(rng.integers(len(zoo)))]
-    never = zoo is NEVER and not callable(inner)
+    never = zoo is NEVER and not callable(inner) and key not in ANYTHING
     if is_number(inner):
         never = never or zoo is NO_NUMBER
+    if key in MUCH and is_number(wrong) and wrong > 100.0:
+        wrong = 0
     if not element:
         spoilt[key] = wrong
     elif isinstance(value, dict):
