@@ -32,8 +32,11 @@ _UNDEFINED = "may be NaN"
 Undefined = Annotated[float, _UNDEFINED]
 """A number that is NaN where there is none."""
 
-_PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth}
-_NAMES: dict[Any, str] = {str: "text", type(None): "None", np.ndarray: "an array"}
+_PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth, np.ndarray: kinds.any_array}
+_NAMES: dict[Any, str] = {
+    str: "text",
+    type(None): "None",
+}
 
 
 def check_of(hint: Any) -> Check | None:

@@ -20,6 +20,9 @@ Check = Callable[[Any], Any]
 
 FINITE = "a finite number, not NaN or inf"
 
+LONGEST_NAME = 255
+"""Bytes of the longest name that file systems take."""
+
 _TEXTS = (str, bytes, bytearray, memoryview)
 _REPR = Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
@@ -98,9 +101,11 @@ def truth(value: Any) -> Any:
 
 def path(value: Any) -> Any:
     """A file or a folder by its path."""
-    if isinstance(value, (str, Path)) and "\0" not in str(value):
-        return value
-    raise RefusedError(value, "the path of a file")
+    if not isinstance(value, (str, Path)):
+        raise RefusedError(value, "the path of a file")
+    if "\0" in str(value) or any(len(part.encode(errors="replace")) > LONGEST_NAME for part in Path(value).parts):
+        raise RefusedError(value, f"a path without NUL, its names of {LONGEST_NAME} bytes at most")
+    return value
 
 
 def array(value: Any) -> Any:
@@ -125,6 +130,13 @@ def _finite(found: np.ndarray) -> np.ndarray:
         place = np.argwhere(bad)[0]
         raise RefusedError(float(found[tuple(place)]), FINITE).at(", ".join(map(str, place)))
     return found.astype(float, copy=False)
+
+
+def any_array(value: Any) -> Any:
+    """An array of numbers or truth values, with NaN where there is none."""
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        return value
+    raise RefusedError(value, "an array of numbers")
 
 
 def each(values: Sequence[Any], check: Check) -> list[Any]:

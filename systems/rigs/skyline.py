@@ -180,6 +180,8 @@ class SkylineRig:
     def start(self, span: int, station: float, payload: float, height: float | None = None) -> carriage_start.Start:
         """Where the carriage is about: the ellipse of its span [or at a given `height` z]."""
         check.index(span, self.spans, self.name, "span")
+        if not self.stands[0].at[0] <= station <= self.stands[-1].at[0]:
+            raise InputError(f"Station {station:g} m is outside the skyline", "Choose one between its spars")
         load = (self.carriage.mass + payload) * self.gravity
         weight, strain = self.skyline.mass_per_length * self.gravity, self.skyline.strain
         ends = self.points[span : span + 2]
@@ -214,9 +216,6 @@ class SkylineRig:
         of the mainline's drum (of the clamp, where there is one). Raises InputError, SlackRopeError.
         """
         mass = self.carriage.payload if payload is None else payload
-        for count, what, number in ((self.spans, "span", span), (len(self.supports), "on", on)):
-            if number is not None:
-                check.index(number, count, self.name, what)
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
         system = System(self.name, gravity=self.gravity)
@@ -270,6 +269,7 @@ class SkylineRig:
 
     def on_shoe_start(self, on: int, station: float, payload: float) -> carriage_start.Start:
         """Where the carriage is on a support's shoe, the skyline's tension about, and the pull along the shoe."""
+        check.index(on, len(self.supports), self.name, "on")
         support = self.supports[on]
         x = station - support.centre[0]
         if abs(x) > STEEPEST * support.radius:

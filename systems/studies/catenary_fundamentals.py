@@ -73,15 +73,15 @@ class CatenaryCurve:
 
     def height(self, x: Numbers) -> Array:
         """z over the start [m] at x [m]."""
-        return np.asarray(_height(self._u, self.span, self.rise, np.asarray(x)))
+        return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
     def slope(self, x: Numbers) -> Array:
         """Rise over run at x [m]."""
-        return np.asarray(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta))
+        return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
         """x [m] where the rope has a slope; it may lie outside the span."""
-        return np.asarray(self.lowest + self.parameter * np.arcsinh(slope))
+        return finite(self.lowest + self.parameter * np.arcsinh(slope), "station")
 
     def sag(self, x: Numbers) -> Array:
         """Vertical distance from the chord down to the rope at x [m]."""
@@ -225,6 +225,14 @@ def alike(*values: ArrayLike) -> None:
     except ValueError:
         shapes = " and ".join(dict.fromkeys(str(np.shape(v)) for v in values if np.ndim(v)))
         raise InputError(f"Arrays of shapes {shapes} do not stand side by side", "Give arrays of one length") from None
+
+
+def finite(value: ArrayLike, what: str) -> Array:
+    """A result as an array. Raises InputError where it is none."""
+    array = np.asarray(value, dtype=float)
+    if not np.isfinite(array).all():
+        raise InputError(f"The {what} is beyond all numbers", "Check the units: a value is far too large or too small")
+    return array
 
 
 def _start_tension(u: Any, span: Numbers, drop: Numbers) -> Any:

@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from ropeway.components.checked import checked
-from ropeway.components.errors import InputError
+from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
 from ropeway.systems.studies.catenary_fundamentals import require
@@ -105,6 +105,8 @@ def method_errors(
     def gross(method: Method) -> Array:
         return payload_for_tension(method, line, rope, tension, gravity=gravity)
 
+    if unknown := set(methods or ()) - set(METHODS):
+        raise UnknownNameError(f"No method {min(unknown)!r}", f"Known are {', '.join(METHODS)}")
     exact = {"clamped": gross(catenary_clamped), "rolling": gross(catenary_rolling)}
     rows = []
     for name in METHODS if methods is None else methods:
