@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from ropeway.components.errors import RopewayError
+
 Check = Callable[[Any], Any]
 
 FINITE = "a finite number, not NaN or inf"
@@ -28,7 +30,7 @@ _REPR = Repr()
 _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
 
 
-class RefusedError(Exception):
+class RefusedError(RopewayError):
     """A value that is not what is `expected`; `place` says where it stands in its argument."""
 
     def __init__(self, value: object, expected: str) -> None:
