@@ -133,6 +133,7 @@ class CoSimulation:
         least step missed the tolerance. progress: show a bar (by default only on a terminal). Raises InputError,
         FmuImportError, FmuRunError."""
         check.positive(until, "run", "until", "s")
+        check.count(until / self.step, "run", "steps")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
         driven = {c.target for c in self._connections}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ropeway.components import check
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
@@ -162,6 +163,7 @@ class Result:
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its place in `full_frame`."""
+        check.index(i, len(self.records), "Result.record", "i")
         return self._line(self._state(i), i)
 
     def _line(self, state: LineState, i: int) -> Equilibrium:

@@ -58,6 +58,7 @@ def simulate(
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
+    check.count(until / every, "simulate", "records")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}

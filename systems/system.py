@@ -236,6 +236,7 @@ class System:
         on = tuple(spans)
         self._check_spans(on, "feed")
         check.positive(spacing, "feed", "spacing", "m")
+        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads")
         values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
         if not values:
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")

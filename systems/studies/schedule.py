@@ -56,6 +56,7 @@ _REACH = 0.15
 """Share of a line's highest speed by which a plan may leave the line's own, or m/s for a line that stands."""
 _SAMPLES = 4
 """Records of a simulation in each interval of the schedule."""
+MOST_INTERVALS = 10_000
 
 
 @checked
@@ -111,8 +112,8 @@ def optimise_schedule(
 
 def check_intervals(intervals: int) -> None:
     """Raises InputError unless intervals are a whole number of at least 3."""
-    if not isinstance(intervals, int) or intervals < 3:
-        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
+    if not 3 <= intervals <= MOST_INTERVALS:
+        raise InputError(f"intervals is {intervals!r}", f"Give a whole number from 3 to {MOST_INTERVALS}")
 
 
 class _Study:
