@@ -95,10 +95,8 @@ def test_switches_among_the_start_values(tmp_path: Path, fmi: Literal["2.0", "3.
     together = CoSimulation(0.5)
     together.add("line", path, start={"c1.brake": True, "c1.speed": 1.1})
     assert together.run(5.0)["line.c1.rope_speed"].iloc[-1] == pytest.approx(0.0, abs=1e-6)
-    wrong = CoSimulation(0.5)
-    wrong.add("line", path, start={"c1.brake": 0.5})
     with pytest.raises(FmuVariableError, match=r"'c1\.brake' of line\.fmu is a Boolean.*Give 0 or 1"):
-        wrong.run(1.0)
+        CoSimulation(0.5).add("line", path, start={"c1.brake": 0.5})
 
 
 def test_what_does_not_fit(driven: Path, line2: Path) -> None:
@@ -107,7 +105,7 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     together.add("b", line2)
     with pytest.raises(FmuVariableError, match=r"is in N, 'c1\.speed' of line2\.fmu in m/s"):
         together.connect("a.c1.tension_in", "b.c1.speed")
-    with pytest.raises(FmuVariableError, match="of causality 'output', not a Real input"):
+    with pytest.raises(FmuVariableError, match="of causality 'output', not an input"):
         together.connect("a.c1.rope_speed", "b.c1.tension_in")
     with pytest.raises(FmuVariableError, match="has no variable 'nothing'"):
         together.connect("a.nothing", "b.c1.speed")
