@@ -15,9 +15,8 @@ import fmpy
 import numpy as np
 import pandas as pd
 
-from ropeway.components import check
+from ropeway.components import check, units
 from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
-from ropeway.fmu import units
 from ropeway.fmu.errors import FmuError, FmuImportError
 from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind

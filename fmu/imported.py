@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 import fmpy
 import pandas as pd
 
-from ropeway.fmu import units
+from ropeway.components import units
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.values import Entry, Value, checked, kind_of
 
@@ -27,9 +27,10 @@ class Fmu:
     binary for.
 
     `variables`: index name; columns kind, causality, variability, unit, start, nominal, description and (value)
-    reference; an array `u` has a row for each element: `u[1]`, `u[2]`, or `u[1,2]`. `units`: dimensions of the units
-    that it defines. `description` is FMPy's. `entries`: types by name; `arrays`: elements by the name of their array;
-    `structure`: values of structural parameters other than their start values.
+    reference; an array `u` has a row for each element: `u[1]`, `u[2]`, or `u[1,2]`. `units`: those that it defines by
+    SI base units; `ropeway.components.units` reads the others by their symbols. `description` is FMPy's. `entries`:
+    types by name; `arrays`: elements by the name of their array; `structure`: values of structural parameters other
+    than their start values.
     """
 
     path: Path
@@ -201,8 +202,6 @@ def _units(described: Any) -> dict[str, units.Unit]:
     for unit in described.unitDefinitions:
         base = unit.baseUnit
         if base is not None:
-            exponents = {s: int(getattr(base, s) or 0) for s in ("kg", "m", "s", "A", "K", "rad")}
+            exponents = {s: int(getattr(base, s) or 0) for s in units.BASE}
             found[unit.name] = units.from_base(exponents, float(base.factor or 1.0), float(base.offset or 0.0))
-        elif (known := units.parse(unit.name)) is not None:
-            found[unit.name] = known
     return found
