@@ -162,7 +162,9 @@ class CoSimulation:
             raise InputError(f"run: until is {until!r} s", f"It must be above the start time, {start_time:g} s")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
-        given = signals(inputs or {}, {name: p.fmu for name, p in self._participants.items()}, until)
+        given = signals(
+            {} if inputs is None else inputs, {name: p.fmu for name, p in self._participants.items()}, until
+        )
         self._require_driven(given)
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
@@ -236,6 +238,7 @@ def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dic
     structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
     if structural:
         fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
+    values = fmu.values(start)
     for key, value in start.items():
         for entry in fmu.arrays.get(key, (key,)):
             row = fmu.variable(entry)
@@ -243,7 +246,7 @@ def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dic
                 raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
         if key in fmu.entries and fmu.entry(key).kind == "Real":
             check.number(value, f"Slave {name!r}", key)
-    return fmu, {key: value for key, value in fmu.values(start).items() if key not in structural}
+    return fmu, {key: value for key, value in values.items() if key not in structural}
 
 
 def _require_rollback(slaves: Mapping[str, Slave]) -> None:

@@ -42,7 +42,7 @@ class Recorder:
         index = pd.Index(self.times, name="time", dtype=float)
         reals = pd.DataFrame(np.reshape(self._rows, (len(index), -1)), index, self.coupling.names)
         columns = zip(self._columns, self._dtypes, zip(*self._others, strict=True), strict=False)
-        others = {name: _column(values, dtype) for name, dtype, values in columns}
+        others = {name: pd.Series(list(values), index, dtype=dtype) for name, dtype, values in columns}
         frame = reals.join(pd.DataFrame(others, index)) if others else reals
         frame.attrs["units"] = dict.fromkeys(frame.columns, "1") | self._units()
         frame.attrs["ended"] = self.coupling.ended
@@ -64,11 +64,3 @@ class Recorder:
                     what = "a clock" if entry.kind == "Clock" else "a variable of a clock"
                     reasons[f"{name}.{v}"] = f"{what}: it has a value at its ticks only"
         return reasons
-
-
-def _column(values: tuple[Value, ...], dtype: str) -> np.ndarray:
-    if dtype != "object":
-        return np.array(values, dtype=dtype)
-    column = np.empty(len(values), dtype=object)
-    column[:] = values
-    return column

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import TypeAlias
 import numpy as np
 import pandas as pd
 
+from ropeway.components import table
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.imported import Fmu
@@ -62,8 +64,8 @@ def _columns(inputs: Inputs) -> Mapping[str, Schedule | pd.Series | Value]:
     if isinstance(inputs, str | Path):
         inputs = _read(inputs)
     if isinstance(inputs, pd.DataFrame):
-        table = inputs.set_index("time") if "time" in inputs.columns else inputs
-        return {str(name): table[name] for name in table.columns}
+        rows = inputs.set_index("time") if "time" in inputs.columns else inputs
+        return {str(name): rows[name] for name in rows.columns}
     if not isinstance(inputs, Mapping):
         raise InputError(f"inputs is {inputs!r:.60}", 'Give a table, or a dictionary {"slave.variable": Schedule(...)}')
     return inputs
@@ -117,4 +119,7 @@ def _times(given: pd.Series, target: str) -> np.ndarray:
 
 
 def _read(path: str | Path) -> pd.DataFrame:
-    raise NotImplementedError
+    list(table.numbers(path, ("time",)))  # whether it is a table with times
+    with Path(path).open(encoding="utf-8-sig", newline="") as file:
+        names = next(csv.reader(file, skipinitialspace=True))
+    return pd.DataFrame([values for _, values in table.numbers(path, names)], columns=names)

@@ -2,6 +2,7 @@
 
 import subprocess
 import zipfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -14,12 +15,24 @@ _TYPES = {"Float32": 60, "Int8": 62, "UInt8": 64, "Int16": 66, "UInt16": 68, "UI
 _KINDS = 'canGetAndSetFMU{}tate="true"'
 
 
-def kinds_fmu(path: Path, fmi: Literal["2.0", "3.0"], *, only: str = "", varies_steps: bool = True) -> Path:
-    """Compiles it and writes its description. only: "ModelExchange" or "CoSimulation", by default both."""
+def kinds_fmu(path: Path, fmi: Literal["2.0", "3.0"]) -> Path:
+    """Compiles it and writes it with its description."""
     folder, library = Path(__file__).with_name("fmu"), path.with_suffix(".so")
     flags = [f"-DFMI={fmi[0]}", "-O1", "-std=c99", "-shared", "-fPIC", f"-I{Path(fmpy.__file__).with_name('c-code')}"]
     command = [*compiler.command(compiler.host()), *flags, str(folder / "kinds.c"), "-o", str(library)]
     subprocess.run(command, check=True)
+    return described(path, fmi, library)
+
+
+def described(
+    path: Path,
+    fmi: Literal["2.0", "3.0"],
+    library: Path,
+    *,
+    kinds: Sequence[str] = ("ModelExchange", "CoSimulation"),
+    varies_steps: bool = True,
+) -> Path:
+    """Writes it with another description."""
     platform = "linux64" if fmi == "2.0" else "x86_64-linux"
     steps = f'canHandleVariableCommunicationStepSize="{str(varies_steps).lower()}"'
     can = _KINDS.format("s" if fmi == "2.0" else "S")
@@ -27,9 +40,10 @@ def kinds_fmu(path: Path, fmi: Literal["2.0", "3.0"], *, only: str = "", varies_
         "ModelExchange": f'<ModelExchange modelIdentifier="kinds" {can}/>',
         "CoSimulation": f'<CoSimulation modelIdentifier="kinds" {can} {steps}/>',
     }
-    kinds = "".join(text for kind, text in sections.items() if only in ("", kind))
+    sections["ScheduledExecution"] = '<ScheduledExecution modelIdentifier="kinds"/>'
+    chosen = "".join(sections[kind] for kind in kinds)
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", (_two if fmi == "2.0" else _three)(kinds))
+        archive.writestr("modelDescription.xml", (_two if fmi == "2.0" else _three)(chosen))
         archive.write(library, f"binaries/{platform}/kinds.so")
     return path
 
@@ -39,8 +53,8 @@ def _two(kinds: str) -> str:
 
     def add(name: str, reference: int, kind: str, how: str, start: object = None, more: str = "") -> None:
         given = "" if start is None else f'start="{start}"'
-        text = f'<ScalarVariable name="{name}" valueReference="{reference}" {how}><{kind} {given} {more}/></ScalarVariable>'
-        variables.append(text)
+        value = f"<{kind} {given} {more}/>"
+        variables.append(f'<ScalarVariable name="{name}" valueReference="{reference}" {how}>{value}</ScalarVariable>')
 
     fixed, discrete = 'causality="parameter" variability="fixed"', 'variability="discrete"'
     add("x", 2, "Real", 'causality="output" initial="exact"', 0)

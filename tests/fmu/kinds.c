@@ -88,7 +88,7 @@ static status get_real(instance *i, unsigned vr, double *value)
 
 static status set_real(instance *i, unsigned vr, double value)
 {
-    if (vr == U)
+    if (vr == U || vr == X) /* CasADi sets states like inputs */
         NEED(DISCRETE | CONTINUOUS);
     else if (vr == D || vr == GAIN)
         NEED(DISCRETE);
