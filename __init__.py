@@ -121,13 +121,13 @@ if TYPE_CHECKING:
         SlackRopeError as SlackRopeError,
     )
     from ropeway.components.errors import (
-        SweepError as SweepError,
-    )
-    from ropeway.components.errors import (
         UnbalancedSystemError as UnbalancedSystemError,
     )
     from ropeway.components.errors import (
         UnknownNameError as UnknownNameError,
+    )
+    from ropeway.components.errors import (
+        WorkerError as WorkerError,
     )
     from ropeway.components.errors import (
         WriteError as WriteError,
@@ -234,7 +234,7 @@ _HOMES = {
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
         "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError ScheduleError "
-        "SimulationError SlackRopeError SweepError UnbalancedSystemError UnknownNameError WriteError"
+        "SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",

@@ -116,8 +116,8 @@ class SimulationError(RopewayError):
         return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
 
 
-class SweepError(RopewayError):
-    """A sweep stopped before its end. `result`: a frame of the cases finished so far."""
+class WorkerError(RopewayError):
+    """Workers of a long study were lost. `result`: a table of the cases finished so far."""
 
     def __init__(self, cause: str, remedy: str = "", result: object = None) -> None:
         self.result = result

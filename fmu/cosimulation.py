@@ -14,6 +14,7 @@ from typing import Literal
 import pandas as pd
 
 from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.coupling import Coupling, Master, Scheme
 from ropeway.fmu.errors import FmuRunError, FmuVariableError
@@ -42,6 +43,7 @@ class _Participant:
     open: tuple[str, ...]
 
 
+@checked
 class CoSimulation:
     """FMUs and systems that exchange values at communication points.
 

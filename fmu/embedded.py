@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
 from ropeway.fmu.imported import Fmu, load
@@ -26,6 +27,7 @@ from ropeway.fmu.readable import make_readable
 from ropeway.fmu.slave import Slave, require_causality
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class FmuComponent(Component):
     """What `component` returns. `function(t, x, u, p) -> (ode, y)` calls the FMU, in its own units; `scales`: the
@@ -64,6 +66,7 @@ class FmuComponent(Component):
         )
 
 
+@checked
 def component(
     name: str,
     fmu: Fmu | str | Path,

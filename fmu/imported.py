@@ -15,12 +15,14 @@ import fmpy
 import pandas as pd
 
 from ropeway.components import units
+from ropeway.components.checked import checked
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.values import Entry, Value, checked, kind_of
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Fmu:
     """An FMU file. `kinds`: "ModelExchange", "CoSimulation", "ScheduledExecution"; `platforms`: those that it has a
@@ -97,6 +99,7 @@ class Fmu:
         return replace(self, variables=variables, entries=entries, arrays=arrays, structure=dict(structure))
 
 
+@checked
 def load(path: str | Path) -> Fmu:
     """Reads an FMU of version 2.0 or 3.0. Raises FmuImportError."""
     file = Path(path)

@@ -20,6 +20,7 @@ from ropeway.fmu.access import Access, Group
 from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
 from ropeway.fmu.imported import Fmu
 from ropeway.fmu.values import Value
+from ropeway.systems.interrupts import stop_if_interrupted
 
 _CLASSES = {
     ("CoSimulation", False): binding2.FMU2Slave,
@@ -123,7 +124,8 @@ class Instance:
         self.ended = f"{self.name!r} ({self.fmu.path.name}) ends the run at t = {self.time:.9g} s{self._said()}"
 
     def call(self, what: str, method: str, *arguments: Any, **named: Any) -> Any:
-        """A call, by FMPy's name of it for FMI 2.0. Raises FmuRunError."""
+        """A call, by FMPy's name of it for FMI 2.0. Raises FmuRunError, Interrupted."""
+        stop_if_interrupted()
         try:
             return getattr(self._fmu, _IN_3.get(method, method) if self._three else method)(*arguments, **named)
         except FMICallException as error:
@@ -200,11 +202,12 @@ class Instance:
         return np.array(self.call("directional derivatives", "getDirectionalDerivative", *arguments), dtype=float)
 
     def do_step(self, size: float) -> None:
-        """A step of Co-Simulation, shorter where the FMU ends the run. Raises FmuRunError."""
+        """A step of Co-Simulation, shorter where the FMU ends the run. Raises FmuRunError, Interrupted."""
         goal = self.time + size
         if self._stop is not None and abs(goal - self._stop) <= 1e-9 * size:
             goal = self._stop  # a sum of steps must not be later than the stop time by rounding
         while goal - self.time > 1e-9 * size:
+            stop_if_interrupted()
             reached, ends = self._step_in_3(goal) if self._three else self._step_in_2(goal)
             if reached <= self.time and not ends:
                 raise self.error("returns from a step without moving on", "Look at its inputs there")
