@@ -10,7 +10,7 @@ from typing import Any
 from fmpy import fmi3 as binding3
 
 from ropeway.fmu.imported import Fmu
-from ropeway.fmu.values import Value, checked
+from ropeway.fmu.values import Value, taken_by
 
 _IN_2 = {"Enumeration": "Integer"}
 _IN_3 = {"Enumeration": "Int64"}
@@ -109,7 +109,7 @@ class Access:
         """Sets a group's names; elements of an array that are not among them keep their values. Raises
         FmuVariableError."""
         file, entry = self._fmu.path.name, self._fmu.entries
-        own: list[Any] = [checked(entry[name], name, file, values[name]) for name in group.names]
+        own: list[Any] = [taken_by(entry[name], name, file, values[name]) for name in group.names]
         if not group.scalars:
             given = len(set(group.picked)) == group.count
             every = [None] * group.count if given else self._whole(group)

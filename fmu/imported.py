@@ -17,7 +17,7 @@ import pandas as pd
 from ropeway.components import units
 from ropeway.components.checked import checked
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
-from ropeway.fmu.values import Entry, Value, checked, kind_of
+from ropeway.fmu.values import Entry, Value, kind_of, taken_by
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
 
@@ -84,13 +84,13 @@ class Fmu:
         for name, value in given.items():
             elements = self.arrays.get(name)
             if elements is None:
-                found[name] = checked(self.entry(name), name, self.path.name, value)
+                found[name] = taken_by(self.entry(name), name, self.path.name, value)
                 continue
             parts = _flat(value)
             if len(parts) != len(elements):
                 cause = f"{name!r} of {self.path.name} is an array of {len(elements)}, given are {len(parts)} values"
                 raise FmuVariableError(cause, "Give a value for each element", name)
-            found |= {n: checked(self.entries[n], n, self.path.name, v) for n, v in zip(elements, parts, strict=True)}
+            found |= {n: taken_by(self.entries[n], n, self.path.name, v) for n, v in zip(elements, parts, strict=True)}
         return found
 
     def shaped(self, structure: Mapping[str, Value]) -> Fmu:

@@ -15,7 +15,7 @@ from ropeway.components import table
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.imported import Fmu
-from ropeway.fmu.values import Entry, Value, checked
+from ropeway.fmu.values import Entry, Value, taken_by
 
 _SAME = 1e-9
 """Times so near to each other are one [s]."""
@@ -82,14 +82,14 @@ def _signal(target: str, given: Schedule | pd.Series | Value, fmus: Mapping[str,
         given.require(until)
         return Signal(np.array(given.times), given.speeds, linear=True)
     if not isinstance(given, pd.Series):
-        return Signal(np.zeros(1), [checked(entry, target, file, given)], linear=False)
+        return Signal(np.zeros(1), [taken_by(entry, target, file, given)], linear=False)
     times = _times(given, target)
     linear = entry.continuous and len(times) > 1
     if linear and times[-1] < until - 1e-9:
         raise InputError(
             f"The values of {target!r} end at {times[-1]:g} s, before {until:g} s", "Give more, or ask for less"
         )
-    return Signal(times, [checked(entry, target, file, v) for v in given], linear)
+    return Signal(times, [taken_by(entry, target, file, v) for v in given], linear)
 
 
 def _entry(target: str, fmus: Mapping[str, Fmu]) -> tuple[Entry, str]:

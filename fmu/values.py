@@ -54,7 +54,7 @@ def kind_of(fmi_type: str) -> str:
     return _KINDS.get(fmi_type, fmi_type)
 
 
-def checked(entry: Entry, name: str, file: str, value: object) -> Value:
+def taken_by(entry: Entry, name: str, file: str, value: object) -> Value:
     """A value as the FMU takes it. Raises FmuVariableError."""
     taken, remedy = _TAKE[entry.kind](entry, value)
     if taken is None:
