@@ -10,7 +10,7 @@ from typing import Any
 from fmpy import fmi3 as binding3
 
 from ropeway.fmu.imported import Fmu
-from ropeway.fmu.values import Value, taken_by
+from ropeway.fmu.values import Value, kind_of, taken_by
 
 _IN_2 = {"Enumeration": "Integer"}
 _IN_3 = {"Enumeration": "Int64"}
@@ -21,7 +21,8 @@ _IN_3 = {"Enumeration": "Int64"}
 class Group:
     """Variables of one type. names: of those asked for; places: theirs among all that are asked for; references: of
     variables, arrays once; count: of all their elements; picked: where the names' values are among these; scalars:
-    there is no array; label: the names, for messages; fixed: one of them that cannot change during a run."""
+    there is no array; real: they are real numbers; label: the names, for messages; fixed: one of them that cannot
+    change during a run."""
 
     type: str
     names: tuple[str, ...]
@@ -30,6 +31,7 @@ class Group:
     count: int
     picked: list[int]
     scalars: bool
+    real: bool
     label: str
     fixed: str
 
@@ -76,6 +78,7 @@ class Access:
             count,
             [first[e.reference] + e.place for e in entries],
             count == len(own) == len(first),
+            kind_of(fmi_type) == "Real",
             ", ".join(own),
             fixed[0] if fixed else "",
         )
@@ -109,7 +112,9 @@ class Access:
         """Sets a group's names; elements of an array that are not among them keep their values. Raises
         FmuVariableError."""
         file, entry = self._fmu.path.name, self._fmu.entries
-        own: list[Any] = [taken_by(entry[name], name, file, values[name]) for name in group.names]
+        own: list[Any] = [values[name] for name in group.names]
+        if not group.real or any(type(value) is not float for value in own):
+            own = [taken_by(entry[name], name, file, value) for name, value in zip(group.names, own, strict=True)]
         if not group.scalars:
             given = len(set(group.picked)) == group.count
             every = [None] * group.count if given else self._whole(group)

@@ -24,7 +24,7 @@ from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind
 from ropeway.fmu.recording import Recorder
 from ropeway.fmu.signals import Inputs, Signal, next_break, signals
-from ropeway.fmu.slave import Slave, require_connectable
+from ropeway.fmu.slave import OpenFmu, require_connectable
 from ropeway.fmu.stepping import StepControl, Stepper
 from ropeway.fmu.values import Value, fits
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
@@ -170,7 +170,7 @@ class CoSimulation:
         self._require_driven(given)
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
-            slaves = {name: stack.enter_context(Slave(p.fmu, name, p.kind)) for name, p in self._participants.items()}
+            slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
             coupling = Coupling(slaves, self._connections, self._scheme, given, start_time)
             if self._scheme.iterated:
                 _require_rollback(slaves)
@@ -251,7 +251,7 @@ def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dic
     return fmu, {key: value for key, value in values.items() if key not in structural}
 
 
-def _require_rollback(slaves: Mapping[str, Slave]) -> None:
+def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
     for name, slave in slaves.items():
         if not slave.can_restore:
             raise InputError(

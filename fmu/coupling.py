@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import numpy as np
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.exchange import Connection, Exchange
 from ropeway.fmu.signals import Signal
-from ropeway.fmu.slave import Slave
+from ropeway.fmu.slave import OpenFmu
 
 Master = Literal["Jacobi", "Gauss-Seidel"]
 
@@ -42,7 +43,7 @@ class Coupling:
 
     def __init__(
         self,
-        slaves: Mapping[str, Slave],
+        slaves: Mapping[str, OpenFmu],
         connections: Sequence[Connection],
         scheme: Scheme,
         signals: Mapping[str, Signal] | None = None,
@@ -81,12 +82,12 @@ class Coupling:
 
     def _read(self, name: str, values: np.ndarray) -> None:
         """Writes what a slave gives to its connections into `values`."""
-        ends = self._sources[name]
-        found = self.slaves[name].get(list(ends.values()))
-        for (i, variable), value in zip(ends.items(), found, strict=True):
-            if not np.isfinite(value):
-                slave = self.slaves[name]
-                raise FmuRunError(f"{name}.{variable} is {value} at t = {slave.time:.9g} s", "Look at its inputs there")
+        ends, slave = self._sources[name], self.slaves[name]
+        found = slave.get(list(ends.values()))
+        for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
+            if not math.isfinite(value):
+                cause = f"{name}.{variable} is {value} at t = {slave.time:.9g} s"
+                raise FmuRunError(cause, "Look at its inputs there", time=slave.time)
             values[i] = self._factors[i] * value + self._offsets[i]
 
     def _read_all(self) -> np.ndarray:
@@ -274,6 +275,6 @@ def _owned(signals: Mapping[str, Signal], slave: str) -> dict[str, Signal]:
     return {variable: signal for owner, variable, signal in ends if owner == slave}
 
 
-def _nominals(slave: Slave, names: Sequence[str]) -> np.ndarray:
+def _nominals(slave: OpenFmu, names: Sequence[str]) -> np.ndarray:
     nominals = slave.fmu.variables.loc[list(names), "nominal"]
     return np.array([1.0 if n is None or not np.isfinite(n) or n == 0.0 else abs(n) for n in nominals])

@@ -24,7 +24,7 @@ from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import Instance, require_kind
 from ropeway.fmu.integration import Integrator
 from ropeway.fmu.readable import make_readable
-from ropeway.fmu.slave import Slave, require_causality
+from ropeway.fmu.slave import OpenFmu, require_causality
 
 
 @checked
@@ -175,7 +175,7 @@ def _starts(
     fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
 ) -> dict[Kind, np.ndarray]:
     """Values after the FMU's own initialisation. Raises FmuImportError where it announces an event."""
-    with Slave(fmu, name, "ModelExchange") as slave:
+    with OpenFmu(fmu, name, "ModelExchange") as slave:
         slave.enter(0.0, values)
         slave.leave()
         moment = slave.save()

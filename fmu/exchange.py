@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.signals import Signal
-from ropeway.fmu.slave import Slave
+from ropeway.fmu.slave import OpenFmu
 from ropeway.fmu.values import Value
 
 
@@ -27,7 +27,7 @@ class Connection:
 class Exchange:
     """Held connections and signals, and what has been `given` so far, by "slave.variable"."""
 
-    slaves: Mapping[str, Slave]
+    slaves: Mapping[str, OpenFmu]
     connections: Sequence[Connection]
     signals: Mapping[str, Signal]
     iterations: int

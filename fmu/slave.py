@@ -4,7 +4,7 @@ here."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -17,8 +17,7 @@ from ropeway.fmu.integration import Integrator
 from ropeway.fmu.values import Value
 
 
-@checked
-class Slave:
+class OpenFmu:
     """An open FMU. Close it, or use it with `with`. kind: "CoSimulation" or "ModelExchange"; tolerance: of the
     integrator of the latter. `can_restore`: it can go back in time; `can_interpolate`: its inputs may change linearly
     within a step. Raises FmuImportError."""
@@ -145,11 +144,20 @@ class Slave:
         """Ends the instance."""
         self._instance.close()
 
-    def __enter__(self) -> Slave:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+@checked
+class Slave(OpenFmu):
+    """An open FMU whose calls check their arguments; a co-simulation spares that, at every step."""
+
+    __init__ = OpenFmu.__init__
+    enter, set, read, get = OpenFmu.enter, OpenFmu.set, OpenFmu.read, OpenFmu.get
+    derivatives, step = OpenFmu.derivatives, OpenFmu.step
 
 
 def require_causality(fmu: Fmu, name: str, causality: str) -> None:
