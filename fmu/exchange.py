@@ -56,6 +56,9 @@ class Exchange:
             own = [c for c in self.connections if c.source.startswith(f"{name}.")]
             values = slave.read([c.source.partition(".")[2] for c in own])
             for c, value in zip(own, values, strict=True):
+                entry = self.slaves[c.target.partition(".")[0]].fmu.entries[c.target.partition(".")[2]]
+                if isinstance(value, bool) and entry.kind != "Boolean":
+                    value = int(value)
                 plain = isinstance(value, str | bytes) or (c.factor, c.offset) == (1.0, 0.0)
                 found[c.target] = value if plain else c.factor * float(value) + c.offset
         return found

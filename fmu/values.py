@@ -5,6 +5,7 @@ from __future__ import annotations
 import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import SupportsFloat, TypeGuard
 
 from ropeway.fmu.errors import FmuVariableError
 
@@ -67,12 +68,16 @@ def _named(entry: Entry) -> str:
     return f"{article} {entry.type}"
 
 
+def _is_number(value: object) -> TypeGuard[SupportsFloat]:
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
 def _real(entry: Entry, value: object) -> tuple[Value | None, str]:
-    return (float(value), "") if isinstance(value, numbers.Real) else (None, "Give a number")
+    return float(value) if _is_number(value) else None, "Give a number"
 
 
 def _boolean(entry: Entry, value: object) -> tuple[Value | None, str]:
-    if isinstance(value, numbers.Real | str | bool) and value in (0, 1):
+    if isinstance(value, numbers.Real) and value in (0, 1):
         return bool(value), ""
     return _WORDS.get(str(value).lower()), "Give 0 or 1, or True or False"
 
@@ -81,9 +86,11 @@ _WORDS = {"true": True, "false": False}
 
 
 def _whole(entry: Entry, value: object) -> int | None:
+    if not _is_number(value):
+        return None
     if isinstance(value, numbers.Integral):
         return int(value)
-    return int(float(value)) if isinstance(value, numbers.Real) and float(value).is_integer() else None
+    return int(float(value)) if float(value).is_integer() else None
 
 
 def _integer(entry: Entry, value: object) -> tuple[Value | None, str]:

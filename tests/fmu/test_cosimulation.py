@@ -90,11 +90,18 @@ def test_what_a_system_leaves_open_must_be_given() -> None:
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
-def test_switches_among_the_start_values(tmp_path: Path, fmi: Literal["2.0", "3.0"]) -> None:
+def test_switches(tmp_path: Path, kinds2: Path, fmi: Literal["2.0", "3.0"]) -> None:
     path = rw.fmu.export(short_line(drive=HYDRAULIC), tmp_path / "line.fmu", fmi, inputs=["c1.speed", "c1.brake"])
     together = CoSimulation(0.5)
     together.add("line", path, start={"c1.brake": True, "c1.speed": 1.1})
     assert together.run(5.0)["line.c1.rope_speed"].iloc[-1] == pytest.approx(0.0, abs=1e-6)
+    switched = CoSimulation(0.5)
+    switched.add("carriage", kinds2, start={"level": 1.9, "u": 1.0})
+    switched.add("line", path, start={"c1.speed": 1.1})
+    switched.connect("carriage.limit", "line.c1.brake")
+    frame = switched.run(5.0)
+    assert frame["line.c1.rope_speed"].iloc[[3, -1]].to_list() == pytest.approx([1.1, 0.0], abs=1e-2)
+    assert frame["line.c1.travel"].iloc[-1] == pytest.approx(2.0 * 1.1, abs=0.2)
     with pytest.raises(FmuVariableError, match=r"'c1\.brake' of line\.fmu is a Boolean.*Give 0 or 1"):
         CoSimulation(0.5).add("line", path, start={"c1.brake": 0.5})
 

@@ -66,6 +66,7 @@ def test_sizes_follow_structural_parameters(kinds3: Path, kind: Kind) -> None:
         ("int8", 128, r"an Int8: it cannot be 128\. Give a whole number from -128 to 127"),
         ("uint16", -1, "a UInt16: it cannot be -1"),
         ("count", 1.5, "an Int32: it cannot be 1.5"),
+        ("count", True, "an Int32: it cannot be True"),
         ("brake", 2, "a Boolean: it cannot be 2. Give 0 or 1"),
         ("gear", "middle", r"Give one of 1 \(low\), 2 \(high\)"),
         ("text", 5, "a String: it cannot be 5. Give a text"),
