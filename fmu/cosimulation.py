@@ -17,7 +17,7 @@ from ropeway.components import check, units
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.coupling import Coupling, Master, Scheme
-from ropeway.fmu.errors import FmuRunError, FmuVariableError
+from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exchange import Connection
 from ropeway.fmu.exporting import export
 from ropeway.fmu.imported import Fmu, load
@@ -28,6 +28,7 @@ from ropeway.fmu.slave import OpenFmu, require_connectable
 from ropeway.fmu.stepping import StepControl, Stepper
 from ropeway.fmu.values import Value, fits
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.system import System
@@ -137,6 +138,7 @@ class CoSimulation:
         self._connections.append(connection)
         return connection
 
+    @interruptible
     def run(
         self,
         until: float,
@@ -157,7 +159,7 @@ class CoSimulation:
         why an FMU has ended the run itself, else None; "left_out", outputs that cannot be shown, with reasons; with a
         step control how many steps were "repeated" and the "inexact" times, where the least step missed the tolerance.
         progress: show a bar (by default only on a terminal). Raises InputError, FmuImportError, FmuVariableError, and
-        FmuRunError, which has the rows so far as `result`."""
+        FmuRunError or Interrupted, which have the rows so far as `result`."""
         check.number(until, "run", "until", "s")
         check.number(start_time, "run", "start_time", "s")
         if until <= start_time:
@@ -176,7 +178,7 @@ class CoSimulation:
                 _require_rollback(slaves)
             stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
             record = Recorder(coupling)
-            try:
+            with record.kept():
                 self._begin(coupling, until)
                 record.add(start_time)
                 while record.times[-1] < until and coupling.ended is None:
@@ -185,9 +187,6 @@ class CoSimulation:
                         break
                     record.add(time)
                     advance(time)
-            except FmuRunError as error:
-                error.result = record.frame() if record.times else None
-                raise
             frame = record.frame()
         if stepper is not None:
             frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}

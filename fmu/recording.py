@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
+from ropeway.components.errors import Interrupted
 from ropeway.fmu.coupling import Coupling
+from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.values import Value
 
 _KINDS = "Boolean", "Integer", "Enumeration", "String", "Binary"
@@ -35,6 +39,15 @@ class Recorder:
         self.times.append(time)
         self._rows.append(row)
         self._others.append(others)
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Gives a refusal or an interrupt on its way out the rows so far."""
+        try:
+            yield
+        except (FmuRunError, Interrupted) as stop:
+            stop.result = self.frame() if self.times else None
+            raise
 
     def frame(self) -> pd.DataFrame:
         """All rows so far: index time [s], columns "slave.variable". `attrs`: the "units" of the columns; "ended": why

@@ -63,6 +63,18 @@ def taken_by(entry: Entry, name: str, file: str, value: object) -> Value:
     return taken
 
 
+def from_text(entry: Entry, text: str) -> object:
+    """What a text stands for, as the value of a variable; a text that is none is left to `taken_by`."""
+    if entry.kind == "String":
+        return text
+    try:
+        if entry.kind == "Binary":
+            return bytes.fromhex(text)
+        return int(text) if entry.kind == "Integer" else float(text)
+    except ValueError:
+        return text
+
+
 def _named(entry: Entry) -> str:
     article = "an" if entry.type[0] in "EI" else "a"
     return f"{article} {entry.type}"

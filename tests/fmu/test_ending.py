@@ -1,15 +1,19 @@
 """Runs that an FMU ends, discards or fails in, and what is left of them."""
 
 import os
+import signal
+import threading
 import zipfile
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 import pytest
 from kinds import described
 from masses import mass_fmu
 
+import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuImportError, FmuRunError, Slave, StepControl, load
 
 Kind = Literal["CoSimulation", "ModelExchange"]
@@ -113,3 +117,15 @@ def test_a_binary_that_does_not_load(tmp_path: Path, mass: Path) -> None:
     good = mass_fmu(tmp_path / "mass.fmu")
     with Slave(load(os.path.relpath(good))) as slave:
         slave.enter(0.0, {})
+
+
+def test_ctrl_c_leaves_the_rows_so_far(mass: Path) -> None:
+    together = CoSimulation(1e-4)
+    together.add("k", mass)
+    timer = threading.Timer(0.4, lambda: signal.raise_signal(signal.SIGINT))
+    timer.start()
+    with pytest.raises(rw.Interrupted) as caught:
+        together.run(1e3)
+    timer.join()
+    assert isinstance(caught.value.result, pd.DataFrame)
+    assert len(caught.value.result) > 10
