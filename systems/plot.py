@@ -157,7 +157,7 @@ def line_profile(line: Equilibrium) -> Figure:
                 elevation.plot([along[k]] * 2, [points[k, 2], points[k, 2] - ground], color="0.6", lw=1.5, zorder=1)
                 if kind is not Sheave:
                     elevation.annotate(
-                        run.nodes[k].name,
+                        run.nodes[k].label,
                         (along[k], points[k, 2]),
                         xytext=(0, 8),
                         textcoords="offset points",

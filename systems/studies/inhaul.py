@@ -90,7 +90,7 @@ def inhaul(
     check.not_negative(payload, rig.name, "payload", "kg")
     require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
-        raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")
