@@ -239,14 +239,15 @@ def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dic
     structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
     if structural:
         fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
-    values = fmu.values(start)
     for key, value in start.items():
+        if key in fmu.entries and fmu.entry(key).kind == "Real":
+            check.number(value, f"Slave {name!r}", key)
+    values = fmu.values(start)
+    for key in start:
         for entry in fmu.arrays.get(key, (key,)):
             row = fmu.variable(entry)
             if row["causality"] == "output" and pd.isna(row["start"]):
                 raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
-        if key in fmu.entries and fmu.entry(key).kind == "Real":
-            check.number(value, f"Slave {name!r}", key)
     return fmu, {key: value for key, value in values.items() if key not in structural}
 
 

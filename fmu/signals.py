@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +13,14 @@ import pandas as pd
 from ropeway.components import table
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
+from ropeway.components.table import Layout
+from ropeway.components.table_file import name_and_unit
 from ropeway.fmu.imported import Fmu
-from ropeway.fmu.values import Entry, Value, taken_by
+from ropeway.fmu.values import Entry, Value, from_text, taken_by
 
 _SAME = 1e-9
 """Times so near to each other are one [s]."""
+_EXAMPLE = "time,line.c1.speed,line.c1.brake\n0,1.5,false\n60,1.5,true"
 Inputs: TypeAlias = Mapping[str, Schedule | pd.Series | Value] | pd.DataFrame | str | Path
 
 
@@ -57,12 +59,12 @@ def next_break(signals: Mapping[str, Signal], time: float, until: float) -> floa
 
 def signals(inputs: Inputs, fmus: Mapping[str, Fmu], until: float) -> dict[str, Signal]:
     """Inputs by "slave.variable". Raises InputError, FmuVariableError."""
-    return {target: _signal(target, given, fmus, until) for target, given in _columns(inputs).items()}
+    return {target: _signal(target, given, fmus, until) for target, given in _columns(inputs, fmus).items()}
 
 
-def _columns(inputs: Inputs) -> Mapping[str, Schedule | pd.Series | Value]:
+def _columns(inputs: Inputs, fmus: Mapping[str, Fmu]) -> Mapping[str, Schedule | pd.Series | Value]:
     if isinstance(inputs, str | Path):
-        inputs = _read(inputs)
+        inputs = _read(inputs, fmus)
     if isinstance(inputs, pd.DataFrame):
         rows = inputs.set_index("time") if "time" in inputs.columns else inputs
         return {str(name): rows[name] for name in rows.columns}
@@ -118,8 +120,21 @@ def _times(given: pd.Series, target: str) -> np.ndarray:
     return times
 
 
-def _read(path: str | Path) -> pd.DataFrame:
-    list(table.numbers(path, ("time",)))  # whether it is a table with times
-    with Path(path).open(encoding="utf-8-sig", newline="") as file:
-        names = next(csv.reader(file, skipinitialspace=True))
-    return pd.DataFrame([values for _, values in table.numbers(path, names)], columns=names)
+def _read(path: str | Path, fmus: Mapping[str, Fmu]) -> pd.DataFrame:
+    """Inputs in a file, in the units of the variables."""
+    first = table.read(path, Layout({"time": "s"}, _EXAMPLE))
+    known = {f"{slave}.{variable}" for slave, fmu in fmus.items() for variable in fmu.entries}
+    names = [c if c in known else name_and_unit(c)[0] for c in first.columns]  # an element's index is no unit
+    found = {n: _entry(n, fmus)[0] for n in names if n.casefold() != "time"}
+    reals = [n for n, entry in found.items() if entry.kind == "Real"]
+    units = {n: _unit(n, fmus) if n in reals else None for n in found}
+    rows = table.read(path, Layout({"time": "s"} | units, _EXAMPLE))
+    values = pd.DataFrame(rows.numbers("time", *reals), columns=["time", *reals])
+    for name in found.keys() - set(reals):
+        values[name] = pd.Series([from_text(found[name], cell) for cell in rows.texts(name)], dtype=object)
+    return values
+
+
+def _unit(target: str, fmus: Mapping[str, Fmu]) -> str:
+    slave, _, variable = target.partition(".")
+    return str(fmus[slave].variable(variable)["unit"])

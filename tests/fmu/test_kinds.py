@@ -180,6 +180,25 @@ def test_a_table_of_inputs(kinds: Path, tmp_path: Path) -> None:
         assert frame["k.x"].iloc[-1] == pytest.approx(0.5 * 0.45 * 0.9 + 0.3 * 1.55)  # a jump at 0.45 s
 
 
+def test_a_table_of_inputs_as_people_write_it(kinds2: Path, tmp_path: Path) -> None:
+    """Decimal commas, capitals, texts; a column of another name is an error with its line."""
+    text = "Time [min];k.u;k.brake;k.text;k.count\n0;1,5;false;left;-3\n0,01;1,5;true;right;7\n0,02;1,5;true;right;7\n"
+    (tmp_path / "inputs.csv").write_text(text)
+    frame = alone(kinds2, "CoSimulation").run(1.2, inputs=tmp_path / "inputs.csv")
+    last = frame.iloc[-1]
+    assert last["k.x"] == pytest.approx(0.9)
+    assert [last[f"k.{n}_out"] for n in ("brake", "text", "count")] == [True, "right", 7]
+    (tmp_path / "inputs.csv").write_text("t,k.u\n0,1\n")
+    with pytest.raises(rw.InputError, match=r"inputs\.csv, line 1.*no column time"):
+        alone(kinds2, "CoSimulation").run(1.0, inputs=str(tmp_path / "inputs.csv"))
+
+
+def test_a_table_with_elements_of_an_array(kinds3: Path, tmp_path: Path) -> None:
+    (tmp_path / "inputs.csv").write_text("time,k.v[1],k.v[3]\n0,1,2\n1,3,2\n")
+    last = alone(kinds3, "CoSimulation", v=[0.0, 5.0, 0.0]).run(1.0, inputs=tmp_path / "inputs.csv").iloc[-1]
+    assert [last[f"k.w[{i}]"] for i in (1, 2, 3)] == [6.0, 10.0, 4.0]
+
+
 def test_steps_of_one_length_only(tmp_path: Path, kinds2: Path) -> None:
     """What changes between two communication points is given at the later one."""
     path = described(tmp_path / "stiff.fmu", "2.0", kinds2.with_suffix(".so"), varies_steps=False)
