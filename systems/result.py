@@ -22,6 +22,8 @@ from ropeway.systems.state import LineState, Record
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ropeway.systems.line_plot import Ground
+
 
 class Event(NamedTuple):
     """Something that happened at a component at a time [s]: `value` is the load's number or the quantity in question,
@@ -213,9 +215,12 @@ class Result:
 
         return power_over_time(self)
 
-    def plot_line(self, time: float | None = None) -> Figure:
-        """The line at a time [s], by default the last: profile, loads, supports, tensions."""
-        from ropeway.systems.plot import line_profile
+    def plot_line(self, time: float | None = None, *, ground: Ground | None = None) -> Figure:
+        """The line at a time [s], by default the last: profile, loads, supports, tensions.
+
+        ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
+        without a rope."""
+        from ropeway.systems.line_plot import line_profile
 
         self._require_rope()
-        return line_profile(self.at(self.times[-1] if time is None else time))
+        return line_profile(self.at(self.times[-1] if time is None else time), ground)

@@ -54,7 +54,7 @@ class Inhaul:
 
     def plot(self) -> Figure:
         """Place, tensions and powers over time."""
-        from ropeway.systems.studies.skyline_plot import inhaul_figure
+        from ropeway.systems.studies.inhaul_plot import inhaul_figure
 
         return inhaul_figure(self)
 
