@@ -45,16 +45,17 @@ def limits_of(rope: Rope, of: str = "", colour: str = "tab:red") -> list[Limit]:
 
 
 def draw_limits(axis: Axes, ropes: Sequence[tuple[float, Sequence[Limit]]]) -> None:
-    """For each rope, of a highest tension [N] and limits, draws the limits that it comes near; names the others in the
-    legend. A tension above a limit is said in the picture.
+    """Draws the limits of ropes that the tensions come near, and names the others in the legend; ropes: the highest
+    tension [N] of each, and its limits. A tension above a limit of its rope is said in the picture.
 
     The axis [kN] begins at zero and includes all tensions and limits drawn.
     """
     drawn = [highest for highest, _ in ropes]
+    reach = max(drawn, default=0.0)
     far, beyond = [], []
     for highest, limits in ropes:
         for limit in limits:
-            if highest >= NEAR * limit.value:
+            if reach >= NEAR * limit.value:
                 axis.axhline(limit.value / 1e3, color=limit.colour, ls=limit.style, lw=1.2, label=limit.text)
                 drawn.append(limit.value)
             else:

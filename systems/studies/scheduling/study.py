@@ -177,18 +177,19 @@ class Study:
         )
 
     def _early(self, bounds: Bounds, first: Simulated) -> Bounds:
-        """The bounds before `settle`: as much wider as the line's start, and the sheaves on the way to their balance,
-        need; but no tension is higher there than the highest with sheaves in balance."""
+        """The bounds before `settle`. What the line's start does not keep is as much wider as the start, and the
+        sheaves on their way to balance, need; so is a lowest tension that nobody gave. No tension is higher than the
+        highest with sheaves in balance."""
         balanced = self.balanced.full_frame
         before = pd.concat([first.result.full_frame.iloc[:1], balanced[balanced.index < self.settle]])
         ends = before.filter(regex=_TENSIONS)
-        highest = float(balanced.filter(regex=_TENSIONS).max(axis=None))
         low, high = bounds.tension
-        tension = (
-            min(low, float(ends.min(axis=None)) - PEAK_GAP),
-            max(min(high, highest), float(ends.max(axis=None)) + PEAK_GAP),
-        )
-        return Bounds(tension, tuple(tuple(_wider(row, first, before) for row in rows) for rows in bounds.rows))
+        if self.limits.tension_low is None or ends.iloc[0].min() < low:
+            low = min(low, float(ends.min(axis=None)) - PEAK_GAP)
+        high = min(high, float(balanced.filter(regex=_TENSIONS).max(axis=None)) + PEAK_GAP)
+        if ends.iloc[0].max() > high:
+            high = float(ends.max(axis=None)) + PEAK_GAP
+        return Bounds((low, high), tuple(tuple(_wider(row, first, before) for row in rows) for rows in bounds.rows))
 
     def _rows(self, equations: LineEquations, node: Node) -> tuple[Row, ...]:
         if not isinstance(node, ControlSheave):
@@ -379,9 +380,11 @@ class Study:
 
 
 def _wider(row: Row, run: Simulated, before: pd.DataFrame) -> Row:
-    """A row that the values before the objectives count keep too."""
+    """A row with bounds that the values of a time keep too, where the first of them does not keep its own."""
     unit = run.equations.y_unit[run.equations.model.y.index[row.output]]
     values, spare = before[row.output] / unit, SPARE * row.size
+    if row.low <= values.iloc[0] <= row.high:
+        return row
     return replace(row, low=min(row.low, values.min() - spare), high=max(row.high, values.max() + spare))
 
 
