@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from ropeway.components import catenary
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.carrying import carried_over, declared_alike
+from ropeway.systems.carrying import carried_over, declared_alike, undriven
 from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
+from ropeway.systems.pending import Pending
 from ropeway.systems.run import Run
 from ropeway.systems.stability import require_stable, slack
 from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True)
 class Equilibrium:
     """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
 
     `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
-    supports on which a load stands that could pass neither way.
+    supports on which a load stands that could pass neither way. `pending`: what a run goes on with that starts
+    here, where this is the line in the course of another run.
     """
 
     model: Model
@@ -36,6 +41,7 @@ class Equilibrium:
     runs: tuple[Run, ...]
     passed: tuple[np.ndarray, ...]
     held: tuple[str, ...]
+    pending: Pending = field(default_factory=Pending)
 
     def __repr__(self) -> str:
         return f"<Equilibrium of {self.model.name!r}: {len(self.model.y)} outputs>"
@@ -137,6 +143,8 @@ class Equilibrium:
         )
 
 
+@checked
+@interruptible
 def equilibrium(
     system: System | Model,
     *,
@@ -151,7 +159,7 @@ def equilibrium(
     many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
     inputs, states (a drive's travel) and load masses of this solve; the length of one span over idlers counts from
     those that all spans have at rest. start: a nearby equilibrium of the same
-    declarations, for a warm start.
+    declarations, for a warm start; of a line in the course of a run too, without its brakes and responses.
 
     After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Raises
     InputError, UnknownNameError, UnbalancedSystemError before, EquilibriumError after a failed solve.
@@ -173,6 +181,7 @@ def equilibrium(
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         for r, k, _ in state.standing():
             state.release(r, k)
+        undriven(state)
     if parameters:
         if start is None:
             _share_lengths(state, parameters)

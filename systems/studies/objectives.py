@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.result import Result
 from ropeway.systems.studies.responses import control_sheaves
@@ -17,6 +18,7 @@ OBJECTIVES = ("peak tension", "tension deviation", "energy")
 drive puts into the rope before the tensions count would be free otherwise."""
 
 
+@checked
 def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
     """What `optimise_schedule` and `tune_response` minimise, of any run: all of `OBJECTIVES` by name.
 

@@ -6,10 +6,12 @@ import time as clock
 from collections.abc import Mapping
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.progress import bar
 from ropeway.systems.studies.objectives import objective_weights
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
@@ -18,6 +20,8 @@ from ropeway.systems.studies.scheduling.study import Study
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def optimise_schedule(
     line: System,
     until: float,
@@ -62,10 +66,11 @@ def optimise_schedule(
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
-    study = Study(line, until, intervals, bounds, settled, target, lead, start, trim)
-    with bar("optimise", 1.0, progress) as advance:
+    plans: list[SchedulePlan] = []
+    with bar("optimise", 1.0, progress) as advance, keeping(lambda: plans[-1] if plans else None):
+        study = Study(line, until, intervals, bounds, settled, target, lead, start, trim)
         schedules = study.first(warm_start)
-        return study.optimise(weights, schedules, advance, begin)
+        return study.optimise(weights, schedules, plans, advance, begin)
 
 
 def check_intervals(intervals: int) -> None:

@@ -215,19 +215,20 @@ class Study:
         self,
         weights: Mapping[str, float],
         schedules: dict[str, Schedule],
+        plans: list[SchedulePlan],
         advance: Callable[[float], None],
         begin: float,
     ) -> SchedulePlan:
         """The plan; from constant speed, or that itself, where it keeps the limits and is better than what is found
-        from `schedules`. Raises InfeasibleScheduleError, ScheduleError."""
-        plan = self.rounds(weights, schedules, advance, begin)
+        from `schedules`. Each plan on the way is added to `plans`. Raises InfeasibleScheduleError, ScheduleError."""
+        plan = self.rounds(weights, schedules, plans, advance, begin)
         if plan.constant is None or plan.objective <= plan.value(plan.constant):
             return plan
         own = {name: self.own_speed(name).on(self.grid.tolist()) for name in self.names}
         if not self._allowed(own, plan):
             return plan
         for held in (False, True):
-            plan = self.rounds(weights, own, advance, begin, held=held)
+            plan = self.rounds(weights, own, plans, advance, begin, held=held)
             if plan.objective <= plan.value(plan.constant):
                 break
         return plan
@@ -249,12 +250,14 @@ class Study:
         self,
         weights: Mapping[str, float],
         schedules: Mapping[str, Schedule],
+        plans: list[SchedulePlan],
         advance: Callable[[float], None],
         begin: float,
         *,
         held: bool = False,
     ) -> SchedulePlan:
-        """Plans and simulates in turn until both agree. Raises InfeasibleScheduleError, ScheduleError."""
+        """Plans and simulates in turn until both agree; each plan is added to `plans`. Raises InfeasibleScheduleError,
+        ScheduleError."""
         balanced = objectives(self.balanced, settle=self.settle, target=self.target)
         # A line that stands takes no energy: then what its tension does over a metre.
         size = sum(w * (balanced[name] or self.target) for name, w in weights.items()) / _SIZE
@@ -307,6 +310,7 @@ class Study:
                 lead=self.lead,
                 trim=self.trim,
             )
+            plans.append(plan)
             advance(1.0 - 0.5 ** (number + 1))
             broken = broken_limits(task, after)
             # Where crossings can come at several times alike, rounds differ in them but not in what they reach.
