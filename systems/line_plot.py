@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
+from ropeway.components.spar import Ground
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.limit_lines import ABOVE, draw_limits, limits_of
 from ropeway.systems.run import Run
@@ -21,13 +22,6 @@ from ropeway.systems.run import Run
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-class Ground(Protocol):
-    """The ground under a line: distances along it from its first support, and elevations [m] (`rw.Profile`)."""
-
-    station: Sequence[float]
-    elevation: Sequence[float]
 
 
 class _Mark(NamedTuple):
@@ -52,6 +46,8 @@ _NAMED = 60
 """Supports with a name each: of more the idlers have none."""
 _CURVE = 60
 """Points of a span's curve."""
+_GROUND = 500
+"""Points of the ground."""
 
 
 class _Way(NamedTuple):
@@ -78,8 +74,10 @@ def line_profile(line: Equilibrium, ground: Ground | None = None) -> Figure:
     figure = Figure(figsize=(11.0, 2.0 * sum(heights)), layout="constrained")
     elevation, tension, *rest = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     plan = rest[0] if rest else None
-    if ground is not None:
-        elevation.plot(ground.station, ground.elevation, color="0.4", lw=1.2, label="ground")
+    station = np.linspace(0.0, max(float(way.along[-1]) for way in ways), _GROUND)
+    level = None if ground is None else np.array([ground.elevation_at(float(x)) for x in station])
+    if level is not None:
+        elevation.plot(station, level, color="0.4", lw=1.2, label="ground")
     highest, names, named = dict[Rope, float](), dict[Rope, str](), set[str]()
     for r, (run, way) in enumerate(zip(line.runs, ways, strict=True)):
         points = line.points(r)
@@ -103,9 +101,9 @@ def line_profile(line: Equilibrium, ground: Ground | None = None) -> Figure:
     elevation.legend(ncols=7, fontsize="small", **ABOVE)
     elevation.margins(x=0.02, y=0.14)
     elevation.set_xlim(elevation.get_xlim())
-    if ground is not None:
+    if level is not None:
         low = elevation.get_ylim()[0]
-        elevation.fill_between(ground.station, ground.elevation, low, color="0.88", lw=0, zorder=0)
+        elevation.fill_between(station, level, low, color="0.88", lw=0, zorder=0)
         elevation.set_ylim(bottom=low)
     tension.set_ylabel("tension [kN]")
     tension.legend(ncols=4, fontsize="small", **ABOVE)
@@ -170,8 +168,9 @@ def _supports(
         if ground is None:
             elevation.axvline(x, color="0.85", lw=0.8, zorder=0)
         else:
-            foot = float(np.interp(x, ground.station, ground.elevation))
-            elevation.plot([x, x], [foot, z], color="tab:brown", lw=2.0, zorder=1, solid_capstyle="butt")
+            elevation.plot(
+                [x, x], [ground.elevation_at(float(x)), z], color="tab:brown", lw=2.0, zorder=1, solid_capstyle="butt"
+            )
         if plan is not None:
             plan.plot(x, way.sideways(points[k, 0], points[k, 1]), **style)
         if len(nodes) <= _NAMED or mark.label != "idler sheave":

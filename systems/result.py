@@ -15,6 +15,7 @@ from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
+from ropeway.components.spar import Ground
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.moving import Moving
@@ -25,8 +26,6 @@ from ropeway.systems.state import LineState, Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from ropeway.systems.line_plot import Ground
 
 
 class Event(NamedTuple):
@@ -216,7 +215,7 @@ class Result:
         """The line at a time [s], by default the last: profile, loads, supports, tensions.
 
         ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
-        without a rope."""
+        without a rope, and for a ground that ends before the line."""
         from ropeway.systems.line_plot import line_profile
 
         self._require_rope()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.limit_lines import ABOVE
 
@@ -72,7 +74,7 @@ def _tensions(axis: Axes, plan: SchedulePlan) -> None:
 def _force_limit(axis: Axes, plan: SchedulePlan) -> None:
     """The limit of the drives' forces, where all have one and the picture reaches it."""
     force = plan.limits.force
-    if not isinstance(force, (int, float)):
+    if not isinstance(force, (int, float)) or not np.isfinite(force):
         return
     bottom, top = axis.get_ylim()
     label: str | None = f"limit {at_most(force / 1e3, 2)} kN"
