@@ -358,7 +358,7 @@ class Moving:
                 self.record(exact)
                 return motion
         raise SimulationError(
-            f"Loads are thrown to and fro at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
+            f"Loads cross forwards and backwards without end at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
             "Move supports or loads there",
             self.state.point.t,
         )
