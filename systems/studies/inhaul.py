@@ -82,8 +82,8 @@ def inhaul(
     rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
     the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
     mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long
-    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError; SimulationError that holds what has
-    run so far.
+    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
+    SimulationError that holds what has run so far.
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")

@@ -244,6 +244,16 @@ def test_schedules_go_out_and_in_as_csv(plans: dict[str, rw.SchedulePlan], tmp_p
 
 
 def test_a_plan_makes_a_picture(plans: dict[str, rw.SchedulePlan]) -> None:
-    figure = plans["peak tension"].plot()
-    assert len(figure.axes) == 3
-    assert {line.get_label() for line in figure.axes[0].lines} == {"c1", "c2", "c3"}
+    plan = plans["peak tension"]
+    figure = plan.plot()
+    speeds, tensions, forces = figure.axes
+    for axis in (speeds, forces):
+        assert {"c1", "c2", "c3"} <= {text.get_text() for text in axis.get_legend().get_texts()}
+    assert "limit 2.50 kN" in {line.get_label() for line in forces.lines}
+    assert f"peak tension {plan.objective / 1e3:.6g} kN from 10 to 40 s" in figure.get_suptitle()
+    red = [line for axis in figure.axes for line in axis.lines if line.get_color() == "tab:red" and axis is tensions]
+    assert red
+    for line in red:
+        value = plan.tension["allowed" in line.get_label() and line.get_label().startswith("most")] / 1e3
+        assert line.get_ydata() == pytest.approx([value, value])
+        assert line.get_label().startswith(("least allowed", "most allowed"))
