@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ropeway.components.rope import Rope
 from ropeway.components.rounding import at_least, at_most
@@ -17,7 +17,7 @@ NEAR = 0.5
 NOISE = 1e-6
 """Relative distance above a limit that is none: a payload brings a tension just to its limit."""
 
-ABOVE = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1, "frameon": False}
+ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1, "frameon": False}
 """A legend above its panel: inside it would lie on the curves."""
 
 

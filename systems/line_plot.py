@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -158,10 +158,13 @@ def _supports(
     named: set[str],
 ) -> None:
     """Supports with their names; on the ground, where it is known, else with a guide to the panels below."""
-    names = {"rotation": 90 if len(nodes) > _UPRIGHT else 0, "fontsize": "small" if len(nodes) <= _UPRIGHT else 7}
+    names: dict[str, Any] = {
+        "rotation": 90 if len(nodes) > _UPRIGHT else 0,
+        "fontsize": "small" if len(nodes) <= _UPRIGHT else 7,
+    }
     for k, node in enumerate(nodes):
         mark = next((m for kind, m in _MARKS.items() if isinstance(node, kind)), _OTHER)
-        style = {"color": mark.colour, "marker": mark.marker, "ls": "", "ms": 5, "zorder": 4}
+        style: dict[str, Any] = {"color": mark.colour, "marker": mark.marker, "ls": "", "ms": 5, "zorder": 4}
         x, z = way.along[k], points[k, 2]
         elevation.plot(x, z, label=None if mark.label in named else mark.label, **style)
         named.add(mark.label)

@@ -8,17 +8,17 @@ import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
 import typer
-from click.testing import Result
 from typer.testing import CliRunner
 
 from ropeway.__main__ import app
 from ropeway.fmu.terminal import errors_on_one_line
 
-Command = Callable[..., Result]
+Command = Callable[..., Any]
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
