@@ -73,16 +73,14 @@ def picture(paths: dict[tuple[float, float], pd.DataFrame]) -> Figure:
     for (pretension, stiffness), path in paths.items():
         rigid = stiffness == math.inf
         label = f"{pretension / 1e3:.0f} kN, {'rigid anchors' if rigid else 'anchors 2 kN/mm'}"
-        style = {"color": colours[pretension], "ls": "-" if rigid else "--"}
-        lean.plot(path["station"], path["spar_lean"] * 1e3, lw=1.3, label=label, **style)
+        colour, style = colours[pretension], "-" if rigid else "--"
+        lean.plot(path["station"], path["spar_lean"] * 1e3, lw=1.3, label=label, color=colour, ls=style)
         worst = path.loc[path["guy1_tension"].idxmax()]
         place = list(colours).index(pretension) + (-0.2 if rigid else 0.2)
         for axis, column in zip(bars, ("guy1_tension", "guy3_tension", "highest_tension"), strict=True):
-            (bar,) = axis.bar(
-                place, worst[column] / 1e3, 0.38, color=colours[pretension], hatch=None if rigid else "//"
-            )
-            axis.bar_label(axis.containers[-1], fmt="%.1f", fontsize="small")
-            bar.set_edgecolor("white")
+            hatch = None if rigid else "//"
+            bar = axis.bar(place, worst[column] / 1e3, 0.38, color=colour, hatch=hatch, edgecolor="white")
+            axis.bar_label(bar, fmt="%.1f", fontsize="small")
     lean.set_title("Guyed spar of 15 m under a skyline with 3 t: pretension of the guylines and their anchors")
     lean.set(ylabel="lean of the top [mm]", xlabel="station of the carriage [m]")
     lean.set_ylim(bottom=0.0)

@@ -158,10 +158,7 @@ def _supports(
     named: set[str],
 ) -> None:
     """Supports with their names; on the ground, where it is known, else with a guide to the panels below."""
-    names: dict[str, Any] = {
-        "rotation": 90 if len(nodes) > _UPRIGHT else 0,
-        "fontsize": "small" if len(nodes) <= _UPRIGHT else 7,
-    }
+    names: dict[str, Any] = {"rotation": 90, "fontsize": 7} if len(nodes) > _UPRIGHT else {"fontsize": "small"}
     for k, node in enumerate(nodes):
         mark = next((m for kind, m in _MARKS.items() if isinstance(node, kind)), _OTHER)
         style: dict[str, Any] = {"color": mark.colour, "marker": mark.marker, "ls": "", "ms": 5, "zorder": 4}

@@ -120,10 +120,14 @@ class SchedulePlan:
     @property
     def objective(self) -> float:
         """What was minimised, by the simulation."""
-        return self.value(self.objectives)
+        return self._value(self.objectives)
 
-    def value(self, objectives: Mapping[str, float]) -> float:
-        """The objectives of any run, weighed as in this plan."""
+    @property
+    def better(self) -> bool:
+        """Whether the objective is not above that of the line's own speeds, where it can keep them."""
+        return self.constant is None or self.objective <= self._value(self.constant)
+
+    def _value(self, objectives: Mapping[str, float]) -> float:
         return sum(w * objectives[name] for name, w in self.weights.items())
 
     @cached_property

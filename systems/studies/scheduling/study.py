@@ -222,14 +222,14 @@ class Study:
         """The plan; from constant speed, or that itself, where it keeps the limits and is better than what is found
         from `schedules`. Each plan on the way is added to `plans`. Raises InfeasibleScheduleError, ScheduleError."""
         plan = self.rounds(weights, schedules, plans, advance, begin)
-        if plan.constant is None or plan.objective <= plan.value(plan.constant):
+        if plan.better:
             return plan
         own = {name: self.own_speed(name).on(self.grid.tolist()) for name in self.names}
         if not self._allowed(own, plan):
             return plan
         for held in (False, True):
             plan = self.rounds(weights, own, plans, advance, begin, held=held)
-            if plan.objective <= plan.value(plan.constant):
+            if plan.better:
                 break
         return plan
 
@@ -258,7 +258,7 @@ class Study:
     ) -> SchedulePlan:
         """Plans and simulates in turn until both agree; each plan is added to `plans`. Raises InfeasibleScheduleError,
         ScheduleError."""
-        balanced = objectives(self.balanced, settle=self.settle, target=self.target)
+        balanced = self.value(self.balanced)
         # A line that stands takes no energy: then what its tension does over a metre.
         size = sum(w * (balanced[name] or self.target) for name, w in weights.items()) / _SIZE
         around = self.around(schedules)
@@ -296,7 +296,7 @@ class Study:
                 result=after.result,
                 objectives=after.objectives,
                 balanced=balanced,
-                constant=self.constant and objectives(self.constant, settle=self.settle, target=self.target),
+                constant=None if self.constant is None else self.value(self.constant),
                 weights=weights,
                 limits=self.limits,
                 tension=self.tension,
@@ -337,8 +337,11 @@ class Study:
         result = self.run(schedules, {})
         if equations is None or equations.model is not result.model:
             equations = LineEquations(result.model, result.parameters)
-        reached = objectives(result, settle=self.settle, target=self.target)
-        return Simulated(schedules, result, reached, equations, clock.perf_counter() - begin)
+        return Simulated(schedules, result, self.value(result), equations, clock.perf_counter() - begin)
+
+    def value(self, result: Result) -> dict[str, float]:
+        """The objectives of a run."""
+        return objectives(result, settle=self.settle, target=self.target)
 
     def problem(self, task: Task, around: Simulated, more: Sequence[float]) -> ScheduleProblem:
         """The problem around a simulation."""
