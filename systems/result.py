@@ -16,6 +16,7 @@ from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
+from ropeway.components.spar import Ground
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.labels import Labels
@@ -215,9 +216,12 @@ class Result:
 
         return power_over_time(self)
 
-    def plot_line(self, time: float | None = None) -> Figure:
-        """The line at a time [s], by default the last: profile, loads, supports, tensions."""
-        from ropeway.systems.plot import line_profile
+    def plot_line(self, time: float | None = None, *, ground: Ground | None = None) -> Figure:
+        """The line at a time [s], by default the last: profile, loads, supports, tensions.
+
+        ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
+        without a rope, and for a ground that ends before the line."""
+        from ropeway.systems.line_plot import line_profile
 
         self._require_rope()
-        return line_profile(self.at(self.times[-1] if time is None else time))
+        return line_profile(self.at(self.times[-1] if time is None else time), ground)
