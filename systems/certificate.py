@@ -17,7 +17,7 @@ import pandas as pd
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.certificate_layout import CertificateLayout, layout_of
+from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, layout_of
 from ropeway.systems.certificate_spans import Hung, Shape, Spans, hung, pulls, read_spans, shape
 from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
@@ -70,9 +70,11 @@ class Check:
 
 @dataclass(frozen=True)
 class Certificate:
-    """The checks of a state, or the worst of each over many records."""
+    """The checks of a state, or the worst of each over many records. `utilisation`: the highest tension over its
+    minimum breaking load, which is no check: such a state is an equilibrium, if a rope bears it."""
 
     checks: tuple[Check, ...]
+    utilisation: Check | None = None
 
     @property
     def failed(self) -> Check | None:
@@ -121,10 +123,10 @@ class Certificate:
         """Of each check the worst, or the first that failed."""
         found: dict[str, Check] = {}
         for certificate in certificates:
-            for check in certificate.checks:
+            for check in (*certificate.checks, *([certificate.utilisation] if certificate.utilisation else [])):
                 if check.name not in found or check.worse_than(found[check.name]):
                     found[check.name] = check
-        return cls(tuple(found.values()))
+        return cls(tuple(c for name, c in found.items() if name != UTILISATION), found.get(UTILISATION))
 
 
 SPANS_END = "distance of a span's end from its support over its chord"
@@ -134,6 +136,7 @@ IN_SPAN = "distance of a load beyond its span over the mean span"
 ROPE_SUM = "rope missing from a run over its length"
 STABLE = "least pivot of the stiffness of free travels"
 EQUATIONS = "other equations over their nominals"
+UTILISATION = "highest tension over minimum breaking load"
 VALUES = "distance from a given value over its size"
 
 
@@ -176,7 +179,7 @@ def certify(
     checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
     if given:
         checks.append(_given(model, point, runs, passed, given))
-    return Certificate(tuple(checks))
+    return Certificate.worst([Certificate(tuple(checks))])
 
 
 def certify_records(
@@ -287,6 +290,7 @@ def _span_checks(
     checks = [
         _worst(SPANS_END, miss / size, CLOSURE, places.names),
         _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
+        _worst(UTILISATION, np.maximum(found.t0[:, :, 0], found.t1[:, :, -1]) / spans.breaking_load, 1.0, places.names),
     ]
     if loads is not None:
         mean = spans.chord.mean(axis=1)[:, None]
@@ -300,7 +304,9 @@ def _span_checks(
         checks.append(_worst(IN_SPAN, beyond / mean, INSIDE, places.names))
     if rope:
         ends = places.runs
-        totals = np.array([spans.length[0, a:b].sum() for a, b in itertools.pairwise(ends)])
+        read = values[0, places.read]
+        own = read[SPAN.index("length_start")] + read[len(SPAN)] - read[len(SPAN) + len(ENDS)]
+        totals = np.array([own[a:b].sum() for a, b in itertools.pairwise(ends)])  # rope on shoes counts
         missing = np.abs(totals - np.asarray(rope)) / np.asarray(rope)
         checks.append(_worst(ROPE_SUM, missing[None], ROPE, [places.names[a] for a in ends[:-1]]))
     return checks

@@ -19,7 +19,7 @@ from ropeway.systems.run import Run
 
 class Spans(NamedTuple):
     """What is known of spans: tension vector at the start (records, 3, spans), horizontal tension squared, weight per
-    metre, strain coefficients, unstretched length, chord vector (records, 3, spans) and its length, the coordinates'
+    metre, strain coefficients, minimum breaking load, unstretched length, chord vector (records, 3, spans) and its length, the coordinates'
     largest size, and the travels at both ends with the rope beside them."""
 
     force: np.ndarray
@@ -27,6 +27,7 @@ class Spans(NamedTuple):
     weight: np.ndarray
     c1: np.ndarray
     c2: np.ndarray
+    breaking_load: np.ndarray
     length: np.ndarray
     way: np.ndarray
     chord: np.ndarray
@@ -53,6 +54,7 @@ def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray) -> S
         weight=found[:, 4] * gravity,
         c1=found[:, 5],
         c2=found[:, 6],
+        breaking_load=found[:, 7],
         length=found[:, 3] + travel_a - travel_b,
         way=way,
         chord=np.sqrt(way[:, 0] ** 2 + way[:, 1] ** 2 + way[:, 2] ** 2),

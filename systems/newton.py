@@ -19,6 +19,11 @@ from ropeway.systems.model import Model, component_of
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
 
+_SMALL = 1e-11
+"""Scaled residual of a root."""
+_STILL = 1e-13
+"""Scaled step that is lost in rounding."""
+
 VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
 
@@ -82,6 +87,8 @@ class Newton:
             entries = ca.vertsplit(full[kind])
             entries[k] = v[i] * self.scale[i]
             full[kind] = ca.vertcat(*entries)
+            if kind is Kind.PARAMETER:
+                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
         target, damping = sym("target", len(given)), sym("damping")
@@ -231,7 +238,7 @@ def damped(
         try:
             now, sides = step(v)
             after = float(np.linalg.norm(now))
-            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12) or last < _STILL):
                 v = _shortened(v, move, before, value, residual, names)
                 last = np.inf
                 now, sides = step(v)
@@ -243,9 +250,13 @@ def damped(
         if not np.isfinite(size):
             raise _failure(residual, "The equations are singular", names)
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
-        coming = size * (size / last) ** 2 if np.isfinite(last) else 100.0 * size**2
+        coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            return v - move, sides
+            # That is foreseen, not seen: only a small residual makes it a root. Rounding may leave a larger one
+            # where steps are too small to change anything, as at a stiff spring.
+            left = float(np.abs(value(v - move)).max())
+            if left <= _SMALL or (size < _STILL and left >= 0.5 * float(np.abs(now).max())):
+                return v - move, sides
         v, before, last = v - move, after, size
     raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
 
@@ -316,6 +327,19 @@ def _drag(model: Model, v: Any, anchor: Any) -> Any:
     for balance in model.balances:
         drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
     return ca.densify(drag)
+
+
+def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
+    """How much nearer to their spans' ends a loads come to be by a metre more of a span's starting length: those that
+    ride beyond that span by all of it, as they keep their places along the rope. One entry for each discrete
+    variable."""
+    nearer = type(discrete)(discrete.shape[0], 1)
+    for layout in model.layouts:
+        for span in np.flatnonzero(layout.length_start == parameter):
+            for k in range(int(span) + 1, len(layout.length_start)):
+                for slot in range(int(layout.slots.count[k])):
+                    nearer[int(layout.slots.at[k]) + slot] = discrete[int(layout.slots.ride[k]) + slot]
+    return nearer
 
 
 @lru_cache(maxsize=16)
