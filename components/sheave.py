@@ -122,6 +122,7 @@ class Sheave(Wheel):
         by = 1.0
         if self.friction > 0.0:
             by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh(v.b.speed / 0.01))
-        free = laws.ratio(v.a.force, v.b.force, by)
-        standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as the residual has it
-        return {"tension_law": laws.Law(np.where(v.held > 0.0, standing, free.miss), free.size)}
+        law, held = laws.ratio(v.a.force, v.b.force, by), v.held > 0.0
+        if np.any(held):  # one newton per millimetre, as the residual has it
+            law = laws.Law(np.where(held, (v.travel - v.held_travel) * 1e3, law.miss), law.size)
+        return {"tension_law": law}

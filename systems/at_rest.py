@@ -140,9 +140,7 @@ def too_heavy(state: LineState) -> EquilibriumError | None:
     for _ in range(10):
         share = (low + high) / 2.0
         trial = _afresh(state)
-        trial.runs = [
-            replace(run, loads=replace(run.loads, mass=share * run.loads.mass)) for run in state.runs
-        ]
+        trial.runs = [replace(run, loads=replace(run.loads, mass=share * run.loads.mass)) for run in state.runs]
         try:
             trial.restart()
             solve(trial)

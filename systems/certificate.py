@@ -17,7 +17,7 @@ import pandas as pd
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, layout_of
+from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, SpanPlaces, layout_of
 from ropeway.systems.certificate_spans import Hung, Shape, Spans, hung, pulls, read_spans, shape
 from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
@@ -183,19 +183,19 @@ def certify(
 
 
 def certify_records(
-    model: Model, points: Sequence[Point], runs: Sequence[Run], passed: Sequence[Sequence[np.ndarray]]
+    model: Model, runs: Sequence[Run], states: Iterable[tuple[Point, Sequence[np.ndarray]]]
 ) -> Certificate:
-    """The worst of each check over many solved points of one model, in order of time; passed: for each point as in
-    `certify`. A check that fails is that of the first record in which it does."""
-    layout = layout_of(model)
+    """The worst of each check over many states of one model in order of time, each a solved point and the loads
+    `passed` as in `certify`. A check that fails is that of the first state in which it does."""
+    layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
-    found = []
-    for first in range(0, len(points), size):
-        chunk = points[first : first + size]
-        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in chunk])
-        beyond = [np.array([p[r] for p in passed[first : first + size]]) for r in range(len(runs))]
-        for check in _checks(model, values, chunk, runs, beyond, (), ()):
-            found.append(Certificate((_later(check, first),)))
+    found, first = [], 0
+    while chunk := list(itertools.islice(states, size)):
+        points = [point for point, _ in chunk]
+        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+        beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
+        found.append(Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), ()))))
+        first += len(chunk)
     return Certificate.worst(found)
 
 
@@ -293,15 +293,7 @@ def _span_checks(
         _worst(UTILISATION, np.maximum(found.t0[:, :, 0], found.t1[:, :, -1]) / spans.breaking_load, 1.0, places.names),
     ]
     if loads is not None:
-        mean = spans.chord.mean(axis=1)[:, None]
-        mass, at, ride, empty = values[:, places.slots].transpose(1, 0, 2, 3)
-        read = at + ride * spans.travel_a[:, :, None] + empty * spans.length[:, :, None]
-        away = np.abs(np.where(loads.there | (mass != 0.0), read - loads.distance, 0.0))
-        away = np.where(mass == loads.mass, away, np.inf).max(axis=2)
-        checks.append(_worst(ON_ROPE, np.where(loads.lost, np.inf, away / mean), PLACE, places.names))
-        beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None])
-        beyond = np.where(loads.there, beyond, 0.0).max(axis=2)
-        checks.append(_worst(IN_SPAN, beyond / mean, INSIDE, places.names))
+        checks += _load_checks(places, values, spans, loads)
     if rope:
         ends = places.runs
         read = values[0, places.read]
@@ -310,6 +302,22 @@ def _span_checks(
         missing = np.abs(totals - np.asarray(rope)) / np.asarray(rope)
         checks.append(_worst(ROPE_SUM, missing[None], ROPE, [places.names[a] for a in ends[:-1]]))
     return checks
+
+
+def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung) -> list[Check]:
+    """The slots of the model hold the loads of the runs, and these hang within their spans."""
+    used = loads.distance.shape[2]
+    slots, mean = values[:, places.slots[:, :, :used]], spans.chord.sum(axis=1)[:, None] / len(places.names)
+    read = slots[:, 1] + slots[:, 2] * spans.travel_a[:, :, None] + slots[:, 3] * spans.length[:, :, None]
+    away = np.where(loads.there, np.abs(read - loads.distance), 0.0)
+    away[slots[:, 0] != loads.mass] = np.inf
+    away = away.max(axis=2) / mean
+    away[loads.lost | (values[:, places.slots[0, :, used:]] != 0.0).any(axis=2)] = np.inf
+    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None]) * loads.there
+    return [
+        _worst(ON_ROPE, away, PLACE, places.names),
+        _worst(IN_SPAN, beyond.max(axis=2) / mean, INSIDE, places.names),
+    ]
 
 
 def _law_checks(model: Model, layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:

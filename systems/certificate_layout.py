@@ -15,7 +15,16 @@ from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import VECTORS
 from ropeway.systems.run import Run, drive_speeds
 
-SPAN = ("force_x", "force_y", "force_z", "length_start", "mass_per_length", "compliance", "construction", "breaking_load")
+SPAN = (
+    "force_x",
+    "force_y",
+    "force_z",
+    "length_start",
+    "mass_per_length",
+    "compliance",
+    "construction",
+    "breaking_load",
+)
 """Variables of a span, in the order of the rows of `SpanPlaces.read`; behind them, for ends a and b, `ENDS`."""
 ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
 

@@ -238,7 +238,9 @@ def damped(
         try:
             now, sides = step(v)
             after = float(np.linalg.norm(now))
-            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12) or last < _STILL):
+            if residual is not None and not (
+                after <= 0.9 * before or (last < 1e-6 and after <= 1e-12) or last < _STILL
+            ):
                 v = _shortened(v, move, before, value, residual, names)
                 last = np.inf
                 now, sides = step(v)
