@@ -9,6 +9,7 @@ from typing import Any, Literal
 from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import size
@@ -16,6 +17,7 @@ from ropeway.components.smooth import size
 Holding = Literal["bisector", "horizontal"]
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Carriage(Node):
     """Runs on a skyline that comes in at seat a and goes out at seat b, and carries `payload` besides its own

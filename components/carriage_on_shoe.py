@@ -10,11 +10,13 @@ from ropeway.components import laws, shoe
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class CarriageOnShoe(Carriage):
     """A carriage in contact with the shoe of a smooth `support`: both are one node of the skyline. The rope on

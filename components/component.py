@@ -19,6 +19,7 @@ from typing import Any, ClassVar
 from ropeway.components import check
 from ropeway.components.catenary import Vector
 from ropeway.components.check import ANY, Range
+from ropeway.components.checked import checked
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
@@ -137,6 +138,7 @@ class Limit:
     high: float = math.inf
 
 
+@checked
 @dataclass(frozen=True)
 class Component(ABC):
     """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
@@ -207,6 +209,7 @@ class Component(ABC):
         return (type(self), site.slots)
 
 
+@checked
 @dataclass(frozen=True)
 class Node(Component):
     """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit."""

@@ -9,11 +9,13 @@ from typing import Any
 from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
 
 
+@checked
 @dataclass(frozen=True)
 class Drum(Node):
     """An end of a rope that stores rope. Travel counts from a to b as everywhere: at a rope's start a

@@ -12,13 +12,16 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Unbounded
 from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import Ground, HeadSpar, Tailhold
 
 
+@checked
 @dataclass(frozen=True)
 class Guyline:
     """A guyline: its rope, its anchor `at` (x, y, z) [m], and its `pretension` at the anchor [N] in set-up, with
@@ -28,7 +31,7 @@ class Guyline:
     rope: Rope
     at: tuple[float, ...]
     pretension: float
-    stiffness: float = math.inf
+    stiffness: Unbounded = math.inf
 
     def __post_init__(self) -> None:
         label = f"Guyline {self.name!r}"
@@ -44,6 +47,7 @@ class Guyline:
             )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class SpringAnchor(Node):
     """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
@@ -96,6 +100,7 @@ class SpringAnchor(Node):
         return {f"spring_{axis}": law for axis, law in laws.balance(v.rope.force, -v.stiffness * given).items()}
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class GuyedSpar(HeadSpar):
     """A rigid mast of `height` [m], pinned at its foot, held upright by `guylines`: two-force member, so that

@@ -10,12 +10,14 @@ import numpy as np
 
 from ropeway.components import check, laws, shoe
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign
 from ropeway.components.spar import Standing
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class IntermediateSupport(Standing, Wheel):
     """A jack that carries the skyline in a saddle. Frictionless: equal tension on both sides.

@@ -11,12 +11,14 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
 _FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in metres
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Log(Node):
     """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).

@@ -9,11 +9,13 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.check import POSITIVE, Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, drive_speeds, find_runs, slot_counts
@@ -22,6 +24,8 @@ from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
     """The flat model of a system.
 

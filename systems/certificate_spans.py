@@ -19,8 +19,8 @@ from ropeway.systems.run import Run
 
 class Spans(NamedTuple):
     """What is known of spans: tension vector at the start (records, 3, spans), horizontal tension squared, weight per
-    metre, strain coefficients, minimum breaking load, unstretched length, chord vector (records, 3, spans) and its length, the coordinates'
-    largest size, and the travels at both ends with the rope beside them."""
+    metre, strain coefficients, minimum breaking load, unstretched length, chord vector (records, 3, spans) and its
+    length, the coordinates' largest size, and the travel at end a with the rope beside it."""
 
     force: np.ndarray
     horizontal2: np.ndarray

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
 from ropeway.components import catenary
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import (
     EquilibriumError,
@@ -21,22 +22,26 @@ from ropeway.components.errors import (
 )
 from ropeway.systems.assembly import assemble
 from ropeway.systems.at_rest import keep_taut_root, let_out, settle, share_lengths, too_heavy
-from ropeway.systems.carrying import carried_over, declared_alike
+from ropeway.systems.carrying import carried_over, declared_alike, undriven
 from ropeway.systems.certificate import Certificate, certify
 from ropeway.systems.given_values import solve_swapped
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Point, outputs_of
+from ropeway.systems.pending import Pending
 from ropeway.systems.run import Run
 from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
-from ropeway.systems.system import System
+from ropeway.systems.system import System, caller
 
 
+@checked
 @dataclass(frozen=True)
 class Equilibrium:
     """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
 
     `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
-    supports on which a load stands that could pass neither way, `given` the values that it was solved for.
+    supports on which a load stands that could pass neither way. `pending`: what a run goes on with that starts
+    here, where this is the line in the course of another run. `given`: values that it was solved for.
     """
 
     model: Model
@@ -44,6 +49,7 @@ class Equilibrium:
     runs: tuple[Run, ...]
     passed: tuple[np.ndarray, ...]
     held: tuple[str, ...]
+    pending: Pending = field(default_factory=Pending)
     given: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
@@ -59,14 +65,14 @@ class Equilibrium:
         return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
 
     @cached_property
-    def checked(self) -> Certificate:
+    def checks(self) -> Certificate:
         """The certificate: an independent check, made afresh, that this is an equilibrium."""
         return certify(self.model, self.point, self.runs, self.passed, given=dict(self.given))
 
     @property
     def certificate(self) -> pd.DataFrame:
         """The certificate as a frame: index check; columns value, limit, holds, component where it is worst."""
-        return self.checked.frame
+        return self.checks.frame
 
     @cached_property
     def frame(self) -> pd.DataFrame:
@@ -156,6 +162,8 @@ class Equilibrium:
         )
 
 
+@checked
+@interruptible
 def equilibrium(
     system: System | Model,
     *,
@@ -170,7 +178,7 @@ def equilibrium(
     many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
     inputs, states (a drive's travel) and load masses of this solve; the length of one span over idlers counts from
     those that all spans have at rest. start: a nearby equilibrium of the same
-    declarations, for a warm start.
+    declarations, for a warm start; of a line in the course of a run too, without its brakes and responses.
 
     After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Every result carries
     a `certificate`; a solution that fails its check is solved again from another start. Warns by RopewayWarning where
@@ -192,11 +200,11 @@ def equilibrium(
     for way in ("near", "from geometry", "let out") if start is not None else ("from geometry", "let out"):
         state = _near(model, start, parameters) if way == "near" and start else _cold(model, parameters)
         try:
-            found, checked = _at_rest(state, wanted, freed, way)
+            found, certificate = _at_rest(state, wanted, freed, way)
         except EquilibriumError as error:
             first = first or error
             continue
-        _warn(checked)
+        _warn(certificate)
         return found
     heavy = None if wanted else too_heavy(_cold(model, parameters))
     raise heavy or first or EquilibriumError(f"{model.name!r} has no equilibrium")
@@ -218,6 +226,7 @@ def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | No
     state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
     for r, k, _ in state.standing():
         state.release(r, k)
+    undriven(state)
     if parameters:
         state.set(parameters)
         state.write_slots()
@@ -244,10 +253,10 @@ def _at_rest(
             declared[k] = state.point.p[k]
     rope = [_rope(state, r, declared) for r in range(len(state.runs))]
     state.rezero()
-    checked = certify(state.model, state.point, state.runs, state.passed, given=wanted, rope=rope)
-    checked.require(state.model)
+    certificate = certify(state.model, state.point, state.runs, state.passed, given=wanted, rope=rope)
+    certificate.require(state.model)
     runs, passed = tuple(state.runs), tuple(state.passed)
-    return Equilibrium(state.model, state.point, runs, passed, state.held, tuple(wanted.items())), checked
+    return Equilibrium(state.model, state.point, runs, passed, state.held, given=tuple(wanted.items())), certificate
 
 
 def _rope(state: LineState, r: int, declared: np.ndarray) -> float:
@@ -257,13 +266,15 @@ def _rope(state: LineState, r: int, declared: np.ndarray) -> float:
     return float(declared[layout.length_start].sum() + travel[0] - travel[-1])
 
 
-def _warn(checked: Certificate) -> None:
-    """Warns of a rope that cannot bear its tension."""
-    used = checked.utilisation
+def _warn(certificate: Certificate) -> None:
+    """Warns of a rope that cannot bear its tension, in the name of the user's line of code."""
+    used = certificate.utilisation
     if used is not None and not used.holds:
-        warnings.warn(
+        path, _, line = caller().rpartition(":")
+        warnings.warn_explicit(
             f"The highest tension in span {used.component!r} at rest is {used.value:.3g} times the rope's minimum "
             "breaking load. Take lighter loads, more sag or a stronger rope",
             RopewayWarning,
-            stacklevel=3,
+            path or "?",
+            int(line) if line.isdigit() else 1,
         )

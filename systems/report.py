@@ -218,7 +218,7 @@ def _load_work(result: Result, run: Run) -> np.ndarray:
     loads, gravity = run.loads, result.parameters[0]
     for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
         r = result.runs.index(run)
-        passed = np.array([record.passed[r][k] for record in result.records])
+        passed = np.array([record.passed[r][k] - loads.first for record in result.records])
         total = np.concatenate([[0.0], np.cumsum(loads.mass)])
         height = result.parameters[result.model.p.index[f"{run.nodes[k].name}.z"]]
         work += sign * np.diff(total[passed]) * gravity * height

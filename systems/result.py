@@ -11,10 +11,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.files import whole
+from ropeway.components.schedule import Schedule
 from ropeway.systems.certificate import Certificate, certify_records
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
+from ropeway.systems.moving import Moving
 from ropeway.systems.newton import newton_of
 from ropeway.systems.report import Summary, energy, power, summary
 from ropeway.systems.run import Run
@@ -35,12 +39,13 @@ class Event(NamedTuple):
     load: str = ""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Result:
     """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
     marks those of the frame, `exact` those in which every section of the line was solved: the others are
     solved when they are asked for. `parameters` is the model's parameter vector of the run; `noted` is what was
-    written down as it happened, `events` that and the limits reached."""
+    written down as it happened, `events` that and the limits reached; `tolerance` is that of the integration."""
 
     model: Model
     runs: tuple[Run, ...]
@@ -49,6 +54,7 @@ class Result:
     on_grid: np.ndarray
     exact: np.ndarray
     noted: tuple[Event, ...]
+    tolerance: float
 
     def __repr__(self) -> str:
         end = self.records[-1].time if self.records else 0.0
@@ -70,11 +76,11 @@ class Result:
                 y[i], z[i] = state.outputs(), state.point.z
                 yield state
 
-        self.__dict__["checked"] = self._certified(range(len(self.records)), states())
+        self.__dict__["checks"] = self._certified(range(len(self.records)), states())
         return y, z
 
     @cached_property
-    def checked(self) -> Certificate:
+    def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
         return self._certified(range(len(self.records)), (self._state(i) for i in range(len(self.records))))
 
@@ -82,12 +88,12 @@ class Result:
     def certificate(self) -> pd.DataFrame:
         """The worst of each check over all records: index check; columns value, limit, holds, component, time [s]."""
         times = self.times
-        return self.checked.frame.assign(time=[times[c.record] for c in self.checked.checks])
+        return self.checks.frame.assign(time=[times[c.record] for c in self.checks.checks])
 
     def require_certified(self) -> None:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
-        solved = np.flatnonzero(self.exact)
+        solved: list[int] = np.flatnonzero(self.exact).tolist()
         self._certified(solved, (self._state(i) for i in solved))
 
     def _certified(self, which: Sequence[int], states: Iterable[LineState]) -> Certificate:
@@ -174,28 +180,30 @@ class Result:
         ]
 
     def at(self, time: float) -> Equilibrium:
-        """The line at a time [s], after an event at that time. Raises InputError outside the run."""
+        """The line at a time [s], after an event at that time: `simulate(start=...)` goes on from it as the run did.
+        Raises InputError outside the run."""
         times = self.times
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
         i = int(np.searchsorted(times, time, side="right")) - 1
         state = self._state(i)
         if times[i] != time:
-            after = self.records[i + 1]
-            share = (time - times[i]) / (times[i + 1] - times[i])
-            state.point = replace(state.point, t=time)
-            state.point.u[:] += share * (after.u - state.point.u)
-            state.point.x[:] = self._between(i, share)
-            state.point.z[:] += share * (after.z - state.point.z)
-            newton_of(self.model).solve(state.point)
-        return self._line(state)
+            a, b = self.records[i], self.records[i + 1]
+            signals = [
+                Schedule((a.time, b.time), (u, v)) if u != v else float(u) for u, v in zip(a.u, b.u, strict=True)
+            ]
+            line = Moving(state, signals, self.tolerance)
+            line.run_to(time)
+            state = line.state
+        return self._line(state, i)
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its place in `full_frame`."""
-        return self._line(self._state(i))
+        return self._line(self._state(i), i)
 
-    def _line(self, state: LineState) -> Equilibrium:
-        return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
+    def _line(self, state: LineState, i: int) -> Equilibrium:
+        pending = self.records[i].pending.after(state.point.t)
+        return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 
     def summary(self) -> Summary:
         """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held. Raises
@@ -215,27 +223,16 @@ class Result:
         """The energy balance of the run [J]."""
         return energy(self)
 
-    def _between(self, i: int, share: float) -> np.ndarray:
-        """States between two records, cubic in time."""
-        a, b = self._state(i).point, self.records[i + 1]
-        h = b.time - a.t
-        rate_a = np.array(self.model.dae(*a.arguments)[0]).ravel()
-        rate_b = np.array(self.model.dae(b.time, b.x, b.z, b.u, a.p, a.d)[0]).ravel()
-        s = share
-        return np.asarray(
-            (1 - s) ** 2 * (1 + 2 * s) * a.x
-            + s**2 * (3 - 2 * s) * b.x
-            + h * s * (1 - s) * ((1 - s) * rate_a - s * rate_b)
-        )
-
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame; returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def to_parquet(self, path: str | Path) -> Path:
-        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path."""
-        self.frame.to_parquet(path)
+        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_parquet(file)
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:

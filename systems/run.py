@@ -23,13 +23,15 @@ from ropeway.systems.system import Feed, System
 class Loads:
     """Loads of a run, foremost first: names, masses [kg] and places on the rope [m, unstretched, from the
     run's first support at zero travel]. `pinned` is the span (its index) at whose end a a load's distance
-    `at` counts; -1 for a load with its place on the rope."""
+    `at` counts; -1 for a load with its place on the rope. `first` is the number of the foremost load: below zero
+    where an endless rope has run backwards."""
 
     names: tuple[str, ...] = ()
     mass: np.ndarray = field(default_factory=lambda: np.zeros(0))
     place: np.ndarray = field(default_factory=lambda: np.zeros(0))
     pinned: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    first: int = 0
 
     def sorted(self, material: np.ndarray) -> Loads:
         """With pinned loads placed where the rope is, in their spans: `material` (supports,) is the rope at each
@@ -39,7 +41,12 @@ class Loads:
         place = np.where(self.pinned >= 0, inside, self.place)
         order = np.argsort(-place, kind="stable")
         return Loads(
-            tuple(self.names[i] for i in order), self.mass[order], place[order], self.pinned[order], self.at[order]
+            tuple(self.names[i] for i in order),
+            self.mass[order],
+            place[order],
+            self.pinned[order],
+            self.at[order],
+            self.first,
         )
 
 
@@ -82,6 +89,11 @@ class Run:
     def closed(self) -> bool:
         """Whether the rope ends where it begins, at a driven wheel."""
         return self.nodes[0] is self.nodes[-1]
+
+    @property
+    def around(self) -> int:
+        """Number of loads that go round on an endless rope; 0 where none do."""
+        return 0 if self.feed is None else self.feed.around or 0
 
     @property
     def moves(self) -> bool:
@@ -203,25 +215,40 @@ def _around(feed: Feed, length: float) -> Feed:
 
 def fed(feed: Feed, length: float) -> Loads:
     """Loads of a feed that fills `length` metres of rope, the last half a spacing inside the first support,
-    and the next few that wait there."""
+    and the next few that wait there; on an endless rope those that go round."""
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     first = Loads(
         ("l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
     )
-    return extended(first, feed, on_line + 7)
+    return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
 
 def extended(loads: Loads, feed: Feed, more: int) -> Loads:
     """With `more` loads behind the last one."""
     number = len(loads.place) + np.arange(more)
     masses = np.array(feed.masses)[number % len(feed.masses)]
-    names = number if feed.around is None else number % feed.around
     return Loads(
-        loads.names + tuple(f"l{i + 1}" for i in names),
+        loads.names + tuple(f"l{i + 1}" for i in number),
         np.concatenate([loads.mass, masses]),
         np.concatenate([loads.place, loads.place[-1] - feed.spacing * np.arange(1, more + 1)]),
         np.concatenate([loads.pinned, np.full(more, -1)]),
         np.concatenate([loads.at, np.zeros(more)]),
+        loads.first,
+    )
+
+
+def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, behind: int) -> Loads:
+    """The `around` loads of an endless rope of `length` [m] that are listed from `begin` on, as they come `ahead`
+    rounds before and `behind` rounds after: the same loads, a rope's length apart."""
+    turn, load = np.divmod(np.arange(-ahead * around, (behind + 1) * around), around)
+    load += begin
+    return Loads(
+        tuple(loads.names[i] for i in load),
+        loads.mass[load],
+        loads.place[load] - turn * length,
+        loads.pinned[load],
+        loads.at[load],
+        loads.first + begin - ahead * around,
     )
 
 

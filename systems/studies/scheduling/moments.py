@@ -54,7 +54,7 @@ def moments(
     near = 1e-6
     found += [Moment(float(t), _last(times, t), _last(times, t), -1) for t in more if np.abs(grid - t).min() > near]
     layout, start = result.model.layouts[0], result.model.layouts[0].start(result.parameters)
-    place = result.runs[0].loads.place
+    place, foremost = result.runs[0].loads.place, result.runs[0].loads.first
     for i in range(len(times) - 1):
         a, b = result.records[i], result.records[i + 1]
         change = b.passed[0] - a.passed[0]
@@ -64,7 +64,7 @@ def moments(
         crossed = []
         for k in np.flatnonzero(change):
             forward = bool(change[k] > 0)
-            load = int(a.passed[0][k]) - (0 if forward else 1)
+            load = int(a.passed[0][k]) - foremost - (0 if forward else 1)
             crossed.append((abs(start[k] - place[load] - travel[k]), int(k), load, forward))
         crossed.sort(key=lambda c: (c[0] > near, c[1]))
         # Crossings at one time that share no section are independent.
