@@ -14,8 +14,8 @@ from ropeway.systems.continuation import solve_algebraic
 from ropeway.systems.stability import slack
 from ropeway.systems.state import LineState
 
-_STEP, _LEAST_STEP = 1.0 / 40.0, 1.0 / 1280.0
-"""Share of a taut rope's way to its length in one step, and the least that is tried."""
+_STEP = 1.0 / 40.0
+"""Share of a taut rope's way to its length in one step."""
 
 
 def solve(state: LineState) -> None:
@@ -72,16 +72,16 @@ def keep_taut_root(state: LineState) -> None:
     if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
         return
     try:
-        trial = let_out(state)
+        trial = let_out(state, least_step=_STEP)
     except EquilibriumError:
         return
     if not trial.standing() and any(np.any(a != b) for a, b in zip(trial.passed, state.passed, strict=True)):
         state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
 
 
-def let_out(state: LineState) -> LineState:
-    """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it. Raises
-    EquilibriumError."""
+def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
+    """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
+    no less than a share `least_step` of the way. Raises EquilibriumError."""
     trial = _afresh(state)
     lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
     runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
@@ -110,7 +110,7 @@ def let_out(state: LineState) -> LineState:
             solve(trial)
         except EquilibriumError:
             step /= 2.0
-            if step < _LEAST_STEP:
+            if step < least_step:
                 raise
             trial = saved
             continue

@@ -23,9 +23,6 @@ Slot = tuple[Kind, int]
 
 _SMALL = 1e-11
 """Scaled residual of a root."""
-_STILL = 1e-13
-"""Scaled step that is lost in rounding."""
-
 VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
 
@@ -250,9 +247,9 @@ def damped(
         try:
             now, sides = step(v)
             after = float(np.linalg.norm(now))
-            if residual is not None and not (
-                after <= 0.9 * before or (last < 1e-6 and after <= 1e-12) or last < _STILL
-            ):
+            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+                if last < 1e-6 and _rounded(v, now, value):
+                    return v - sides[:n], sides
                 v = _shortened(v, move, before, value, residual, names)
                 last = np.inf
                 now, sides = step(v)
@@ -266,13 +263,21 @@ def damped(
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
         coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            # That is foreseen, not seen: only a small residual makes it a root. Rounding may leave a larger one
-            # where steps are too small to change anything, as at a stiff spring.
-            left = float(np.abs(value(v - move)).max())
-            if left <= _SMALL or (size < _STILL and left >= 0.5 * float(np.abs(now).max())):
+            # That is foreseen, not seen: only a small residual makes it a root.
+            left = value(v - move).copy()
+            if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
                 return v - move, sides
         v, before, last = v - move, after, size
     raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+
+
+def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether a residual is no more than what rounding of the unknowns makes of it, as at a stiff spring far from the
+    origin."""
+    left, least = np.abs(residual), np.full(len(v), _SMALL)
+    for signs in (1.0, np.where(np.arange(len(v)) % 2, 1.0, -1.0)):
+        least = np.maximum(least, 4.0 * np.abs(value(v * (1.0 + 4.0 * np.finfo(float).eps * signs)) - residual))
+    return bool((left <= least).all())
 
 
 def _shortened(
