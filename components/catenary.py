@@ -85,6 +85,10 @@ def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any)
     up0, up1 = v0 >= 0, v1 <= 0
     steep0, steep1 = t0 + choose(up0, v0, -v0), t1 + choose(up1, -v1, v1)
     rest = choose(up0, steep0, h2 / steep0) + choose(up1, steep1, h2 / steep1)  # t0 + t1 - gain
+    if xp is np and np.iscomplexobj(
+        rest
+    ):  # NumPy's log1p of complex numbers is not exact near zero; these are derivatives
+        return np.arctanh(gain / (t0 + t1))
     return xp.log1p(2 * gain / rest) / 2
 
 

@@ -23,7 +23,7 @@ from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Buffered, Point, dense, outputs_of
 from ropeway.systems.run import Run
-from ropeway.systems.stability import free_balances, least_pivot
+from ropeway.systems.stability import free_balances, has_free_nodes, least_pivot
 from ropeway.systems.state import find
 
 CLOSURE = 1e-9
@@ -33,6 +33,9 @@ PLACE = 1e-9
 """How far a load may hang from its place on the rope, over the mean span."""
 INSIDE = 1e-8
 """How far a load that stands on a support may hang beyond it, over the mean span."""
+IN_RUN = 1e-4
+"""The same for records of a run: a section without an event of its own is solved afterwards, its loads standing where
+their rates took them."""
 ROPE = 1e-9
 """How much of a rope may be missing or too much, over its length."""
 LAW = 1e-8
@@ -176,7 +179,7 @@ def certify(
         It raises nothing: `certificate.require(model)` does.
     """
     values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
-    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
+    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held, INSIDE)
     if given:
         checks.append(_given(model, point, runs, passed, given))
     return Certificate.worst([Certificate(tuple(checks))])
@@ -194,7 +197,9 @@ def certify_records(
         points = [point for point, _ in chunk]
         values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
-        found.append(Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), ()))))
+        found.append(
+            Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), (), IN_RUN)))
+        )
         first += len(chunk)
     return Certificate.worst(found)
 
@@ -216,6 +221,7 @@ def _checks(
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
     held: Collection[str],
+    inside: float,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
@@ -226,7 +232,7 @@ def _checks(
             spans = read_spans(places, values, gravity)
             loads = hung(places, values, spans, runs, passed)
             found = shape(spans, loads, gravity)
-            checks += _span_checks(layout, values, spans, loads, found, rope)
+            checks += _span_checks(layout, values, spans, loads, found, rope, inside)
             pull = pulls(spans, found)
         else:
             pull = np.zeros((3, len(values), 1))
@@ -234,7 +240,8 @@ def _checks(
         if len(layout.others):
             checks.append(_other_equations(model, layout, points))
         quick = None
-        if places.names and layout.plain and not held:
+        # Where ropes move a node, as a wheel on its slide, this is a part of what a state needs: it serves for runs.
+        if places.names and not held and (layout.plain or (len(points) > 1 and not has_free_nodes(model))):
             quick = least_pivots(layout, values, spans, found)
     checks += _stability(model, layout, points, quick, held)
     return checks
@@ -282,6 +289,7 @@ def _span_checks(
     loads: Hung | None,
     found: Shape,
     rope: Sequence[float],
+    inside: float,
 ) -> list[Check]:
     places = layout.spans
     off = found.reach - spans.way
@@ -293,7 +301,7 @@ def _span_checks(
         _worst(UTILISATION, np.maximum(found.t0[:, :, 0], found.t1[:, :, -1]) / spans.breaking_load, 1.0, places.names),
     ]
     if loads is not None:
-        checks += _load_checks(places, values, spans, loads)
+        checks += _load_checks(places, values, spans, loads, inside)
     if rope:
         ends = places.runs
         read = values[0, places.read]
@@ -304,7 +312,7 @@ def _span_checks(
     return checks
 
 
-def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung) -> list[Check]:
+def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung, inside: float) -> list[Check]:
     """The slots of the model hold the loads of the runs, and these hang within their spans."""
     used = loads.distance.shape[2]
     slots, mean = values[:, places.slots[:, :, :used]], spans.chord.sum(axis=1)[:, None] / len(places.names)
@@ -316,7 +324,7 @@ def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hu
     beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None]) * loads.there
     return [
         _worst(ON_ROPE, away, PLACE, places.names),
-        _worst(IN_SPAN, beyond.max(axis=2) / mean, INSIDE, places.names),
+        _worst(IN_SPAN, beyond.max(axis=2) / mean, inside, places.names),
     ]
 
 
