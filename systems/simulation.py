@@ -82,7 +82,9 @@ def simulate(
             raise
         except RopewayError as error:
             raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
-    return run.result()
+    result = run.result()
+    result.require_certified()
+    return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:

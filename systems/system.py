@@ -95,7 +95,7 @@ class System:
                 f"Two components are named {component.name!r}{first}", "Give each component a name of its own"
             )
         self.components[component.name] = component
-        self._origins[component.name] = _caller()
+        self._origins[component.name] = caller()
         return component
 
     def connect(self, one: Port, other: Port) -> None:
@@ -317,7 +317,7 @@ def _node_of(seat: Seat) -> Node:
     return node
 
 
-def _caller() -> str:
+def caller() -> str:
     """File and line of the first frame outside this package; none on the command line, where no user's code is."""
     frame = inspect.currentframe()
     while frame is not None:
