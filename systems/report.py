@@ -14,6 +14,7 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
+from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import component_of
 
@@ -110,23 +111,23 @@ def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
     low = spans.loc[spans["lowest_tension"].idxmin()]
     lines = [
         f"{result.model.name}: {len(spans)} spans, {result.times[-1]:g} s",
-        f"Highest tension {top['highest_tension'] / 1e3:.1f} kN in {top['span']} at {top['at']:.1f} s: "
-        f"{top['over_SWL']:.0%} of SWL {rope.safe_working_load / 1e3:.1f} kN, "
-        f"{top['over_MBL']:.0%} of MBL {rope.breaking_load / 1e3:.1f} kN",
-        f"Lowest tension {low['lowest_tension'] / 1e3:.1f} kN in {low['span']}; "
+        f"Highest tension {at_least(top['highest_tension'] / 1e3, 1)} kN in {top['span']} at {top['at']:.1f} s: "
+        f"{at_least(100.0 * top['over_SWL'])} % of SWL {at_most(rope.safe_working_load / 1e3, 1)} kN, "
+        f"{at_least(100.0 * top['over_MBL'])} % of MBL {at_most(rope.breaking_load / 1e3, 1)} kN",
+        f"Lowest tension {at_most(low['lowest_tension'] / 1e3, 1)} kN in {low['span']}; "
         f"largest sag {sag['largest_sag']:.2f} m in {sag['span']} at {sag['sag_at']:.1f} s",
     ]
     for column, sign, words in (
-        ("least_support_force", -1.0, "rope lifts off [N]"),
-        ("least_grip_margin", -1.0, "grip lost"),
-        ("relief_open_time", 1.0, "relief valve open [s]"),
-        ("loads_held", 1.0, "loads held at a hold-down"),
-        ("time_outside_range", 1.0, "outside its tension range [s]"),
+        ("least_support_force", -1.0, "Supports from which the rope lifts off (least support force [N])"),
+        ("least_grip_margin", -1.0, "Drives on which the rope slips (least grip margin)"),
+        ("relief_open_time", 1.0, "Drives with an open relief valve (time [s])"),
+        ("loads_held", 1.0, "Hold-down supports that a load could not pass (number of loads)"),
+        ("time_outside_range", 1.0, "Control sheaves outside their tension range (time [s])"),
     ):
         if column in supports:
             found = supports[sign * supports[column].fillna(0.0) > 0.0]
             values = ", ".join(f"{r['support']} ({r[column]:.4g})" for _, r in found.iterrows())
-            lines.append(f"{words}: {values or 'nowhere'}")
+            lines.append(f"{words}: {values or 'none'}")
     return "\n".join(lines)
 
 

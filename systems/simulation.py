@@ -58,6 +58,7 @@ def simulate(
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
+    check.count(until / every, "simulate", "records")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
@@ -81,7 +82,9 @@ def simulate(
             raise
         except RopewayError as error:
             raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
-    return run.result()
+    result = run.result()
+    result.require_certified()
+    return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:

@@ -37,7 +37,7 @@ _FAILURE = ("error", "message")
 @interruptible
 def sweep(
     study: Study | System | Model,
-    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path,
     *,
     outputs: str | Sequence[str] | None = None,
     workers: Workers = None,
@@ -52,9 +52,9 @@ def sweep(
     keeps its unstretched lengths but for those that are parameters.
 
     parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
-    as `latin_hypercube` makes. workers: number of local processes, by default one for each core, 1 for none
-    beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep that was
-    stopped goes on from the rows there are.
+    as `latin_hypercube` makes, or the path of its file. workers: number of local processes, by default one for each
+    core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep
+    that was stopped goes on from the rows there are.
 
     Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
     where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
