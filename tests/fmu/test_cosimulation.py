@@ -116,7 +116,7 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     together.connect("a.c1.rope_speed", "b.c1.speed")
     with pytest.raises(rw.InputError, match="is driven already"):
         together.connect("a.c1.command", "b.c1.speed")
-    with pytest.raises(rw.InputError, match="is no slave"):
+    with pytest.raises(rw.InputError, match="participant is a SkylineRig"):
         together.add("rig", corridor())  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="Two slaves are named 'a'"):
         together.add("a", line2)
@@ -137,7 +137,7 @@ def test_bad_masters() -> None:
         CoSimulation(1.0, master="Newton")  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="iterations is 0"):
         CoSimulation(1.0, iterations=0)
-    with pytest.raises(rw.InputError, match=r"Give StepControl\('Richardson'\)"):
+    with pytest.raises(rw.InputError, match="control is 'Richardson'. Give a StepControl"):
         CoSimulation(1.0, control="Richardson")  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="no slave"):
         CoSimulation(1.0).run(1.0)

@@ -134,7 +134,7 @@ def test_wrong_requests_are_typed_errors() -> None:
         )
     with pytest.raises(rw.InputError, match="no schedule of 'c2'"):
         rw.optimise_schedule(line, UNTIL, warm_start={"c1": rw.Schedule((0.0, UNTIL), (1.0, 1.0))})
-    with pytest.raises(rw.InputError, match=r"warm_start has 1\.0 for 'c1'"):
+    with pytest.raises(rw.InputError, match=r"warm_start\['c1'\] is 1\.0. Give a Schedule"):
         rw.optimise_schedule(line, UNTIL, warm_start=dict.fromkeys(("c1", "c2", "c3"), 1.0))
     with pytest.raises(rw.InputError, match=r"warm_start is 1\.0"):
         rw.optimise_schedule(line, UNTIL, warm_start=1.0)
