@@ -97,3 +97,12 @@ def point(value: Sequence[float], owner: str) -> Point:
         number(v, owner, "a coordinate of at", "m")
     x, *rest = (float(v) for v in values)
     return (x, rest[0], rest[1]) if len(rest) == 2 else (x, 0.0, rest[0])
+
+
+def pair(value: Sequence[float], owner: str, field: str) -> tuple[float, float]:
+    """Two coordinates."""
+    if not hasattr(value, "__len__") or len(value) != 2:
+        raise InputError(f"{owner}: {field} is {value!r}", "Give two coordinates, easting and northing")
+    for v in value:
+        number(v, owner, f"a coordinate of {field}")
+    return float(value[0]), float(value[1])

@@ -321,5 +321,5 @@ def _check_structure(model: Model, system: System) -> None:
         owner = component_of(lone[0])
         raise UnbalancedSystemError(
             f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}",
-            f"Look at {owner!r}, added at {system.origin(owner)}",
+            f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
         )

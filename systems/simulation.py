@@ -82,7 +82,9 @@ def simulate(
             raise
         except RopewayError as error:
             raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
-    return run.result()
+    result = run.result()
+    result.require_certified()
+    return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
@@ -184,10 +186,10 @@ class _Simulation:
             self.line.tolerance,
         )
 
-    def result_so_far(self) -> Result:
+    def result_so_far(self) -> Result | None:
         """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
         self.drop()
-        return self.result()
+        return self.result() if self.records else None
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""

@@ -34,7 +34,7 @@ def running_skyline(
     """
     check.positive(tension, name, "tension", "N")
     if carriage.clamped:
-        raise InputError(f"{carriage.label} is clamped", "A running skyline's carriage rolls on the haulback")
+        raise InputError(f"{carriage.described} is clamped", "A running skyline's carriage rolls on the haulback")
     return joined(
         Kind.RUNNING,
         terrain,
