@@ -80,24 +80,27 @@ def run(
     """Run an FMU, for Co-Simulation or Model Exchange; write its outputs as a table."""
     from ropeway.components.errors import InputError, Interrupted
     from ropeway.fmu.cosimulation import CoSimulation
+    from ropeway.fmu.errors import FmuRunError
+    from ropeway.fmu.imported import load
+    from ropeway.fmu.values import from_text
 
     with errors_on_one_line():
-        values: dict[str, float] = {}
-        for text in start or []:
-            name, _, number = text.partition("=")
-            try:
-                values[name] = float(number)
-            except ValueError as error:
-                raise InputError(f"{text!r} is not name=value", "Give a number after the equals sign") from error
         if not out.parent.is_dir():
             raise InputError(f"There is no folder {out.parent}", "Make it, or choose another")
         if out.is_dir():
             raise InputError(f"{out} is a folder", "Give the name of a file with --out")
+        fmu = load(file)
+        values = {}
+        for text in start or []:
+            name, equals, value = text.partition("=")
+            if not equals:
+                raise InputError(f"{text!r} is not name=value", "Give a value after an equals sign")
+            values[name] = from_text(fmu.entry(name), value)
         together = CoSimulation(step)
-        together.add("fmu", file, start=values)
+        together.add("fmu", fmu, start=values)
         try:
             typer.echo(_table(together.run(until), out))
-        except Interrupted as error:
+        except (FmuRunError, Interrupted) as error:
             if isinstance(error.result, pd.DataFrame) and len(error.result):
                 typer.echo(_table(error.result, out), err=True)
             raise

@@ -175,5 +175,5 @@ def _supports(
             plan.plot(x, way.sideways(points[k, 0], points[k, 1]), **style)
         if len(nodes) <= _NAMED or mark.label != "idler sheave":
             elevation.annotate(
-                node.name, (x, z), xytext=(0, 7), textcoords="offset points", ha="center", color=mark.colour, **names
+                node.label, (x, z), xytext=(0, 7), textcoords="offset points", ha="center", color=mark.colour, **names
             )

@@ -87,10 +87,11 @@ def inhaul(
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
+    check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
-        raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")

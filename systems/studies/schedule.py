@@ -19,6 +19,8 @@ from ropeway.systems.studies.scheduling.plan import SchedulePlan
 from ropeway.systems.studies.scheduling.study import Study
 from ropeway.systems.system import System
 
+MOST_INTERVALS = 10_000
+
 
 @checked
 @interruptible
@@ -75,5 +77,5 @@ def optimise_schedule(
 
 def check_intervals(intervals: int) -> None:
     """Raises InputError unless intervals are a whole number of at least 3."""
-    if not isinstance(intervals, int) or intervals < 3:
-        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
+    if not 3 <= intervals <= MOST_INTERVALS:
+        raise InputError(f"intervals is {intervals!r}", f"Give a whole number from 3 to {MOST_INTERVALS}")
