@@ -68,4 +68,5 @@ def test_rasters(campaign: Any, tmp_path: Path) -> None:
         np.testing.assert_allclose(ground.elevation[[0, -1]], expected, rtol=1e-8, err_msg=note)
         degrees = there.transform(*end, direction="INVERSE")
         length = system.get_geod().inv(longitude, latitude, *degrees)[2]
-        np.testing.assert_allclose(ground.station[-1], length, rtol=1e-5, err_msg=note)
+        # PROJ's inverse of an equal-area projection is good to half a millimetre.
+        np.testing.assert_allclose(ground.station[-1], length, rtol=1e-6, atol=1e-3, err_msg=note)
