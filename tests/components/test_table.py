@@ -165,7 +165,7 @@ def test_files_that_hold_no_table(tmp_path: Path) -> None:
         with pytest.raises(rw.InputError, match=words):
             rw.Schedule.from_csv(tmp_path / name)
     for path in (tmp_path, tmp_path / "none.csv", "a\0b.csv", tmp_path / ("n" * 300)):
-        with pytest.raises(rw.InputError, match=r"folder|no file|cannot be read"):
+        with pytest.raises(rw.InputError, match=r"folder|no file|cannot be read|NUL"):
             rw.Profile.from_csv(path)
     for wrong in (None, 3, b"plan.csv", {"time": [0]}, [0, 1]):
         with pytest.raises(rw.InputError, match="DataFrame"):
