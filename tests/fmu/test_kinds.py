@@ -9,7 +9,7 @@ import pytest
 from kinds import described
 
 import ropeway as rw
-from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError, Slave, component, load
+from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError, Slave, StepControl, component, load
 
 Kind = Literal["CoSimulation", "ModelExchange"]
 
@@ -97,6 +97,18 @@ def test_a_limit_switch_stops_a_drive(kinds2: Path, kinds3: Path, kind: Kind) ->
     last = frame.iloc[-1]
     assert [last[f"two.{n}_out"] for n in ("text", "gear", "count", "int64", "d", "uint8")] == ["x", 2, 3, 3, 3.0, 1]
     assert frame["two.brake_out"].equals(frame["one.limit"].rename("two.brake_out"))
+
+
+@pytest.mark.parametrize("method", ["Richardson", "coupling error"])
+def test_a_step_control_meets_a_switch(kinds2: Path, kinds3: Path, kind: Kind, method: Any) -> None:
+    """x rises by 1 m/s up to the level; the other one, of 2 m/s, is braked then."""
+    together = CoSimulation(0.1, iterated=True, control=StepControl(method, least=1e-5))
+    together.add("one", kinds2, kind=kind, start={"level": 0.55, "u": 1.0})
+    together.add("two", kinds3, kind=kind, start={"u": 2.0})
+    together.connect("one.limit", "two.brake")
+    frame = together.run(3.0)
+    assert frame["two.x"].iloc[-1] == pytest.approx(1.1, abs=2e-4)
+    assert len(frame) < 80
 
 
 def test_connections_that_do_not_fit(kinds2: Path, kinds3: Path) -> None:
