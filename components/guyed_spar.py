@@ -96,8 +96,11 @@ class SpringAnchor(Node):
         )
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
-        given = np.stack([v.x - v.rest_x, v.y - v.rest_y, v.z - v.rest_z])
-        return {f"spring_{axis}": law for axis, law in laws.balance(v.rope.force, -v.stiffness * given).items()}
+        place, rest = np.stack([v.x, v.y, v.z]), np.stack([v.rest_x, v.rest_y, v.rest_z])
+        found = laws.balance(v.rope.force, -v.stiffness * (place - rest))
+        # Coordinates are rounded, and a stiff spring feels it.
+        rounding = 1e-7 * v.stiffness * np.abs(rest).max(axis=0)
+        return {f"spring_{axis}": laws.Law(law.miss, law.size + rounding) for axis, law in found.items()}
 
 
 @checked

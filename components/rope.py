@@ -183,7 +183,7 @@ def _require_diameter(diameter: float, owner: str) -> None:
 
 def _asking(owner: str, field: str, value: float, unit: str, meant: str) -> InputError:
     """An error for a value that no rope has."""
-    return InputError(f"{owner}: {field} is {value:g} {unit}, which no rope has", f"Give {unit}. Is it in {meant}?")
+    return InputError(f"{owner}: {field} is {value} {unit}, which no rope has", f"Give {unit}. Is it in {meant}?")
 
 
 @dataclass(frozen=True, slots=True)

@@ -164,6 +164,7 @@ class CoSimulation:
         check.number(start_time, "run", "start_time", "s")
         if until <= start_time:
             raise InputError(f"run: until is {until!r} s", f"It must be above the start time, {start_time:g} s")
+        check.count((until - start_time) / self.step, "run", "steps")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
         given = signals(

@@ -37,6 +37,7 @@ MOST_LOADS = 10_000
 """More loads than this on one rope are a mistake of units."""
 
 _Added = TypeVar("_Added", bound=Component)
+_COMMAND_LINE = ("typer", "click")
 _PACKAGE = str(Path(__file__).parents[1])
 
 
@@ -89,12 +90,12 @@ class System:
         if known is component:
             return component
         if known is not None or component.name in self._load_names():
+            first = self.origin(component.name, "; the first was added at {}")
             raise InputError(
-                f"Two components are named {component.name!r}: the first was added at {self.origin(component.name)}",
-                "Give each component a name of its own",
+                f"Two components are named {component.name!r}{first}", "Give each component a name of its own"
             )
         self.components[component.name] = component
-        self._origins[component.name] = _caller()
+        self._origins[component.name] = caller()
         return component
 
     def connect(self, one: Port, other: Port) -> None:
@@ -236,6 +237,7 @@ class System:
         on = tuple(spans)
         self._check_spans(on, "feed")
         check.positive(spacing, "feed", "spacing", "m")
+        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads")
         values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
         if not values:
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")
@@ -252,9 +254,10 @@ class System:
             )
         self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
 
-    def origin(self, name: str) -> str:
-        """File and line of the user's code that added a component."""
-        return self._origins.get(name, "?")
+    def origin(self, name: str, text: str = "{}") -> str:
+        """File and line of the user's code that added a component, in a text; empty where there is no such code."""
+        origin = self._origins.get(name)
+        return text.format(origin) if origin else ""
 
     def copy(self) -> System:
         """The same declarations, so that later ones do not change a model made before."""
@@ -297,7 +300,7 @@ class System:
             raise UnbalancedSystemError(f"System {self.name!r} is empty", "Add components, or string a rope")
         joined = {*self.connections, *self.connections.values()}
         lone = [
-            f"{port} (added at {self.origin(c.name)})"
+            f"{port}{self.origin(c.name, ' (added at {})')}"
             for c in self.components.values()
             for port in c.ports
             if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
@@ -314,10 +317,12 @@ def _node_of(seat: Seat) -> Node:
     return node
 
 
-def _caller() -> str:
-    """File and line of the first frame outside this package."""
+def caller() -> str:
+    """File and line of the first frame outside this package; none on the command line, where no user's code is."""
     frame = inspect.currentframe()
     while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).split(".")[0] in _COMMAND_LINE:
+            return ""
         path = frame.f_code.co_filename
         inside = path.startswith(_PACKAGE) and not path.startswith(
             tuple(f"{_PACKAGE}/{d}/" for d in ("tests", "examples", "benchmarks"))
@@ -325,4 +330,4 @@ def _caller() -> str:
         if not inside:
             return f"{path}:{frame.f_lineno}"
         frame = frame.f_back
-    return "?"
+    return ""

@@ -14,6 +14,7 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Positive
 from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
@@ -36,7 +37,7 @@ def endless(
     take_up: float | None = None,
     drive: Drive | None = None,
     name: str = "endless line",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> System:
     """An endless line with loads both ways.
 

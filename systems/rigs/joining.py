@@ -14,6 +14,7 @@ from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.hints import Positive
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
@@ -40,7 +41,7 @@ class SkylineParts(TypedDict, total=False):
     holding: Holding
     turn: Turn | None
     name: str
-    gravity: float
+    gravity: Positive
 
 
 def joined(

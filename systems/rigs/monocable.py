@@ -14,6 +14,7 @@ from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Positive
 from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
@@ -38,7 +39,7 @@ def monocable(
     drive: Drive | Mapping[str, Drive] | None = None,
     response: Response | Mapping[str, Response] | None = None,
     precedence: str = "all at once",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> System:
     """A mono-cable line, from drum to drum.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -21,16 +21,13 @@ from ropeway.components.table_numbers import WHOLE, is_number
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, seed: int = 0) -> pd.DataFrame:
     """Cases spread evenly between the `bounds` (low, high) of each parameter: in each of `samples` equal parts of
     a parameter's range there is one. One row a case, the same for the same seed. Raises InputError."""
-    if not bounds or not isinstance(samples, int) or samples < 1:
+    if not bounds or samples < 1:
         raise InputError("latin_hypercube has nothing to spread", "Give bounds and at least one sample")
     for name, ends_of in bounds.items():
-        if not isinstance(ends_of, Sequence) or len(ends_of) != 2:
-            raise InputError(f"Bounds of {name!r} are {ends_of!r}", "Give (low, high)")
         low, high = ends_of
-        check.number(low, "latin_hypercube", f"low end of {name}")
-        check.number(high, "latin_hypercube", f"high end of {name}")
         if low >= high:
             raise InputError(f"Bounds of {name!r} are {low:g} and {high:g}", "Give the low one first")
+    check.count(samples * len(bounds), "latin_hypercube", "values")
     ends = np.array(list(bounds.values()), dtype=float)
     share = LatinHypercube(len(bounds), rng=np.random.default_rng(seed)).random(samples)
     return pd.DataFrame(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]), columns=list(bounds))

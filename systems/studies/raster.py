@@ -152,8 +152,7 @@ def _count(raster: Any, name: str, start: tuple[float, float], end: tuple[float,
     else:
         ends = np.array([start, end], dtype=float).T
         count = float(ground_steps(name, raster.crs, *ends).sum()) / spacing
-    if count > 1e7:
-        raise InputError(f"{name}: the line has {count:.3g} stations", "Give a larger spacing, or check its ends")
+    check.count(count, name, "stations")
     return max(2, math.ceil(count * (1.0 - 1e-9)) + 1)
 
 

@@ -189,6 +189,7 @@ class Profile:
     def resampled(self, spacing: float) -> Profile:
         """At even stations about `spacing` metres apart, first and last kept."""
         check.positive(spacing, "Profile", "spacing", "m")
+        check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations")
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
         stations = np.linspace(self.station[0], self.station[-1], count)
         return Profile(stations, self.elevations(stations))
@@ -238,6 +239,8 @@ class Profile:
         """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
         too. (inf, nan) where there is no ground below."""
         line = np.asarray(points, dtype=float).reshape(-1, 2)
+        if not len(line):
+            raise InputError("The line has no points", "Give one or more (x, z)")
         line = line[np.argsort(line[:, 0], kind="stable")]
         x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
         height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)
