@@ -14,14 +14,14 @@ from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError, Slave, S
 Kind = Literal["CoSimulation", "ModelExchange"]
 
 
-def alone(path: Path, kind: Kind, step: float = 0.1, **start: Any) -> CoSimulation:
+def alone(path: Path, kind: Kind, /, step: float = 0.1, **start: Any) -> CoSimulation:
     together = CoSimulation(step)
     together.add("k", path, kind=kind, start=start)
     return together
 
 
 def test_values_of_all_kinds_pass(kinds: Path, kind: Kind) -> None:
-    given = {"count": -(2**31), "brake": True, "text": "Füße", "gear": "high"}
+    given: dict[str, Any] = {"count": -(2**31), "brake": True, "text": "Füße", "gear": "high"}
     frame = alone(kinds, kind, **given).run(0.2)
     last = frame.iloc[-1]
     assert [last[f"k.{name}_out"] for name in given] == [-(2**31), True, "Füße", 2]
@@ -34,7 +34,7 @@ WIDE |= {"int64": -(2**63), "uint64": 2**64 - 1}
 
 
 def test_types_of_version_3(kinds3: Path, kind: Kind) -> None:
-    given = {**WIDE, "float32": 7.0, "binary": b"\x00\xff\x01"}
+    given: dict[str, Any] = {**WIDE, "float32": 7.0, "binary": b"\x00\xff\x01"}
     frame = alone(kinds3, kind, **given).run(0.2)
     assert {name: frame[f"k.{name}_out"].iloc[-1] for name in given} == given
     assert frame["k.uint64_out"].dtype == np.uint64
@@ -75,7 +75,7 @@ def test_sizes_follow_structural_parameters(kinds3: Path, kind: Kind) -> None:
         ("tick", 1, "Clocks tick by themselves"),
     ],
 )
-def test_values_that_do_not_fit(kinds3: Path, name: str, value: object, cause: str) -> None:
+def test_values_that_do_not_fit(kinds3: Path, name: str, value: Any, cause: str) -> None:
     with pytest.raises(FmuVariableError, match=cause) as caught:
         alone(kinds3, "CoSimulation", **{name: value})
     assert caught.value.variable == name
