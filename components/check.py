@@ -73,7 +73,7 @@ def index(value: int, count: int, owner: str, field: str) -> None:
         raise InputError(f"{owner}: {field} is {value}", f"Give 0 to {count - 1}" if count else "There is none")
 
 
-MOST = 1_000_000
+MOST = 50_000_000
 """Stations, cases or records that one call may ask for."""
 
 

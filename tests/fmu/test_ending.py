@@ -124,8 +124,10 @@ def test_ctrl_c_leaves_the_rows_so_far(mass: Path) -> None:
     together.add("k", mass)
     timer = threading.Timer(0.4, lambda: signal.raise_signal(signal.SIGINT))
     timer.start()
-    with pytest.raises(rw.Interrupted) as caught:
-        together.run(1e3)
-    timer.join()
+    try:
+        with pytest.raises(rw.Interrupted) as caught:
+            together.run(1e3)
+    finally:
+        timer.cancel()  # a run that ends early must not leave its Ctrl-C to the next test
     assert isinstance(caught.value.result, pd.DataFrame)
     assert len(caught.value.result) > 10
