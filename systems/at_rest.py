@@ -132,12 +132,14 @@ def _afresh(state: LineState) -> LineState:
 
 
 def too_heavy(state: LineState) -> EquilibriumError | None:
-    """The error for a state without an equilibrium whose ropes would be above their minimum breaking load with a part
-    of its loads; None where loads are not the reason."""
+    """The error for a state without an equilibrium that has one with a part of its loads, or whose ropes would be above
+    their minimum breaking load with a part of them; None where loads are not the reason."""
     if not any(len(run.loads.place) for run in state.runs):
         return None
     low, high = 0.0, 1.0
     for _ in range(10):
+        if high < 1.1 * low:
+            break
         share = (low + high) / 2.0
         trial = _afresh(state)
         trial.runs = [replace(run, loads=replace(run.loads, mass=share * run.loads.mass)) for run in state.runs]
@@ -156,4 +158,10 @@ def too_heavy(state: LineState) -> EquilibriumError | None:
                 used.component,
             )
         low = share
-    return None
+    if low == 0.0:
+        return None
+    return EquilibriumError(
+        f"The loads of system {state.model.name!r} are too heavy for the tension of its rope: the solver finds an "
+        f"equilibrium with {100.0 * low:.3g} % of them and none with {100.0 * high:.3g} %",
+        "Take lighter or fewer loads, or raise the tension",
+    )

@@ -16,6 +16,7 @@ import typer
 from typer.testing import CliRunner
 
 from ropeway.__main__ import app
+from ropeway.components.errors import RopewayWarning
 from ropeway.fmu.terminal import errors_on_one_line
 
 Command = Callable[..., Any]
@@ -199,7 +200,8 @@ def test_a_name_used_twice_does_not_lead_into_the_command_lines_own_code(tmp_pat
 
 def test_warnings_and_interrupts_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     with errors_on_one_line():
-        warnings.warn("The rope is above its\nbreaking load", UserWarning, stacklevel=1)
+        warnings.warn("The rope is above its\nbreaking load", RopewayWarning, stacklevel=1)
+        warnings.warn("Something of a library below", UserWarning, stacklevel=1)
     assert capsys.readouterr().err == "ropeway: warning: The rope is above its breaking load\n"
     with pytest.raises(typer.Exit) as ended, errors_on_one_line():
         raise KeyboardInterrupt
@@ -215,3 +217,11 @@ def test_printed_limits_are_on_the_safe_side(tmp_path: Path, command: Command) -
     least = table["payload"].min()
     (printed,) = [int(line.split()[2]) for line in done.stdout.splitlines() if line.startswith("Largest payload")]
     assert printed <= least < printed + 1
+
+
+def test_loads_that_are_too_heavy_are_called_that(line: str, command: Command) -> None:
+    done = command("simulate", line, "--load-mass", "30000", "--load-spacing", "60")
+    assert done.exit_code == 1
+    assert "too heavy" in done.stderr
+    assert "Newton" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1
