@@ -8,6 +8,7 @@ class, a complex number and so on.
 from __future__ import annotations
 
 import datetime
+import inspect
 import math
 import resource
 import signal
@@ -70,6 +71,7 @@ MAY_BE_NAN = {
     "fmu.CoSimulation.add",
     "fmu.component",
     "Equilibrium",
+    "Result",
     "fmu.FmuComponent",
     "Profile.elevations",
     "twelve_cases",
@@ -220,6 +222,18 @@ def small_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[No
 def test_every_public_callable_has_a_valid_call() -> None:
     """A new public name needs one, or no campaign tries it."""
     assert [n for n in [*calls.public_names(), *calls.public_methods()] if n not in calls.calls()] == []
+
+
+def test_every_argument_has_a_valid_value() -> None:
+    missing = []
+    for name, make in calls.calls().items():
+        if name in SLOW or name.startswith("fmu."):
+            continue  # their objects take seconds to make
+        function, given = make()
+        parameters = inspect.signature(function).parameters.values()
+        named = [p.name for p in parameters if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+        missing += [f"{name}: {argument}" for argument in named if argument not in given]
+    assert missing == []
 
 
 SLOW = {
