@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -149,10 +149,7 @@ def solve_span(
     at most, the substitution goes half of each step (in 1/H). Newton takes 6 evaluations of one equation a round
     (forward differences), Brown 5. unknowns: for Newton and Brown. Raises InputError.
     """
-    if method not in get_args(SpanMethod):
-        raise InputError(f"No method {method!r}", f"Known are {', '.join(map(repr, get_args(SpanMethod)))}")
-    if unknowns not in get_args(Unknowns):
-        raise InputError(f"No unknowns {unknowns!r}", f"Known are {', '.join(map(repr, get_args(Unknowns)))}")
+    check.count(limit, "solve_span", "iterates", 1_000)
     check.positive(tolerance, "solve_span", "tolerance")
     h, v = problem.start if start is None else start
     check.positive(h, "solve_span", "horizontal tension of start")
