@@ -123,7 +123,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
     if issubclass(origin, Mapping):
         return kinds.mapping_of(checks[0], checks[1], "a mapping of names to values")
-    what = {kinds.real: "numbers", kinds.whole: "whole numbers"}.get(checks[0], "values")
+    what = "numbers" if checks[0] is kinds.real else "whole numbers" if checks[0] is kinds.whole else "values"
     if arguments[0] is str:
         what = "texts"
     if origin is tuple:
