@@ -314,7 +314,7 @@ class _Run:
             run = beyond.model.runs[beyond.roles.index("mainline")]
             point.p[index[f"{run.spans[0].name}.length_start"]] += have - need
             newton_of(beyond.model).solve(point)
-            beyond.check(point)
+            beyond.check.require(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
         return beyond.rest(point)
@@ -322,7 +322,7 @@ class _Run:
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs
         slack."""
-        at.check(eq.point)
+        at.check.require(eq.point)
         now = self.time if time is None else time
         if self.rows:
             before = self.rows[-1]
