@@ -6,14 +6,16 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
 
 
+@checked
 @dataclass(frozen=True)
 class Drum(Node):
     """An end of a rope that stores rope. Travel counts from a to b as everywhere: at a rope's start a
@@ -28,11 +30,11 @@ class Drum(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_speed(self.speed, self.label)
+        check_speed(self.speed, self.described)
         if self.tension is not None:
-            check.positive(self.tension, self.label, "tension", "N")
+            check.positive(self.tension, self.described, "tension", "N")
             if self.speed != 0.0:
-                raise InputError(f"{self.label} has a speed and a tension", "Give one of them")
+                raise InputError(f"{self.described} has a speed and a tension", "Give one of them")
 
     @property
     def rope(self) -> Seat:
@@ -81,3 +83,8 @@ class Drum(Node):
         if self.tension is None:
             return Equations(rates={"travel": v.speed}, outputs={"rope_tension": pull})
         return Equations(residuals={"tension_kept": pull - v.tension}, outputs={"rope_tension": pull})
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        if self.tension is None:
+            return {}
+        return {"tension_kept": laws.Law(laws.tension(v.rope.force) - v.tension, v.tension)}

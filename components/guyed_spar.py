@@ -7,16 +7,21 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Unbounded
 from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import Ground, HeadSpar, Tailhold
 
 
+@checked
 @dataclass(frozen=True)
 class Guyline:
     """A guyline: its rope, its anchor `at` (x, y, z) [m], and its `pretension` at the anchor [N] in set-up, with
@@ -26,7 +31,7 @@ class Guyline:
     rope: Rope
     at: tuple[float, ...]
     pretension: float
-    stiffness: float = math.inf
+    stiffness: Unbounded = math.inf
 
     def __post_init__(self) -> None:
         label = f"Guyline {self.name!r}"
@@ -42,6 +47,7 @@ class Guyline:
             )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class SpringAnchor(Node):
     """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
@@ -50,7 +56,7 @@ class SpringAnchor(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.stiffness, self.label, "stiffness", "N/m")
+        check.positive(self.stiffness, self.described, "stiffness", "N/m")
 
     @property
     def rope(self) -> Seat:
@@ -89,7 +95,15 @@ class SpringAnchor(Node):
             outputs={"tension": norm(pull)},
         )
 
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        place, rest = np.stack([v.x, v.y, v.z]), np.stack([v.rest_x, v.rest_y, v.rest_z])
+        found = laws.balance(v.rope.force, -v.stiffness * (place - rest))
+        # Coordinates are rounded, and a stiff spring feels it.
+        rounding = 1e-7 * v.stiffness * np.abs(rest).max(axis=0)
+        return {f"spring_{axis}": laws.Law(law.miss, law.size + rounding) for axis, law in found.items()}
 
+
+@checked
 @dataclass(frozen=True, kw_only=True)
 class GuyedSpar(HeadSpar):
     """A rigid mast of `height` [m], pinned at its foot, held upright by `guylines`: two-force member, so that
@@ -112,30 +126,32 @@ class GuyedSpar(HeadSpar):
         object.__setattr__(self, "blocks", tuple(self.blocks))
         for block in self.blocks:
             check.name(block, "Block")
-        check.not_negative(self.mass, self.label, "mass", "kg")
+        check.not_negative(self.mass, self.described, "mass", "kg")
         if self.height is None:
-            raise InputError(f"{self.label} has no height", "Give height=, and foot= or station=")
-        check.positive(self.height, self.label, "height", "m")
+            raise InputError(f"{self.described} has no height", "Give height=, and foot= or station=")
+        check.positive(self.height, self.described, "height", "m")
         if self.foot:
-            foot = check.point(self.foot, self.label)
+            foot = check.point(self.foot, self.described)
             object.__setattr__(self, "foot", foot)
             object.__setattr__(self, "at", (foot[0], foot[1], foot[2] + self.height))
             if self.station is None:
                 object.__setattr__(self, "station", foot[0])
         elif self.at:
-            raise InputError(f"{self.label} is placed by its top", "Give foot=, or station and height")
+            raise InputError(f"{self.described} is placed by its top", "Give foot=, or station and height")
         super().__post_init__()
         if len(self.guylines) < 2:
-            raise InputError(f"{self.label} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
+            raise InputError(f"{self.described} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
         if len({g.name for g in self.guylines}) < len(self.guylines):
-            raise InputError(f"{self.label} has two guylines of one name", "Give each a name of its own")
+            raise InputError(f"{self.described} has two guylines of one name", "Give each a name of its own")
 
     def placed(self, ground: Ground | None) -> Self:
         if self.foot:
             self.require_above(ground)
             return self
         if ground is None or self.station is None:
-            raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with foot=")
+            raise InputError(
+                f"{self.described} is placed by station and height", "Give a terrain, or place it with foot="
+            )
         return replace(self, foot=(self.station, 0.0, ground.elevation_at(self.station)))
 
     @property
@@ -187,7 +203,7 @@ class GuyedSpar(HeadSpar):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out, force = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.force
-        foot = check.point(self.foot, self.label)
+        foot = check.point(self.foot, self.described)
         upright = sum(g.pretension for g in self.guylines)
         return (
             *(
@@ -228,3 +244,14 @@ class GuyedSpar(HeadSpar):
                 "tension": size(v.skyline.force),
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        mast = np.stack([v.x - v.foot_x, v.y - v.foot_y, v.z - v.foot_z])
+        ropes = [getattr(v, seat.name).force for seat in self.seats]
+        length = laws.tension(mast)
+        forces = [*ropes, v.axial * mast / v.height, laws.weight(v.mass / 2.0 * v.gravity)]
+        found = {f"balance_{axis}": law for axis, law in laws.balance(*forces).items()}
+        found["rigid"] = laws.Law(length - v.height, v.height)
+        for rope in self.blocks:
+            found[f"{rope}_law"] = laws.ratio(getattr(v, f"{rope}_in").force, getattr(v, f"{rope}_out").force)
+        return found

@@ -6,15 +6,19 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
 _FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in metres
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Log(Node):
     """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).
@@ -48,18 +52,20 @@ class Log(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.mass, self.label, "mass", "kg")
-        check.positive(self.length, self.label, "length", "m")
-        check.not_negative(self.friction, self.label, "friction")
-        check.positive(self.smoothing, self.label, "smoothing", "m")
-        check.positive(self.rounding, self.label, "rounding", "m")
+        check.positive(self.mass, self.described, "mass", "kg")
+        check.positive(self.length, self.described, "length", "m")
+        check.not_negative(self.friction, self.described, "friction")
+        check.positive(self.smoothing, self.described, "smoothing", "m")
+        check.positive(self.rounding, self.described, "rounding", "m")
         for field in ("slope", "ground_x", "ground_z"):
-            check.number(getattr(self, field), self.label, field)
-        check.number(self.after, self.label, "slope_after")
+            check.number(getattr(self, field), self.described, field)
+        check.number(self.after, self.described, "slope_after")
         if not 0.0 < self.centre < 1.0:
-            raise InputError(f"{self.label}: centre is {self.centre!r}", "Give the part of the length from the front")
+            raise InputError(
+                f"{self.described}: centre is {self.centre!r}", "Give the part of the length from the front"
+            )
         if self.moving not in (-1.0, 0.0, 1.0):
-            raise InputError(f"{self.label}: moving is {self.moving!r}", "Give -1, 0 or 1")
+            raise InputError(f"{self.described}: moving is {self.moving!r}", "Give -1, 0 or 1")
 
     @property
     def after(self) -> float:
@@ -157,6 +163,24 @@ class Log(Node):
                 "inclination": _angle(-dz, (dx * dx + 1e-30) ** 0.5),
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        beyond = np.clip((v.rear_x - v.ground_x) / v.rounding, -1.0, 1.0)
+        steep = np.arctan(v.slope + (v.slope_after - v.slope) * (1.0 + beyond) / 2.0)
+        drag = -v.moving * v.friction
+        ground = v.normal * np.stack(
+            [drag * np.cos(steep) - np.sin(steep), 0.0 * steep, np.cos(steep) + drag * np.sin(steep)]
+        )
+        own = laws.weight(v.mass * v.gravity)
+        found = {f"balance_{axis}": law for axis, law in laws.balance(v.front.force, ground, own).items()}
+        back, up = v.rear_x - v.x, v.z - v.rear_z
+        moment = back * (ground[2] + v.centre * own[2]) + up * ground[0]
+        found["moment"] = laws.Law(moment, v.length * v.mass * v.gravity)
+        found["rigid"] = laws.Law(np.hypot(back, up) - v.length, v.length)
+        # Free of the ground it hangs below its front; on its head it would fall over.
+        free = v.normal < 1e-4 * v.mass * v.gravity
+        found["upright"] = laws.Law(np.where(free, np.minimum(up, 0.0), 0.0), v.length)
+        return found
 
 
 def _rounded(v: Any) -> tuple[Any, Any]:

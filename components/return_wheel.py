@@ -6,20 +6,24 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
-from ropeway.components.sheave import Wheel
+from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
 
 
+@checked
 @dataclass(frozen=True)
 class TensionedReturn(Wheel):
     """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.
 
     at: its place at zero slide [m]; take_up: the force along the direction [N], of a counterweight or a
     hydraulic cylinder at constant pressure. The wheel is a point: both parts of the rope end on its axle.
-    Raises InputError.
+    As on a `Sheave`, a load that both sides push back stays on the wheel. Raises InputError.
     """
 
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -27,13 +31,13 @@ class TensionedReturn(Wheel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.take_up, self.label, "take_up", "N")
+        check.positive(self.take_up, self.described, "take_up", "N")
         if len(self.direction) != 3:
-            raise InputError(f"{self.label}: direction has {len(self.direction)} components", "Give (x, y, z)")
+            raise InputError(f"{self.described}: direction has {len(self.direction)} components", "Give (x, y, z)")
         for value in self.direction:
-            check.number(value, self.label, "a component of direction")
+            check.number(value, self.described, "a component of direction")
         if not any(self.direction):
-            raise InputError(f"{self.label}: direction is zero", "Give the way in which the take-up draws")
+            raise InputError(f"{self.described}: direction is zero", "Give the way in which the take-up draws")
 
     @property
     def balance(self) -> str:
@@ -61,6 +65,7 @@ class TensionedReturn(Wheel):
             ),
             Variable("slide", alg, "m", "way of the wheel along its direction"),
             Variable("travel", alg, "m", "unstretched rope that has run over", 0.0, site.length),
+            *held_variables(),
             *(Variable(f"guide_{x}", res, "m", f"the wheel is on its slide, {x}", 0.0, 1.0) for x in "xyz"),
             Variable("drawn", res, "N", "rope and take-up balance along the slide", 0.0, site.force),
             Variable("tension_law", res, "N", "tensions on both sides", 0.0, site.force),
@@ -76,7 +81,14 @@ class TensionedReturn(Wheel):
             residuals={
                 **{f"guide_{axis}": at[i] - home[i] - v.slide * way[i] for i, axis in enumerate("xyz")},
                 "drawn": pull + v.take_up,
-                "tension_law": outputs["tension_out"] - outputs["tension_in"],
+                "tension_law": tension_law(v, outputs["tension_in"], outputs["tension_out"]),
             },
             outputs=outputs,
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        way, pull = np.stack([v.way_x, v.way_y, v.way_z]), v.a.force + v.b.force
+        return {
+            "drawn": laws.Law(np.sum(pull * way, axis=0) + v.take_up, v.take_up),
+            "tension_law": free_or_held(v),
+        }

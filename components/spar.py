@@ -11,6 +11,7 @@ from typing import Protocol, Self
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
+from ropeway.components.checked import checked
 from ropeway.components.component import Limit, Node
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Sheave
@@ -29,6 +30,7 @@ class Ground(Protocol):
         ...
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Standing(Node):
     """A support at a point `at`, or at a `station` [m] of a terrain and a `height` [m] above the ground there.
@@ -43,20 +45,20 @@ class Standing(Node):
 
     def __post_init__(self) -> None:
         if self.capacity is not None:
-            check.positive(self.capacity, self.label, "capacity", "N")
+            check.positive(self.capacity, self.described, "capacity", "N")
         if self.at:
             super().__post_init__()
             if (self.station is None) != (self.height is None):
-                raise InputError(f"{self.label} has one of station and height", "Give at=, or station and height")
+                raise InputError(f"{self.described} has one of station and height", "Give at=, or station and height")
             return
         check.name(self.name, type(self).__name__)
         if self.station is None or self.height is None:
-            raise InputError(f"{self.label} has no place", "Give at=(x, z), or station and height above the ground")
-        check.number(self.station, self.label, "station", "m")
-        check.number(self.height, self.label, "height", "m")
+            raise InputError(f"{self.described} has no place", "Give at=(x, z), or station and height above the ground")
+        check.number(self.station, self.described, "station", "m")
+        check.number(self.height, self.described, "height", "m")
         if self.height < 0.0:
             raise InputError(
-                f"{self.label} stands {-self.height:g} m below the ground", "Give a height above the ground"
+                f"{self.described} stands {-self.height:g} m below the ground", "Give a height above the ground"
             )
 
     def placed(self, ground: Ground | None) -> Self:
@@ -65,7 +67,9 @@ class Standing(Node):
             self.require_above(ground)
             return self
         if ground is None:
-            raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with at=")
+            raise InputError(
+                f"{self.described} is placed by station and height", "Give a terrain, or place it with at="
+            )
         elevation = ground.elevation_at(self.station)
         return replace(self, at=(self.station, 0.0, elevation + self.height))
 
@@ -73,12 +77,13 @@ class Standing(Node):
         """Raises InputError where its point lies below a terrain."""
         if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
             raise InputError(
-                f"{self.label} at z = {self.at[2]:g} m lies below the ground, "
+                f"{self.described} at z = {self.at[2]:g} m lies below the ground, "
                 f"{ground.elevation_at(self.at[0]):g} m at station {self.at[0]:g} m",
                 "Raise it, or place it by station and height",
             )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class HeadSpar(Standing, Anchor):
     """The yarder's spar: the skyline ends at its top."""
@@ -87,6 +92,7 @@ class HeadSpar(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Tailhold(Standing, Anchor):
     """A stump or other anchor at the ground that holds the end of a rope."""
@@ -95,6 +101,7 @@ class Tailhold(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class TailSpar(Standing, Anchor):
     """A tail tree or mast: the skyline ends at its top, or, with a `tailhold`, runs there through a block and
@@ -106,6 +113,7 @@ class TailSpar(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Block(Standing, Sheave):
     """A block that a rope runs through; `friction` of its bearing as for a sheave. The rope may pull at it in

@@ -151,10 +151,15 @@ class Equations:
     @cached_property
     def masses(self) -> np.ndarray:
         """Values of `mass_names` [kg]."""
-        runs = self.state.runs
-        return np.concatenate(
-            [[], *(run.loads.mass if run.feed is None else np.array(run.feed.masses) for run in runs)]
-        )
+        masses = [
+            self.state.around(r).mass
+            if run.around
+            else run.loads.mass
+            if run.feed is None
+            else np.array(run.feed.masses)
+            for r, run in enumerate(self.state.runs)
+        ]
+        return np.concatenate([[], *masses])
 
 
 class Dependencies:
@@ -182,10 +187,11 @@ class Dependencies:
         for i, entry in enumerate(equations.switches.values()):
             masks[entry] = 1 << (self.first_switch + i)
         mass = self.first_mass
-        for layout, names in zip(self._m.layouts, equations.mass_names, strict=True):
+        for run, layout, names in zip(equations.state.runs, self._m.layouts, equations.mass_names, strict=True):
             every = sum(1 << (mass + i) for i in range(len(names)))
             mass += len(names)
-            before = 0
+            # Where loads come round, they lie a whole rope behind those of the round before.
+            before = sum(1 << (self.first_parameter + int(i)) for i in layout.length_start) if run.around else 0
             for k, n in enumerate(layout.slots.count):
                 for j in range(int(n)):
                     masks[int(layout.slots.mass[k]) + j] |= every

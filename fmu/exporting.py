@@ -16,13 +16,16 @@ import casadi as ca
 
 import ropeway
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.fmu import compiler, description, documentation, tables
 from ropeway.fmu.corridor import Corridor
 from ropeway.fmu.equations import Equations
 from ropeway.fmu.errors import FmuExportError
 from ropeway.fmu.interface import Interface
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.model import Model
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.system import System
@@ -43,6 +46,8 @@ _HEADERS = {
 _NAMESPACE = uuid.UUID("6f1f3d52-6c2b-4c0e-9d5b-1d0d3c7a9f10")
 
 
+@checked
+@interruptible
 def export(
     system: System | Model | Equilibrium | SkylineRig,
     path: str | Path,
@@ -66,7 +71,7 @@ def export(
     "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator in
     Co-Simulation, relative and absolute on scaled variables.
 
-    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError.
+    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError, WriteError, Interrupted.
     """
     if fmi not in _HEADERS:
         raise InputError(f"fmi is {fmi!r}", 'Choose "2.0" or "3.0"')
@@ -88,22 +93,30 @@ def export(
     if rest.model.external:
         raise FmuExportError(f"A part of {rest.model.name!r} is an FMU itself", "Export the rest, use CoSimulation")
     interface = Interface(equations, inputs, outputs, parameters)
+    with whole(target) as file:  # what is short of room on the way, as a folder for the compiler, counts too
+        content = _content(interface, rest, fmi, tolerance, names)
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, data in content.items():
+                archive.writestr(name, data)
+    return target
+
+
+def _content(
+    interface: Interface, rest: Equilibrium, fmi: str, tolerance: float, platforms: Sequence[str]
+) -> dict[str, bytes]:
+    """All files of an FMU, by their place in the archive."""
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))
     place, seen = ("model.png", "../model.png") if fmi == "2.0" else ("documentation/diagram.png", "diagram.png")
-    content: dict[str, bytes] = {
+    return {
         "modelDescription.xml": description.model_description(fmi, about, interface, compiled),
         **({place: documentation.picture(rest)} if rest.runs else {}),
         "documentation/index.html": documentation.page(about, interface, seen if rest.runs else None).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         "sources/buildDescription.xml": description.build_description(about, compiled),
-        **_binaries(sources, compiled, fmi, about.identifier, names),
+        **_binaries(sources, compiled, fmi, about.identifier, platforms),
     }
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in content.items():
-            archive.writestr(name, data)
-    return target
 
 
 def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:
@@ -131,6 +144,7 @@ def _model_code(equations: Equations) -> tuple[dict[str, str], str]:
     """The generated C of the equations, a file for each function as they are long, and their declarations."""
     files = {}
     for function in equations.functions:
+        stop_if_interrupted()
         name = f"{function.name()}.c"
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)

@@ -76,7 +76,8 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     for name, values in (("x", point.x), ("z", point.z), ("u", point.u), ("p", point.p), ("d", point.d)):
         tables.numbers(f"{name}_start", values)
     tables.numbers("mass_start", equations.masses)
-    tables.integers("passed_start", np.concatenate([[], *state.passed]))
+    numbers = [p + run.loads.first for p, run in zip(state.passed, state.runs, strict=True)]
+    tables.integers("passed_start", np.concatenate([[], *numbers]))
     for name, table in (("x", m.x), ("z", m.z), ("r", m.r)):
         tables.numbers(f"{name}_nominal", table.nominals)
     tables.texts("equation_name", (*(f"rate of {n}" for n in m.x.names), *m.r.names))
@@ -167,12 +168,14 @@ def _runs(tables: Tables, interface: Interface) -> None:
 
 def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]) -> None:
     for run in state.runs:
-        if run.feed is not None:
+        if run.feed is not None and not run.around:
             repeated = np.array(run.feed.masses)[np.arange(len(run.loads.mass)) % len(run.feed.masses)]
             if not np.array_equal(repeated, run.loads.mass):
                 raise InputError(f"Loads of {run.name} have masses other than their feed's", "Feed them as they are")
-    tables.integers("load_first", _offsets([len(run.loads.place) for run in state.runs]))
-    tables.numbers("load_place", np.concatenate([[], *(run.loads.place for run in state.runs)]))
+    places = [state.around(r).place if run.around else run.loads.place for r, run in enumerate(state.runs)]
+    tables.integers("load_first", _offsets([len(place) for place in places]))
+    tables.numbers("load_place", np.concatenate([[], *places]))
+    tables.integers("around", [run.around for run in state.runs])
     tables.integers("mass_first", _offsets([len(names) for names in mass_names]))
     tables.numbers("feed_spacing", [0.0 if run.feed is None else run.feed.spacing for run in state.runs])
 

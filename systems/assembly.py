@@ -9,29 +9,33 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.check import POSITIVE, Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
-from ropeway.systems.run import Run, find_runs, slot_counts
+from ropeway.systems.run import Run, drive_speeds, find_runs, slot_counts
 from ropeway.systems.sampling import clocks
 from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
     """The flat model of a system.
 
     slots: least number of load slots of each span of each run; by default what the loads need.
     Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
     """
-    if not isinstance(system, System):
-        raise InputError(f"{system!r:.60} is no system", "Give a System, or what assemble(system) has made of it")
     system.require_complete()
     runs = find_runs(system)
+    if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
+        raise InputError("slots does not fit the system", "Give a number of slots for each span of each run")
     starts = [run_start(run, system.gravity) for run in runs]
     sites = _sites(system, runs, starts, slots)
     variables = with_links(system, {c.name: c.variables(sites[c.name]) for c in system.components.values()})
@@ -127,7 +131,7 @@ def _join(
     whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
     gravity = whole[Kind.PARAMETER][0]
     parts = {kind: _split(kind, whole[kind], variables) for kind in SYMBOLS}
-    speed_of = _drive_speeds(runs)
+    speed_of = drive_speeds(runs)
 
     def variable(component: str, name: str) -> ca.MX:
         for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
@@ -234,20 +238,6 @@ def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]
     return dict(zip(variables, pieces[-len(variables) :], strict=True))
 
 
-def _drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
-    """For each seat the component and variable with the speed of the nearest drive of its rope."""
-    found = {}
-    for run in runs:
-        driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
-        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
-            if driven:
-                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
-                for touched in (seat, node.through(seat)):
-                    if touched is not None:
-                        found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")
-    return found
-
-
 def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:
     def where(kind: Kind, names: Sequence[str]) -> np.ndarray:
         index = tables[kind].index
@@ -331,5 +321,5 @@ def _check_structure(model: Model, system: System) -> None:
         owner = component_of(lone[0])
         raise UnbalancedSystemError(
             f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}",
-            f"Look at {owner!r}, added at {system.origin(owner)}",
+            f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
         )

@@ -8,20 +8,24 @@ side; it then stands on the sheave, which carries it, until one side wins.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropeway.components.errors import SimulationError
 from ropeway.systems.state import LineState
 
+PUT_ON, TAKEN_OFF = "load put on", "load taken off"
 NEAR = 1e-9
 """A load is on a support within this part of the neighbouring span."""
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """Load `load` at support `k` of run `r`; forward: from a to b. `time` [s] from now, at present speed,
-    and `gap` [m] of travel until then; both negative when overdue."""
+    """The load of number `load` at support `k` of run `r`; forward: from a to b. `time` [s] from now, at present
+    speed, and `gap` [m] of travel until then; both negative when overdue. Where an endless rope begins and ends, at
+    k = 0, one crossing is that of both ends."""
 
     time: float
     gap: float
@@ -42,14 +46,23 @@ class Gaps:
 
 def gaps(state: LineState, r: int) -> Gaps:
     """The gaps of a run; takes more loads from its feed when the last one comes near."""
-    beyond = state.passed[r]
-    if state.runs[r].feed is not None and beyond[0] >= len(state.runs[r].loads.place) - 1:
+    run = state.runs[r]
+    if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
         state.extend(r)
-    place = state.runs[r].loads.place
-    rope = state.rope(r)
-    padded = np.concatenate([[np.inf], place, [-np.inf]])
+    if run.around and state.passed[r][-1] < 1:
+        state.extend(r, ahead=True)
+    beyond, rope = state.passed[r], state.rope(r)
+    padded = np.concatenate([[np.inf], state.runs[r].loads.place, [-np.inf]])
     # rope falls as travel grows: the next load forward is the first that has not passed.
-    return Gaps(rope - padded[beyond + 1], padded[beyond] - rope)
+    ahead, behind = rope - padded[beyond + 1], padded[beyond] - rope
+    if run.around:  # the wheel where the rope begins and ends counts once
+        ahead[-1] = behind[-1] = np.inf
+    return Gaps(ahead, behind)
+
+
+def _number(state: LineState, r: int, k: int, *, forward: bool) -> int:
+    """Number of the load that crosses support k next."""
+    return int(state.passed[r][k]) + state.runs[r].loads.first - (0 if forward else 1)
 
 
 def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
@@ -63,7 +76,7 @@ def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
         k = int(np.argmin(times))
         if np.isfinite(times[k]) and (best is None or times[k] < best.time):
             forward = bool(rate[k] > 0.0)
-            load = int(state.passed[r][k]) - (0 if forward else 1)
+            load = _number(state, r, k, forward=forward)
             best = Crossing(float(times[k]), float(gap.ahead[k] if forward else gap.behind[k]), r, k, load, forward)
     return best
 
@@ -76,15 +89,20 @@ def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Cro
     return replace(crossing, gap=value, time=value / way if way > 1e-12 else np.inf)
 
 
+def _at(state: LineState, r: int, k: int, *, forward: bool) -> Crossing:
+    """The next crossing of support k, here."""
+    return Crossing(0.0, 0.0, r, k, _number(state, r, k, forward=forward), forward)
+
+
 def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Crossing]:
     """All crossings that happen at the time of the first one, itself among them."""
     found = [first]
     for r, rate in enumerate(rates):
-        gap, near, beyond = gaps(state, r), NEAR * state.span_scale[r], state.passed[r]
+        gap, near = gaps(state, r), NEAR * state.span_scale[r]
         ahead = np.flatnonzero((np.abs(gap.ahead) <= near) & (rate > 0.0))
         behind = np.flatnonzero((np.abs(gap.behind) <= near) & (rate < 0.0))
-        found += [Crossing(0.0, 0.0, r, int(k), int(beyond[k]), True) for k in ahead]
-        found += [Crossing(0.0, 0.0, r, int(k), int(beyond[k]) - 1, False) for k in behind]
+        found += [_at(state, r, int(k), forward=True) for k in ahead]
+        found += [_at(state, r, int(k), forward=False) for k in behind]
     return [first, *(c for c in found[1:] if (c.r, c.k) != (first.r, first.k))]
 
 
@@ -92,18 +110,14 @@ def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
     """Loads that a jump of the line has thrown past a support; at the ends of the run, not those that have
     `just` been put on or taken off there (run, support)."""
     found = []
-    for r, beyond in enumerate(state.passed):
+    for r in range(len(state.passed)):
         gap, near = gaps(state, r), NEAR * state.span_scale[r]
-        ends = (0, len(beyond) - 1)
+        ends = (0, len(gap.ahead) - 1)
         skip = {k for k in ends if (r, k) in just}
         found += [
-            Crossing(0.0, 0.0, r, int(k), int(beyond[k]), True)
-            for k in np.flatnonzero(gap.ahead < -near)
-            if k not in skip
-        ]
-        found += [
-            Crossing(0.0, 0.0, r, int(k), int(beyond[k]) - 1, False)
-            for k in np.flatnonzero(gap.behind < -near)
+            _at(state, r, int(k), forward=forward)
+            for forward, left in ((True, gap.ahead), (False, gap.behind))
+            for k in np.flatnonzero(left < -near)
             if k not in skip
         ]
     return found
@@ -120,7 +134,7 @@ def passes(state: LineState, crossing: Crossing) -> bool:
     k = crossing.k
     if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
         return True
-    forces = sides(state, crossing.r, k, crossing.load)
+    forces = sides(state, crossing.r, k, crossing.load - run.loads.first)
     enough = 1.0 - 1e-9  # a load without mass passes
     if crossing.forward:
         return forces.out_loaded >= enough * forces.ratio * forces.in_bare
@@ -140,7 +154,7 @@ class Sides:
 
 
 def sides(state: LineState, r: int, k: int, load: int) -> Sides:
-    """Tensions beside support k, on which `load` stands."""
+    """Tensions beside support k, on which a load stands: `load` is its place in the list of loads."""
     layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
     beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
     weight = np.array([0.0, 0.0, mass[load] * gravity])
@@ -165,21 +179,39 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
 
 
 def apply(state: LineState, crossing: Crossing) -> str:
-    """Moves the load, or leaves it on the support; returns what happened, nothing for the other half of a
-    crossing at the wheel where an endless rope begins and ends. The line is not solved anew."""
+    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
     run, k = state.runs[crossing.r], crossing.k
     if not passes(state, crossing):
-        state.hold(crossing.r, k, crossing.load)
+        state.hold(crossing.r, k, crossing.load - run.loads.first)
         return "load held"
-    state.passed[crossing.r][k] += 1 if crossing.forward else -1
-    state.write_beside(crossing.r, k)
     last = len(run.nodes) - 1
+    for end in (0, last) if run.closed and k == 0 else (k,):
+        state.passed[crossing.r][end] += 1 if crossing.forward else -1
+        state.write_beside(crossing.r, end)
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
-    if run.closed and k == last:
-        return ""
     if k in (0, last) and not run.closed:
-        return "load put on" if entering else "load taken off"
+        return PUT_ON if entering else TAKEN_OFF
     return "crossing forward" if crossing.forward else "crossing backward"
+
+
+def on_line(state: LineState) -> np.ndarray:
+    """Number of loads in the slots of each run's spans, shape (runs,)."""
+    return np.array([layout.slots.filled(state.point.d) for layout in state.model.layouts])
+
+
+def require_all(state: LineState, before: np.ndarray, events: Sequence[tuple[Crossing, str]]) -> None:
+    """Raises SimulationError unless the loads on the line are those `before`, with those put on by the events and
+    without those taken off."""
+    expected = before.copy()
+    for crossing, what in events:
+        expected[crossing.r] += {PUT_ON: 1, TAKEN_OFF: -1}.get(what, 0)
+    for r, (found, run, beyond) in enumerate(zip(on_line(state), state.runs, state.passed, strict=True)):
+        if found != expected[r] or found != beyond[0] - beyond[-1] or np.any(np.diff(beyond) > 0):
+            raise SimulationError(
+                f"Internal error: {found} loads are on {run.name} after a crossing, {expected[r]} should be",
+                "Please report it, with the script",
+                state.point.t,
+            )
 
 
 def pulls(state: LineState) -> list[tuple[Crossing, float]]:
@@ -189,14 +221,15 @@ def pulls(state: LineState) -> list[tuple[Crossing, float]]:
     for r, k, travel in state.standing():
         place = state.model.layouts[r].start(state.point.p)[k] - travel
         load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
-        s = sides(state, r, k, load)
-        found.append((Crossing(0.0, 0.0, r, k, load, True), s.out_loaded - s.in_bare))
-        found.append((Crossing(0.0, 0.0, r, k, load, False), s.in_loaded - s.out_bare))
+        s, number = sides(state, r, k, load), load + state.runs[r].loads.first
+        found.append((Crossing(0.0, 0.0, r, k, number, True), s.out_loaded - s.in_bare))
+        found.append((Crossing(0.0, 0.0, r, k, number, False), s.in_loaded - s.out_bare))
     return found
 
 
 def let_go(state: LineState, crossing: Crossing) -> None:
     """Releases a load that stood on a sheave to the side that the crossing says."""
     state.release(crossing.r, crossing.k)
-    state.passed[crossing.r][crossing.k] = crossing.load + (1 if crossing.forward else 0)
+    first = state.runs[crossing.r].loads.first
+    state.passed[crossing.r][crossing.k] = crossing.load - first + (1 if crossing.forward else 0)
     state.write_beside(crossing.r, crossing.k)

@@ -13,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.check import Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
@@ -78,6 +79,11 @@ class Slots:
     def _cells(self) -> tuple[np.ndarray, np.ndarray]:
         """Span and slot number of every slot."""
         return _cells(np.arange(len(self.count)), self.count)
+
+    def filled(self, d: np.ndarray) -> int:
+        """Number of slots with a load."""
+        span, slot = self._cells
+        return len(span) - int(np.count_nonzero(d[self.empty[span] + slot]))
 
     def write(
         self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
@@ -160,6 +166,7 @@ class Limits:
         return np.asarray((values < self.low) | (values > self.high))
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Model:
     """The flat model of a system.

@@ -69,11 +69,12 @@ class Moving:
         state: LineState,
         signals: Sequence[Signal],
         tolerance: float,
-        record: Callable[[bool], None],
-        note: Callable[[loads.Crossing, str], None],
-        rewind: Callable[[], Callable[[], None]],
+        record: Callable[[bool], None] = lambda exact: None,
+        note: Callable[[loads.Crossing, str], None] = lambda crossing, what: None,
+        rewind: Callable[[], Callable[[], None]] = lambda: lambda: None,
     ) -> None:
-        """rewind() marks the records and events so far and returns a function that drops later ones."""
+        """rewind() marks the records and events so far and returns a function that drops later ones. By default
+        nothing is written down."""
         self.state = state
         self.signals = tuple(signals)
         self.breaks = breaks_of(signals)
@@ -247,8 +248,10 @@ class Moving:
         """The sections on both sides of crossings."""
         parts, touched = blocks_of(self.state.model), set[int]()
         for c in crossings:
-            beside = self.state.model.layouts[c.r].force[max(c.k - 1, 0) : c.k + 1]
-            touched.update(int(parts.of[z]) for z in beside)
+            force = self.state.model.layouts[c.r].force
+            touched.update(int(parts.of[z]) for z in force[max(c.k - 1, 0) : c.k + 1])
+            if c.k == 0 and self.state.runs[c.r].closed:
+                touched.add(int(parts.of[force[-1]]))
         return sorted(touched)
 
     def _solve_parts(self, touched: Sequence[int], motion: Motion, stop: float) -> Motion:
@@ -334,13 +337,15 @@ class Moving:
     def _cross(self, first: loads.Crossing, motion: Motion, stop: float, *, exact: bool) -> Motion:
         """Loads cross, and the line jumps; both sides are recorded."""
         self.record(exact)
+        before, events = loads.on_line(self.state), list[tuple[loads.Crossing, str]]()
         crossings = loads.due(self.state, first, motion.travel)
         just: set[tuple[int, int]] = set()
         solved: set[int] = set()
         for _ in range(50):
             for crossing in crossings:
                 just.add((crossing.r, crossing.k))
-                self.note(crossing, loads.apply(self.state, crossing))
+                events.append((crossing, loads.apply(self.state, crossing)))
+                self.note(*events[-1])
             touched = self._beside(crossings)
             solved.update(touched)
             motion = self._solve_parts(touched, motion, stop)
@@ -349,10 +354,12 @@ class Moving:
             # Where a section is not solved it has not jumped: its loads are about where they seem to be.
             crossings = [c for c in loads.overrun(self.state, just) if not solved.isdisjoint(self._beside([c]))]
             if not crossings:
+                loads.require_all(self.state, before, events)
                 self.record(exact)
                 return motion
+        place = self.state.runs[crossings[0].r].nodes[crossings[0].k].name
         raise SimulationError(
-            f"Loads are thrown to and fro at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
+            f"Loads cross forwards and backwards without end at {place!r}",
             "Move supports or loads there",
             self.state.point.t,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -11,9 +11,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ropeway.components.errors import InputError
+from ropeway.components import check
+from ropeway.components.checked import checked
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.files import whole
+from ropeway.components.schedule import Schedule
+from ropeway.components.spar import Ground
+from ropeway.systems.certificate import Certificate, certify_records
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
+from ropeway.systems.moving import Moving
 from ropeway.systems.newton import newton_of
 from ropeway.systems.report import Summary, energy, power, summary
 from ropeway.systems.run import Run
@@ -34,12 +43,13 @@ class Event(NamedTuple):
     load: str = ""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Result:
     """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
     marks those of the frame, `exact` those in which every section of the line was solved: the others are
     solved when they are asked for. `parameters` is the model's parameter vector of the run; `noted` is what was
-    written down as it happened, `events` that and the limits reached."""
+    written down as it happened, `events` that and the limits reached; `tolerance` is that of the integration."""
 
     model: Model
     runs: tuple[Run, ...]
@@ -48,6 +58,7 @@ class Result:
     on_grid: np.ndarray
     exact: np.ndarray
     noted: tuple[Event, ...]
+    tolerance: float
 
     def __repr__(self) -> str:
         end = self.records[-1].time if self.records else 0.0
@@ -59,13 +70,53 @@ class Result:
         return np.array([r.time for r in self.records])
 
     @cached_property
+    @interruptible
     def _solved(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
-        for i in range(len(self.records)):
-            state = self._state(i)
-            y[i], z[i] = state.outputs(), state.point.z
+
+        def states() -> Iterator[LineState]:
+            for i in range(len(self.records)):
+                state = self._state(i)
+                y[i], z[i] = state.outputs(), state.point.z
+                yield state
+
+        self.__dict__["checks"] = self._certified(range(len(self.records)), states())
         return y, z
+
+    @cached_property
+    def checks(self) -> Certificate:
+        """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
+        return self._certified(range(len(self.records)), (self._state(i) for i in range(len(self.records))))
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """The worst of each check over all records: index check; columns value, limit, holds, component, time [s]."""
+        times = self.times
+        return self.checks.frame.assign(time=[times[c.record] for c in self.checks.checks])
+
+    def require_certified(self) -> None:
+        """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
+        that fails."""
+        solved: list[int] = np.flatnonzero(self.exact).tolist()
+        self._certified(solved, (self._state(i) for i in solved))
+
+    def _certified(self, which: Sequence[int], states: Iterable[LineState]) -> Certificate:
+        """The certificate of records `which`, whose states they are. Raises SimulationError."""
+        found = certify_records(self.model, self.runs, ((state.point, state.passed) for state in states))
+        try:
+            found.require(self.model)
+        except EquilibriumError as error:
+            i = int(which[found.failed.record if found.failed else 0])
+            before = replace(
+                self,
+                records=self.records[:i],
+                on_grid=self.on_grid[:i],
+                exact=self.exact[:i],
+                noted=tuple(event for event in self.noted if event.time <= self.records[i].time),
+            )
+            raise SimulationError(error.cause, error.remedy, self.records[i].time, before) from error
+        return found
 
     @property
     def outputs(self) -> np.ndarray:
@@ -94,10 +145,10 @@ class Result:
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
-        frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}
-        frame.attrs["descriptions"] = {
-            table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen
-        }
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
+        frame.attrs["descriptions"] = Labels(
+            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
+        )
         return frame
 
     @cached_property
@@ -134,28 +185,31 @@ class Result:
         ]
 
     def at(self, time: float) -> Equilibrium:
-        """The line at a time [s], after an event at that time. Raises InputError outside the run."""
+        """The line at a time [s], after an event at that time: `simulate(start=...)` goes on from it as the run did.
+        Raises InputError outside the run."""
         times = self.times
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
         i = int(np.searchsorted(times, time, side="right")) - 1
         state = self._state(i)
         if times[i] != time:
-            after = self.records[i + 1]
-            share = (time - times[i]) / (times[i + 1] - times[i])
-            state.point = replace(state.point, t=time)
-            state.point.u[:] += share * (after.u - state.point.u)
-            state.point.x[:] = self._between(i, share)
-            state.point.z[:] += share * (after.z - state.point.z)
-            newton_of(self.model).solve(state.point)
-        return self._line(state)
+            a, b = self.records[i], self.records[i + 1]
+            signals = [
+                Schedule((a.time, b.time), (u, v)) if u != v else float(u) for u, v in zip(a.u, b.u, strict=True)
+            ]
+            line = Moving(state, signals, self.tolerance)
+            line.run_to(time)
+            state = line.state
+        return self._line(state, i)
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its place in `full_frame`."""
-        return self._line(self._state(i))
+        check.index(i, len(self.records), "Result.record", "i")
+        return self._line(self._state(i), i)
 
-    def _line(self, state: LineState) -> Equilibrium:
-        return Equilibrium(self.model, state.point, self.runs, tuple(state.passed), state.held)
+    def _line(self, state: LineState, i: int) -> Equilibrium:
+        pending = self.records[i].pending.after(state.point.t)
+        return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 
     def summary(self) -> Summary:
         """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held. Raises
@@ -175,27 +229,16 @@ class Result:
         """The energy balance of the run [J]."""
         return energy(self)
 
-    def _between(self, i: int, share: float) -> np.ndarray:
-        """States between two records, cubic in time."""
-        a, b = self._state(i).point, self.records[i + 1]
-        h = b.time - a.t
-        rate_a = np.array(self.model.dae(*a.arguments)[0]).ravel()
-        rate_b = np.array(self.model.dae(b.time, b.x, b.z, b.u, a.p, a.d)[0]).ravel()
-        s = share
-        return np.asarray(
-            (1 - s) ** 2 * (1 + 2 * s) * a.x
-            + s**2 * (3 - 2 * s) * b.x
-            + h * s * (1 - s) * ((1 - s) * rate_a - s * rate_b)
-        )
-
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame; returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def to_parquet(self, path: str | Path) -> Path:
-        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path."""
-        self.frame.to_parquet(path)
+        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_parquet(file)
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
@@ -213,9 +256,12 @@ class Result:
 
         return power_over_time(self)
 
-    def plot_line(self, time: float | None = None) -> Figure:
-        """The line at a time [s], by default the last: profile, loads, supports, tensions."""
-        from ropeway.systems.plot import line_profile
+    def plot_line(self, time: float | None = None, *, ground: Ground | None = None) -> Figure:
+        """The line at a time [s], by default the last: profile, loads, supports, tensions.
+
+        ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
+        without a rope, and for a ground that ends before the line."""
+        from ropeway.systems.line_plot import line_profile
 
         self._require_rope()
-        return line_profile(self.at(self.times[-1] if time is None else time))
+        return line_profile(self.at(self.times[-1] if time is None else time), ground)

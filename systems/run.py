@@ -23,20 +23,30 @@ from ropeway.systems.system import Feed, System
 class Loads:
     """Loads of a run, foremost first: names, masses [kg] and places on the rope [m, unstretched, from the
     run's first support at zero travel]. `pinned` is the span (its index) at whose end a a load's distance
-    `at` counts; -1 for a load with its place on the rope."""
+    `at` counts; -1 for a load with its place on the rope. `first` is the number of the foremost load: below zero
+    where an endless rope has run backwards."""
 
     names: tuple[str, ...] = ()
     mass: np.ndarray = field(default_factory=lambda: np.zeros(0))
     place: np.ndarray = field(default_factory=lambda: np.zeros(0))
     pinned: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    first: int = 0
 
     def sorted(self, material: np.ndarray) -> Loads:
-        """With pinned loads placed where the rope is: `material` (supports,) is the rope at each support."""
-        place = np.where(self.pinned >= 0, material[np.maximum(self.pinned, 0)] + self.at, self.place)
+        """With pinned loads placed where the rope is, in their spans: `material` (supports,) is the rope at each
+        support."""
+        span = np.maximum(self.pinned, 0)
+        inside = np.minimum(material[span] + self.at, np.maximum(material[span], material[span + 1]))
+        place = np.where(self.pinned >= 0, inside, self.place)
         order = np.argsort(-place, kind="stable")
         return Loads(
-            tuple(self.names[i] for i in order), self.mass[order], place[order], self.pinned[order], self.at[order]
+            tuple(self.names[i] for i in order),
+            self.mass[order],
+            place[order],
+            self.pinned[order],
+            self.at[order],
+            self.first,
         )
 
 
@@ -79,6 +89,11 @@ class Run:
     def closed(self) -> bool:
         """Whether the rope ends where it begins, at a driven wheel."""
         return self.nodes[0] is self.nodes[-1]
+
+    @property
+    def around(self) -> int:
+        """Number of loads that go round on an endless rope; 0 where none do."""
+        return 0 if self.feed is None else self.feed.around or 0
 
     @property
     def moves(self) -> bool:
@@ -179,7 +194,7 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
             raise InputError(f"Load {hung[0].load.name!r} hangs on an endless rope", "Use feed there")
         names = tuple(h.load.name for h in hung)
         first = np.array([index[h.spans[0].name] for h in hung], dtype=int)
-        single = np.array([len(h.spans) == 1 and len(spans) > 1 for h in hung], dtype=bool)
+        single = np.array([len(h.spans) == 1 for h in hung], dtype=bool)
         at = np.array([h.at for h in hung])
         loads = Loads(
             names,
@@ -200,31 +215,54 @@ def _around(feed: Feed, length: float) -> Feed:
 
 def fed(feed: Feed, length: float) -> Loads:
     """Loads of a feed that fills `length` metres of rope, the last half a spacing inside the first support,
-    and the next few that wait there."""
+    and the next few that wait there; on an endless rope those that go round."""
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     first = Loads(
         ("l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
     )
-    return extended(first, feed, on_line + 7)
+    return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
 
 def extended(loads: Loads, feed: Feed, more: int) -> Loads:
     """With `more` loads behind the last one."""
     number = len(loads.place) + np.arange(more)
     masses = np.array(feed.masses)[number % len(feed.masses)]
-    names = number if feed.around is None else number % feed.around
     return Loads(
-        loads.names + tuple(f"l{i + 1}" for i in names),
+        loads.names + tuple(f"l{i + 1}" for i in number),
         np.concatenate([loads.mass, masses]),
         np.concatenate([loads.place, loads.place[-1] - feed.spacing * np.arange(1, more + 1)]),
         np.concatenate([loads.pinned, np.full(more, -1)]),
         np.concatenate([loads.at, np.zeros(more)]),
+        loads.first,
+    )
+
+
+def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, behind: int) -> Loads:
+    """The `around` loads of an endless rope of `length` [m] that are listed from `begin` on, as they come `ahead`
+    rounds before and `behind` rounds after: the same loads, a rope's length apart."""
+    turn, load = np.divmod(np.arange(-ahead * around, (behind + 1) * around), around)
+    load += begin
+    return Loads(
+        tuple(loads.names[i] for i in load),
+        loads.mass[load],
+        loads.place[load] - turn * length,
+        loads.pinned[load],
+        loads.at[load],
+        loads.first + begin - ahead * around,
     )
 
 
 def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
-    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line."""
+    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line, pinned ones in their
+    spans."""
     beyond = passed(run.loads.place, rope)
+    pinned = np.flatnonzero(run.loads.pinned >= 0)
+    if len(pinned):
+        span = run.loads.pinned[pinned]
+        least, most = np.zeros_like(beyond), np.full_like(beyond, len(run.loads.place))
+        np.maximum.at(least, span, pinned + 1)
+        np.minimum.at(most, span + 1, pinned)
+        beyond = np.clip(beyond, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
     if run.feed is None:
         beyond[0], beyond[-1] = len(run.loads.place), 0
     return beyond
@@ -241,3 +279,17 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
         min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r)
         for c, r in zip(counts, room, strict=True)
     )
+
+
+def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
+    """For each seat the component and variable with the speed of the nearest drive of its rope."""
+    found = {}
+    for run in runs:
+        driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
+        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+            if driven:
+                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
+                for touched in (seat, node.through(seat)):
+                    if touched is not None:
+                        found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")
+    return found

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
@@ -15,6 +17,7 @@ from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
 from ropeway.systems.carrying import carried_over, declared_alike
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.intervention import Intervention
 from ropeway.systems.model import Model, component_of, nearest
 from ropeway.systems.moving import Moving, Signal, breaks_of
@@ -26,6 +29,8 @@ from ropeway.systems.state import LineState, Record
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def simulate(
     system: System | Model,
     until: float,
@@ -41,8 +46,10 @@ def simulate(
     """Simulate a system from its equilibrium.
 
     until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
-    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: an equilibrium to start from, of
-    the same declarations but for responses and speeds; interventions: brakes, failures, an emergency stop;
+    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: where to start from, of the same
+    declarations but for responses and speeds: an equilibrium, or `result.at(t)`, from which clocks, delayed
+    responses, brakes and an emergency stop go on, times again from 0 on (a speed given in inputs ends the stop of its
+    drive); interventions: brakes, failures, an emergency stop;
     tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop; progress: show
     a bar (by default only on a terminal).
 
@@ -51,6 +58,7 @@ def simulate(
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
+    check.count(until / every, "simulate", "records")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
@@ -62,8 +70,11 @@ def simulate(
         rest = equilibrium(model)
     else:
         rest = start if declared_alike(start, model.system) else carried_over(start, model)
-    run = _Simulation(rest, signals, interventions, tolerance, stops)
-    with bar("simulate", until, progress) as advance:
+    stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
+    signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
+    pending = replace(rest.pending, stopping=stopping or None)
+    run = _Simulation(replace(rest, pending=pending), signals, interventions, tolerance, stops)
+    with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
         except SimulationError as error:
@@ -71,7 +82,9 @@ def simulate(
             raise
         except RopewayError as error:
             raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
-    return run.result()
+    result = run.result()
+    result.require_certified()
+    return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
@@ -137,8 +150,11 @@ class _Simulation:
         self.exact: list[bool] = []
         self.events: list[Event] = []
         self.interventions = sorted(interventions, key=lambda i: i.time)
+        self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
         self.ticks = [0] * len(start.model.clocks)
-        self.responding = True
+        self.pending = start.pending
+        self.pending = replace(start.pending, ticks=self.next_ticks())
+        self.drop = self.mark()
 
     @property
     def state(self) -> LineState:
@@ -167,7 +183,13 @@ class _Simulation:
             np.array(self.on_grid, dtype=bool),
             np.array(self.exact, dtype=bool),
             tuple(self.events),
+            self.line.tolerance,
         )
+
+    def result_so_far(self) -> Result | None:
+        """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
+        self.drop()
+        return self.result() if self.records else None
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""
@@ -176,13 +198,16 @@ class _Simulation:
         self.record(on_grid=True)
         count, grid = 1, min(every, until)
         while True:
+            self.drop = self.mark()
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             stop = min(grid, self.next_act(), bend)
             self.line.run_to(stop)
             if stop == bend:  # inputs are linear between records
                 self.record()
-            self.act()
+            ticked = self.act()
+            if ticked and stop < grid:
+                self.record()
             if stop >= grid:
                 self.record(on_grid=True)
                 advance(grid)
@@ -192,50 +217,65 @@ class _Simulation:
             if self.stop_at and self.stopped():
                 return
 
+    def next_ticks(self) -> dict[tuple[float, float], float]:
+        """Time of the next tick of each clock, by its period and phase [s]; none after an emergency stop."""
+        clocks = zip(self.state.model.clocks, self.first_tick, self.ticks, strict=True)
+        responding = self.pending.stopping is None
+        return {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+
     def next_act(self) -> float:
         """Time of the next tick of a clock or intervention [s]."""
-        ticks = [c.phase + n * c.period for c, n in zip(self.state.model.clocks, self.ticks, strict=True)]
-        return min([np.inf, *(ticks if self.responding else []), *(i.time for i in self.interventions[:1])])
+        return min([np.inf, *self.pending.ticks.values(), *(i.time for i in self.interventions[:1])])
 
-    def act(self) -> None:
-        """What clocks and interventions do at the present time."""
-        changes: dict[int, float] = {}
-        t, notes = self.state.point.t, []
-        for j, clock in enumerate(self.state.model.clocks):
-            if not self.responding or abs(clock.phase + self.ticks[j] * clock.period - t) > 1e-9:
-                continue
-            self.ticks[j] += 1
-            point = self.state.point
-            new = update_of(self.state.model, clock)(*point.arguments)[0]
+    def act(self) -> bool:
+        """What clocks and interventions do at the present time; whether clocks have ticked that nothing is written
+        down of."""
+        point, t = self.state.point, self.state.point.t
+        d, changes, notes = point.d.copy(), dict[int, float](), list[Event]()
+        due = [
+            c for c in self.state.model.clocks if abs(self.pending.ticks.get((c.period, c.phase), np.inf) - t) <= 1e-9
+        ]
+        for clock in due:
+            new = update_of(self.state.model, clock)(*replace(point, d=d).arguments)[0]
             for entry, name in clock.corrections.items():
                 value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
-                if value != point.d[entry]:
+                if value != d[entry]:
                     changes[entry] = value
                     notes.append(Event(t, name, "response", value))
             quiet = np.array([entry not in clock.corrections for entry in clock.entries])
-            point.d[clock.entries[quiet]] = new[quiet]
+            d[clock.entries[quiet]] = new[quiet]
+        pending = self.pending
         while self.interventions and self.interventions[0].time <= t + 1e-9:
             intervention = self.interventions.pop(0)
             notes.append(Event(t, intervention.component or self.state.model.name, intervention.action, np.nan))
             if intervention.action == "emergency stop":
-                changes.update(self.emergency_stop(intervention.deceleration))
+                ended, stopping = self.emergency_stop(intervention.deceleration)
+                changes.update(ended)
+                pending = replace(pending, stopping=stopping)
             else:
                 name, value = intervention.entry
                 changes[self.state.model.d.index[name]] = value
+        if notes:
+            self.record()
+        for entry, value in changes.items():
+            d[entry] = value
+        point.d[:] = d
+        for clock in due:
+            self.ticks[self.state.model.clocks.index(clock)] += 1
+        self.pending = pending
+        self.pending = replace(pending, ticks=self.next_ticks())
         self.events += notes
         if not notes:
-            return
-        self.record()
-        for entry, value in changes.items():
-            self.state.point.d[entry] = value
+            return bool(due)
         self.line.set_time(t)
         self.line.disturb()
         self.record()
+        return False
 
-    def emergency_stop(self, deceleration: float) -> dict[int, float]:
-        """Takes all drives down to rest; returns the corrections that this makes an end of."""
+    def emergency_stop(self, deceleration: float) -> tuple[dict[int, float], dict[str, Schedule]]:
+        """Takes all drives down to rest; returns the corrections that this ends, and the signals of inputs."""
         model, t = self.state.model, self.state.point.t
-        signals, ended = list(self.line.signals), {}
+        signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
             if not _is_speed(model.system, *name.split(".", 1)):
                 continue
@@ -243,19 +283,18 @@ class _Simulation:
             if entry is not None:
                 speed, ended[entry] = speed + self.state.point.d[entry], 0.0
             down = t + max(abs(speed) / deceleration, 1e-6)
-            signals[i] = Schedule((t, down), (speed, 0.0))
-        self.line.signals, self.responding = tuple(signals), False
+            signals[i] = stopping[name] = Schedule((t, down), (speed, 0.0))
+        self.line.signals = tuple(signals)
         self.line.breaks = breaks_of(signals)
-        return ended
+        return ended, stopping
 
     def note(self, crossing: loads.Crossing, what: str) -> None:
         """Writes an event down; its value is the load's number on the rope."""
-        if not what:
-            return
         run = self.state.runs[crossing.r]
-        if run.loads.mass[crossing.load] == 0.0:  # a missing load
+        load = crossing.load - run.loads.first
+        if run.loads.mass[load] == 0.0:  # a missing load
             return
-        name = run.loads.names[crossing.load]
+        name = run.loads.names[load]
         self.events.append(
             Event(
                 self.state.point.t,
@@ -268,7 +307,7 @@ class _Simulation:
 
     def record(self, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes the state down; exact when all its sections are solved."""
-        self.records.append(self.state.snapshot())
+        self.records.append(self.state.snapshot(self.pending))
         self.on_grid.append(on_grid)
         self.exact.append(exact)
 

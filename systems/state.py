@@ -14,7 +14,8 @@ from ropeway.components.schedule import Schedule
 from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, nearest
 from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
-from ropeway.systems.run import Run, extended, loads_passed
+from ropeway.systems.pending import Pending
+from ropeway.systems.run import Loads, Run, extended, loads_passed, rounds
 from ropeway.systems.start import run_start
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
@@ -23,8 +24,9 @@ LOAD_OUTPUTS = ("x", "y", "z", "distance")
 
 @dataclass(frozen=True)
 class Record:
-    """A state written down: time [s], states, algebraic variables, inputs, the loads that have passed each
-    support of each run, and the discrete variables that are `kept` besides."""
+    """A state written down: time [s], states, algebraic variables, inputs, the number of the first load that has not
+    passed each support of each run, and the discrete variables that are `kept` besides; and what was
+    `pending` then in a run."""
 
     time: float
     x: np.ndarray
@@ -32,6 +34,7 @@ class Record:
     u: np.ndarray
     passed: tuple[np.ndarray, ...]
     kept: np.ndarray
+    pending: Pending
 
 
 class LineState:
@@ -95,20 +98,19 @@ class LineState:
         else:
             layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
 
-    def snapshot(self) -> Record:
+    def snapshot(self, pending: Pending) -> Record:
         """The state as it can be written down and made again."""
         q = self.point
-        passed = tuple(p.copy() for p in self.passed)
-        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept])
+        passed = tuple(p + run.loads.first for p, run in zip(self.passed, self.runs, strict=True))
+        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept], pending)
 
     @classmethod
     def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
         """The state that a snapshot was taken of, with `p` the parameters of the run."""
         d = model.d.values.copy()
         d[model.kept] = record.kept
-        state = cls(
-            model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, record.passed
-        )
+        passed = [p - run.loads.first for p, run in zip(record.passed, runs, strict=True)]
+        state = cls(model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, passed)
         state.write_slots()
         return state
 
@@ -125,13 +127,18 @@ class LineState:
         for r, run in enumerate(self.runs):
             rope = self.rope(r)
             if np.any(run.loads.pinned >= 0):
-                run = self.runs[r] = replace(run, loads=run.loads.sorted(rope))
-            if run.feed is not None and run.loads.place[-1] > rope[0]:
+                before, run = run.loads.names, replace(run, loads=run.loads.sorted(rope))
+                self.runs[r], moved = run, moved or run.loads.names != before
+            if run.around:
+                self._wind(r, rope)
+            elif run.feed is not None and run.loads.place[-1] > rope[0]:
                 self.extend(r)
-                run = self.runs[r]
+            run = self.runs[r]
             # A load that stands on a support to rounding stays where it is.
             near = 1e-10 * (1.0 + np.abs(rope))
             beyond = np.clip(self.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
+            if run.around:
+                beyond[-1] = beyond[0] - run.around
             if np.any(beyond != self.passed[r]):
                 moved = True
                 self.passed[r] = beyond
@@ -139,11 +146,42 @@ class LineState:
             self.write_slots()
         return not moved
 
-    def extend(self, r: int) -> None:
-        """Takes as many loads again from a run's feed as there are."""
+    def extend(self, r: int, *, ahead: bool = False) -> None:
+        """Takes as many loads again from a run's feed as there are: behind the last, or `ahead` of the first where
+        the rope is endless."""
         run = self.runs[r]
-        if run.feed is not None:
-            self.runs[r] = replace(run, loads=extended(run.loads, run.feed, len(run.loads.place)))
+        if run.feed is None:
+            return
+        if not run.around:
+            loads = extended(run.loads, run.feed, len(run.loads.place))
+        else:
+            there = len(run.loads.place) // run.around
+            before, behind = (there, there - 1) if ahead else (0, 2 * there - 1)
+            loads = rounds(run.loads, 0, run.around, self.length(r), before, behind)
+        self.passed[r] += run.loads.first - loads.first
+        self.runs[r] = replace(run, loads=loads)
+
+    def length(self, r: int) -> float:
+        """Unstretched length of a run's rope between its ends at zero travel [m]."""
+        return float(self.point.p[self.model.layouts[r].length_start].sum())
+
+    def around(self, r: int) -> Loads:
+        """The loads of an endless rope once, in the order of their numbers from 0 on."""
+        run, length = self.runs[r], self.length(r)
+        turn, before = divmod(-run.loads.first, run.around)
+        loads = rounds(run.loads, before, run.around, length, 0, 0)
+        return replace(loads, place=loads.place - turn * length, first=0)
+
+    def _wind(self, r: int, rope: np.ndarray) -> None:
+        """Lists the loads of an endless rope as they come round with its present length, for all places on `rope`."""
+        run, length = self.runs[r], self.length(r)
+        begin = int(np.clip(self.passed[r][-1], 0, len(run.loads.place) - run.around))
+        on = run.loads.place[begin : begin + run.around]
+        ahead = max(1, int(np.ceil((rope[-1] - on[0]) / length)) + 1)
+        behind = max(1, int(np.ceil((on[-1] - rope[0]) / length)) + 1)
+        loads = rounds(run.loads, begin, run.around, length, ahead, behind)
+        self.passed[r] += run.loads.first - loads.first
+        self.runs[r] = replace(run, loads=loads)
 
     def outputs(self) -> np.ndarray:
         """Values of all outputs, shape (ny,)."""
@@ -212,6 +250,20 @@ class LineState:
                 name = run.spans[int(np.argmin(length))].name
                 raise EquilibriumError(f"No rope is left in span {name!r}", remedy, name)
 
+    def require_pinned(self) -> None:
+        """Raises EquilibriumError where a span has not rope enough for a load that hangs at a distance on it."""
+        for r, run in enumerate(self.runs):
+            loads, room = run.loads, np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
+            for i in np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0)):
+                span = run.spans[loads.pinned[i]].name
+                if loads.at[i] > room[loads.pinned[i]] * (1.0 + 1e-9):
+                    raise EquilibriumError(
+                        f"Load {loads.names[i]!r} hangs {loads.at[i]:.6g} m along span {span!r}, which has "
+                        f"{room[loads.pinned[i]]:.6g} m of rope at rest",
+                        "Hang it nearer to the span's end a, or on all spans of the rope at its distance along them",
+                        span,
+                    )
+
     def unpin(self) -> None:
         """Clamps pinned loads to the rope where they hang, so that they travel with it."""
         for r, run in enumerate(self.runs):
@@ -225,23 +277,23 @@ class LineState:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Gives parameters, inputs, drives' states and masses of loads other values. Raises InputError."""
-        owners = {name: (r, i) for r, run in enumerate(self.runs) for i, name in enumerate(run.loads.names)}
+        owners = {name: r for r, run in enumerate(self.runs) for name in run.loads.names}
         masses = [run.loads.mass.copy() for run in self.runs]
         for name, value in values.items():
             if not np.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
             owner, _, quantity = name.partition(".")
             if quantity == "mass" and owner in owners:
-                r, i = owners[owner]
+                r = owners[owner]
                 if value < 0.0 or (value == 0.0 and self.runs[r].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                masses[r][i] = value
+                masses[r][[name == owner for name in self.runs[r].loads.names]] = value
                 continue
             kind, k = self.find(self.model.swaps.get(name, name))
             if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
                 raise InputError(f"{name} is a result", "Use given= and solve_for=")
             if refused := self.model.tables[kind].ranges[k].refuses(value):
-                raise InputError(f"{name} is {value!r}", f"It must {refused}")
+                raise InputError(f"{name} is {value!r}", f"Give {refused}")
             self.point.vector(kind)[k] = value
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
@@ -282,7 +334,8 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
     owner, _, quantity = name.partition(".")
     for run, beyond in zip(runs, passed, strict=True):
         if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
-            load = run.loads.names.index(owner)
+            # Loads of an endless rope are listed once for each round.
+            load = run.loads.names.index(owner, int(beyond[-1]) if run.around else 0)
             k = int(np.searchsorted(-beyond, -load, side="left")) - 1
             if not 0 <= k < len(run.spans):
                 raise UnknownNameError(f"Load {owner!r} is not on the line", "Ask for one that is")

@@ -1,7 +1,8 @@
 /* Loads that cross supports. A load at place c on the rope stands on support k exactly when the support's travel
  * is X_k - c, X_k the rope at the support at zero travel: a threshold known in advance. The supports of all ropes
  * are numbered through; support k is the b end of span k - 1 and the a end of span k, the last support of a rope
- * has no span of its own. Where a sheave holds the rope down the load can be pushed back from either side; it then
+ * has no span of its own. On an endless rope the loads come round: those of numbers n and n + around are one load, a
+ * rope's length apart, and its last support crosses with its first, which is the same wheel. Where a sheave holds the rope down the load can be pushed back from either side; it then
  * stands on the sheave, which carries it, until one side wins. */
 #include <math.h>
 #include <string.h>
@@ -9,30 +10,44 @@
 
 #define NEAR 1e-9 /* a load is on a support within this part of a mean span */
 
-static double load_place(int run, int i)
+static double rope_start(const rw_instance *m, int k)
 {
-    int first = rw_load_first[run], n = rw_load_first[run + 1] - first;
+    double sum = 0.0;
+    for (int i = rw_run_first[rw_run_of[k]]; i < k; i++) sum += m->s.p[rw_length_start[i]];
+    return sum;
+}
+
+/* Rounds that load i has come behind those listed, rounded down; 0 where the rope has ends. */
+static int turn_of(int run, int i)
+{
+    int around = rw_around[run];
+    return around == 0 ? 0 : i >= 0 ? i / around : -((around - 1 - i) / around);
+}
+
+static double load_place(const rw_instance *m, int run, int i)
+{
+    int first = rw_load_first[run], n = rw_load_first[run + 1] - first, turn = turn_of(run, i);
+    if (rw_around[run]) return rw_load_place[first + i - turn * n] - turn * rope_start(m, rw_run_first[run + 1] - 1);
     if (i < n) return rw_load_place[first + i];
     return rw_load_place[first + n - 1] - rw_feed_spacing[run] * (i - n + 1);
 }
 
-static double load_mass(const rw_instance *m, int run, int i)
+/* Place of a load's mass among those that can be set. */
+static int mass_of(int run, int i)
 {
     int first = rw_mass_first[run], n = rw_mass_first[run + 1] - first;
-    return m->s.mass[first + i % n];
+    return first + (i - turn_of(run, i) * rw_around[run]) % n;
+}
+
+static double load_mass(const rw_instance *m, int run, int i)
+{
+    return m->s.mass[mass_of(run, i)];
 }
 
 /* Number of loads of a run; those that its feed holds ready have no end. */
 static int load_count(int run)
 {
     return rw_feed_spacing[run] > 0.0 ? 1 << 30 : rw_load_first[run + 1] - rw_load_first[run];
-}
-
-static double rope_start(const rw_instance *m, int k)
-{
-    double sum = 0.0;
-    for (int i = rw_run_first[rw_run_of[k]]; i < k; i++) sum += m->s.p[rw_length_start[i]];
-    return sum;
 }
 
 static double travel(const rw_instance *m, int k)
@@ -69,7 +84,7 @@ void rw_write_slots(rw_instance *m)
         for (int j = 0; j < rw_slot_count[k]; j++) {
             int load = m->s.passed[k] - 1 - j, full = load >= m->s.passed[k + 1];
             m->s.d[rw_slot_mass[k] + j] = full ? load_mass(m, run, load) : 0.0;
-            m->s.d[rw_slot_at[k] + j] = full ? load_place(run, load) - start : 0.0;
+            m->s.d[rw_slot_at[k] + j] = full ? load_place(m, run, load) - start : 0.0;
             m->s.d[rw_slot_ride[k] + j] = full;
             m->s.d[rw_slot_empty[k] + j] = !full;
         }
@@ -79,19 +94,23 @@ void rw_write_slots(rw_instance *m)
 }
 
 /* How the slots change with the seeds of the parameters: masses, and distances, which fall as the rope before
- * grows. */
+ * grows, or the whole rope with each round. */
 void rw_slot_seeds(rw_instance *m)
 {
-    double grown = 0.0;
+    double grown = 0.0, whole = 0.0;
     memset(m->dd, 0, sizeof m->dd);
     for (int k = 0; k < RW_NK; k++) {
-        if (k == rw_run_first[rw_run_of[k]]) grown = 0.0;
+        int run = rw_run_of[k];
+        if (k == rw_run_first[run]) {
+            grown = whole = 0.0;
+            for (int i = k; !is_last(i); i++) whole += m->dp[rw_length_start[i]];
+        }
         if (is_last(k)) continue;
         for (int j = 0; j < rw_slot_count[k]; j++)
             if (m->s.d[rw_slot_ride[k] + j] > 0.0) {
-                int run = rw_run_of[k], load = m->s.passed[k] - 1 - j;
-                m->dd[rw_slot_at[k] + j] = -grown;
-                m->dd[rw_slot_mass[k] + j] = m->dm[rw_mass_first[run] + load % (rw_mass_first[run + 1] - rw_mass_first[run])];
+                int load = m->s.passed[k] - 1 - j;
+                m->dd[rw_slot_at[k] + j] = -grown - turn_of(run, load) * whole;
+                m->dd[rw_slot_mass[k] + j] = m->dm[mass_of(run, load)];
             }
         grown += m->dp[rw_length_start[k]];
     }
@@ -123,10 +142,12 @@ rw_status rw_lengths(rw_instance *m)
 /* How far a support's travel is from the next load that crosses it forward and backward [m]. */
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
 {
-    int run = rw_run_of[k], beyond = m->s.passed[k];
+    int run = rw_run_of[k], beyond = m->s.passed[k], around = rw_around[run];
     double rope = rope_start(m, k) - travel(m, k);
-    *ahead = beyond < load_count(run) ? rope - load_place(run, beyond) : INFINITY;
-    *behind = beyond > 0 ? load_place(run, beyond - 1) - rope : INFINITY;
+    *ahead = *behind = INFINITY;
+    if (around && is_last(k)) return; /* it crosses with the first */
+    if (beyond < load_count(run)) *ahead = rope - load_place(m, run, beyond);
+    if (around || beyond > 0) *behind = load_place(m, run, beyond - 1) - rope;
 }
 
 /* The first crossing at the present rates. */
@@ -194,12 +215,13 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
     }
     if (goes) {
         m->s.passed[k] += forward ? 1 : -1;
+        if (rw_around[rw_run_of[k]] && k == rw_run_first[rw_run_of[k]]) m->s.passed[rw_run_first[rw_run_of[k] + 1] - 1] += forward ? 1 : -1;
         status = rw_check_slots(m);
         if (status != RW_OK) return status;
         rw_write_slots(m);
     } else {
         m->s.d[rw_held[k]] = 1.0;
-        m->s.d[rw_held_travel[k]] = rope_start(m, k) - load_place(rw_run_of[k], load);
+        m->s.d[rw_held_travel[k]] = rope_start(m, k) - load_place(m, rw_run_of[k], load);
         m->s.solved = m->s.rated = m->s.shown = 0;
     }
     rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", m->s.now.t, load + 1,
@@ -293,9 +315,9 @@ static int load_on(const rw_instance *m, int k)
 {
     double place = rope_start(m, k) - m->s.d[rw_held_travel[k]];
     int beyond = m->s.passed[k], run = rw_run_of[k];
-    if (beyond == 0) return 0;
+    if (beyond == 0 && !rw_around[run]) return 0;
     if (beyond >= load_count(run)) return beyond - 1;
-    return fabs(load_place(run, beyond) - place) <= fabs(load_place(run, beyond - 1) - place) ? beyond : beyond - 1;
+    return fabs(load_place(m, run, beyond) - place) <= fabs(load_place(m, run, beyond - 1) - place) ? beyond : beyond - 1;
 }
 
 /* For the load that stands on support k the force by which a side is ahead [N]: positive when it leaves, the way

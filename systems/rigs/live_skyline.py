@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Unpack
 
 from ropeway.components.carriage import Carriage
+from ropeway.components.checked import checked
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
 from ropeway.systems.rigs.joining import SkylineParts, joined
@@ -13,6 +15,7 @@ from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.system import GRAVITY
 
 
+@checked
 def live_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
     """A skyline on a drum at the headspar, so that it can be lowered and raised: `HEADSPAR.travel` is the rope
     paid out [m]. All keywords are those of `standing_skyline`; `payload(..., clearance=)` and `load_path(...,
@@ -21,6 +24,7 @@ def live_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> Skyli
     return joined(Kind.LIVE, terrain, **parts)
 
 
+@checked
 def gravity_skyline(
     terrain: Ground | None,
     *,
@@ -32,7 +36,7 @@ def gravity_skyline(
     tension: float | None = None,
     length: float | None = None,
     name: str = "gravity skyline",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> SkylineRig:
     """A live skyline without a haulback (shotgun): the empty carriage runs out by its weight, the mainline
     brings it in. `payload` gives 0 where the empty carriage does not run out. Raises InputError,

@@ -10,16 +10,18 @@ Numbers or arrays alike. The dimensionless forms are in `cable_stretch_cases`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Positive
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope
-from ropeway.systems.studies.catenary_fundamentals import require
+from ropeway.systems.studies.catenary_fundamentals import alike, require
 from ropeway.systems.studies.vector_root import Array, Numbers, complex_step, newton
 from ropeway.systems.system import GRAVITY
 
@@ -27,6 +29,7 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 """Lyons' methods: eq. 3, eq. 11, eq. 19."""
 
 
+@checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
     """An unstretched `length` [m] and what goes with it: `stretch` [m], `weight` of the rope [N], tensions and
@@ -52,6 +55,7 @@ class StretchFit(NamedTuple):
     r_squared: float
 
 
+@checked
 def unstretched_length(
     rope: Rope,
     *,
@@ -59,7 +63,7 @@ def unstretched_length(
     horizontal: Numbers,
     vertical: Numbers,
     method: StretchMethod = "elastic",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> UnstretchedLength:
     """Unstretched length of a rope that hangs at rest, from its stretched length.
 
@@ -75,8 +79,7 @@ def unstretched_length(
 
     Raises InputError.
     """
-    if method not in get_args(StretchMethod):
-        raise InputError(f"No method {method!r}", f"Known are {', '.join(map(repr, get_args(StretchMethod)))}")
+    alike(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     h, v = _force(horizontal, vertical)
     total = np.asarray(length, dtype=float)
@@ -103,6 +106,7 @@ def unstretched_length(
     )
 
 
+@checked
 def stretched_position(
     rope: Rope,
     *,
@@ -110,10 +114,11 @@ def stretched_position(
     horizontal: Numbers,
     vertical: Numbers,
     method: StretchMethod = "elastic",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> Array:
     """Distance p(s) along the stretched rope [m] of `stations` s along the unstretched rope [m], from support A
     (eq. 10, and eq. 18 with construction stretch). Forces as in `unstretched_length`. Raises InputError."""
+    alike(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
         raise InputError("The average tension says nothing of points inside the rope", 'Use "elastic"')
@@ -130,6 +135,7 @@ def strain_law(rope: Rope, *, construction: bool) -> Strain:
     return (law if construction else Elastic()).strain(rope.axial_stiffness, rope.breaking_load)
 
 
+@checked
 def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) -> StretchFit:
     """Fit eps = coefficient * (T/MBL)^2 by least squares to elongations (0.005 for 0.5 %) at safety factors MBL/T.
 

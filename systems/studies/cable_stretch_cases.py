@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.rope import MODULUS, ConstructionStretch
 from ropeway.systems.studies.catenary_fundamentals import require
 from ropeway.systems.studies.vector_root import Array, Numbers
@@ -114,13 +115,14 @@ def locus_phi(tau: Numbers, slope: Numbers, *, share: float = 1.0 / 3.0) -> Arra
     return share * np.asarray(tau) / np.sqrt(1.0 + 1.0 / np.square(slope))
 
 
+@checked
 def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
     """Lyons' Figure 2 as numbers: the ratio of the average-tension method's length to the exact one, of all cases.
 
     Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
     cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
     """
-    values = np.atleast_1d(np.asarray(phi, dtype=float))
+    values = np.asarray(phi, dtype=float).ravel()
     tables = []
     for case in CASES:
         chi = values / case.slope

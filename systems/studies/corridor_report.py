@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import HeadSpar, TailSpar
@@ -54,10 +55,11 @@ def payload_command(
     )
     study = payload(rig, safety_factor=safety_factor, clearance=clearance, stations=default_stations(rig, spacing))
     folder = Path(out)
-    folder.mkdir(parents=True, exist_ok=True)
     table, picture = folder / "payload.csv", folder / "payload.png"
-    study.frame.to_csv(table, index=False)
-    study.plot().savefig(picture, dpi=110)
+    with whole(table) as file:
+        study.frame.to_csv(file, index=False)
+    with whole(picture) as file:
+        study.plot().savefig(file, dpi=110)
     return study, (table, picture)
 
 

@@ -12,8 +12,10 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.errors import EquilibriumError, InputError, RopewayError, SimulationError
+from ropeway.components.checked import checked
+from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.newton import Point, newton_of, outputs_of
 from ropeway.systems.result import Result
 from ropeway.systems.rigs.skyline import SkylineRig
@@ -37,6 +39,7 @@ class Happening(NamedTuple):
     station: float
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Inhaul:
     """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
@@ -54,11 +57,13 @@ class Inhaul:
 
     def plot(self) -> Figure:
         """Place, tensions and powers over time."""
-        from ropeway.systems.studies.skyline_plot import inhaul_figure
+        from ropeway.systems.studies.inhaul_plot import inhaul_figure
 
         return inhaul_figure(self)
 
 
+@checked
+@interruptible
 def inhaul(
     rig: SkylineRig,
     *,
@@ -76,16 +81,17 @@ def inhaul(
     payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
     rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
     the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
-    mainline's length allows; on a support with a radius it rolls over the shoe, unless a long mainline stretches by
-    more than the shoe is wide and lets it run over at once. Raises InputError; SimulationError that holds what has
-    run so far.
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long
+    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
+    SimulationError that holds what has run so far.
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
+    check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
-        raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")
@@ -96,7 +102,8 @@ def inhaul(
         rig.span_of(station)
     run = _Run(rig, float(payload), every, list(changes), tolerance)
     try:
-        run.go(float(start), float(end), speed if end < start else -speed)
+        with keeping(run.result):
+            run.go(float(start), float(end), speed if end < start else -speed)
     except EquilibriumError as error:
         raise SimulationError(error.cause, error.remedy, run.time, run.result()) from error
     except SimulationError as error:
@@ -267,6 +274,10 @@ class _Run:
                 tolerance=self.tolerance,
                 progress=False,
             )
+        except Interrupted as interrupted:
+            if isinstance(interrupted.result, Result):
+                self.record_all(at, interrupted.result, speed)
+            raise
         except SimulationError as error:
             if not isinstance(error.result, Result):
                 raise

@@ -7,13 +7,13 @@ its vertices and, where it runs parallel to a piece of terrain, inside that piec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, SlackRopeError
 from ropeway.systems.studies.catenary_fundamentals import CatenaryCurve, EndForces, require
 from ropeway.systems.studies.vector_root import Array
@@ -42,11 +42,12 @@ class LongestRope:
         return self.curve.forces(weight)
 
 
+@checked
 def longest_rope(
     stations: ArrayLike,
     elevations: ArrayLike,
-    headspar: Sequence[float],
-    tailspar: Sequence[float],
+    headspar: tuple[float, float],
+    tailspar: tuple[float, float],
     *,
     clearance: float = 0.0,
 ) -> LongestRope:

@@ -54,7 +54,7 @@ def moments(
     near = 1e-6
     found += [Moment(float(t), _last(times, t), _last(times, t), -1) for t in more if np.abs(grid - t).min() > near]
     layout, start = result.model.layouts[0], result.model.layouts[0].start(result.parameters)
-    place = result.runs[0].loads.place
+    place, foremost = result.runs[0].loads.place, result.runs[0].loads.first
     for i in range(len(times) - 1):
         a, b = result.records[i], result.records[i + 1]
         change = b.passed[0] - a.passed[0]
@@ -64,7 +64,7 @@ def moments(
         crossed = []
         for k in np.flatnonzero(change):
             forward = bool(change[k] > 0)
-            load = int(a.passed[0][k]) - (0 if forward else 1)
+            load = int(a.passed[0][k]) - foremost - (0 if forward else 1)
             crossed.append((abs(start[k] - place[load] - travel[k]), int(k), load, forward))
         crossed.sort(key=lambda c: (c[0] > near, c[1]))
         # Crossings at one time that share no section are independent.
@@ -92,3 +92,12 @@ def _last(times: np.ndarray, t: float) -> int:
 
 def _share(one: int, other: int, sections: Sequence[tuple[int, int]]) -> bool:
     return any(a <= one <= b and a <= other <= b for a, b in sections)
+
+
+def shares(times: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Weights [s] of a mean over the times that count, by the trapezoidal rule; zero for the others."""
+    weights = np.zeros(len(times))
+    own = times[counts]
+    around = np.concatenate([own[:1], own, own[-1:]])
+    weights[counts] = (around[2:] - around[:-2]) / 2.0
+    return weights
