@@ -313,12 +313,13 @@ class _Run:
             x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + way * SIDE
         elif at.on is None and beyond.on is None and at.span != beyond.span:
             x = self.places.edge(min(at.span, beyond.span), way)
-        point = self.places.solve(beyond, x)
-        have, need = self.places.paid_out(at, eq.point), self.places.paid_out(beyond, point)
+        have = self.places.paid_out(at, eq.point)
+        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, way, have)
+        need = self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
-        if wait >= 0.0:
+        if wait >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
             self.time += wait
         else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
             index = beyond.model.p.index

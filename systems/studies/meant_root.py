@@ -58,7 +58,7 @@ def meant(
         except EquilibriumError as error:
             refusals.append(error)
             continue
-        if alone or quick:
+        if alone:
             return found
         direct = found if direct is None else direct
         if start is None:
@@ -67,7 +67,7 @@ def meant(
         return direct
     # Where more than one state is possible, that by payload is meant; the others are ways to a state.
     ways = (_by_payload,) if direct is not None else (_by_payload, _lightened, _from_beside, _from_middle)
-    for way in () if quick else ways:
+    for way in () if quick and direct is None else ways:
         try:
             return way(at, asked)
         except EquilibriumError as error:

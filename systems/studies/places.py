@@ -67,6 +67,30 @@ class Places:
             near = at.off_shoe(self.on_shoe(k, x))
         return meant(at, Question(x, self.payload), [] if near is None else [near])
 
+    def first(self, at: SpanModel, x: float, way: int, paid: float) -> Point:
+        """The equilibrium beyond a point saddle, at station x; where the mainline would have to push there, the first
+        one further on, `way`, that the mainline holds: nearest to where its `paid` length [m] leads the carriage.
+        Raises EquilibriumError."""
+        try:
+            return self.solve(at, x)
+        except EquilibriumError as error:
+            refused = error
+        low, high = at.reach
+        best: Point | None = None
+        for ahead in np.geomspace(2.0 * SIDE, 0.5 * (high - low), 16):
+            try:
+                point = self.solve(at, x + way * float(ahead), best)
+            except EquilibriumError:
+                if best is not None:
+                    break
+                continue
+            if best is not None and abs(self.paid_out(at, point) - paid) > abs(self.paid_out(at, best) - paid):
+                break
+            best = point
+        if best is None:
+            raise refused
+        return best
+
     def edge(self, k: int, side: int) -> float:
         """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
         return _edge(self, k, side)

@@ -55,8 +55,8 @@ class RigCheck:
             if isinstance(spar, GuyedSpar)
         ]
         self.log = None if rig.turn is None else LogCheck(rig.turn, rig.terrain, rig.carriage.name, model)
-        along, free = _free_places(rig, model, on)
-        self._free = _Free(model, [*free, *along], _under_carriage(rig, model))
+        along, others = _free_places(rig, model, on)
+        self._free = _Free(model, [*others, *along], _under_carriage(rig, model))
         self._beside = [self._free.beside(along, support.name) for support in rig.supports]
         self._on = on
         self._x = model.z.index.get(f"{rig.carriage.name}.x")

@@ -38,8 +38,9 @@ class Stations:
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
-    def solve(self, station: float, payload: float, height: float | None = None) -> Solved:
-        """Raises InputError outside the skyline, EquilibriumError where there is no equilibrium."""
+    def solve(self, station: float, payload: float, height: float | None = None, *, quick: bool = False) -> Solved:
+        """quick: a refusal is believed without a look from beside. Raises InputError outside the skyline,
+        EquilibriumError where there is no equilibrium."""
         span, on = self.rig.span_of(station), None
         rig = self.rig
         if height is None:
@@ -55,11 +56,11 @@ class Stations:
         if height is not None:
             self._require_below_chord(span, x, height)
         try:
-            return self._held(Place(span), asked, shoe)
+            return self._held(Place(span), asked, shoe, quick=quick)
         except OutOfReachError:
             raise
         except EquilibriumError:
-            if on is None:
+            if on is None or quick:
                 raise
             self._walk(Place(span), on, asked)
             return self._held(Place(span), asked, None)
@@ -98,29 +99,29 @@ class Stations:
         except EquilibriumError:
             return None
 
-    def _held(self, place: Place, asked: Question, shoe: Solved | None) -> Solved:
+    def _held(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved:
         """The carriage held by its mainline, its clamp or an ideal force. shoe: the same on a shoe nearby.
 
         By its mainline wherever that pulls; by its clamp where it would have to push, or to pull less than its own
         weight does."""
         rig = self.rig
         if rig.ideal or rig.carriage.clamped:
-            return self._solve(rig, place, asked, start=shoe)
+            return self._solve(rig, place, asked, start=shoe, quick=quick)
         if rig.kind is Kind.RUNNING and asked.height is None:
             self._require_lift(asked.station, asked.payload)
         name, own = rig.carriage.name, self._own_pull(place.span, asked.station)
         # Started with the clamp where the last one was held by it: that is faster, the answer is the same.
-        held = self._clamped(place, asked, shoe) if self._was_clamped.get(place) else None
+        held = self._clamped(place, asked, shoe, quick=quick) if self._was_clamped.get(place) else None
         pulled = None
         if held is None or held[f"{name}.holding"] > 0.0:
             with suppress(EquilibriumError):
                 pulled = self._solve(rig, place, asked, quick=True, start=held or shoe)
         if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
-            held = self._clamped(place, asked, shoe)
+            held = self._clamped(place, asked, shoe, quick=quick)
         holds = np.inf if held is None else held[f"{name}.holding"]
         if pulled is None and holds > 0.0:
             try:
-                pulled = self._solve(rig, place, asked, quick=holds <= own, start=held or shoe)
+                pulled = self._solve(rig, place, asked, quick=quick or holds <= own, start=held or shoe)
             except EquilibriumError:
                 if held is None or holds > own:
                     raise
@@ -137,10 +138,10 @@ class Stations:
             )
         return cast(Solved, held)
 
-    def _clamped(self, place: Place, asked: Question, shoe: Solved | None) -> Solved | None:
+    def _clamped(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved | None:
         """The carriage held by its clamp; None where there is no equilibrium."""
         try:
-            return self._solve(clamped_twin(self.rig), place, asked, clamp=True, start=shoe)
+            return self._solve(clamped_twin(self.rig), place, asked, clamp=True, quick=quick, start=shoe)
         except EquilibriumError:
             return None
 
