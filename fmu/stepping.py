@@ -26,8 +26,9 @@ class StepControl:
     method: "Richardson" takes each step whole and as two halves, which differ by the error of the outputs; "coupling
     error" takes for the error by how much inputs at the end of a step differ from those that the slaves were given:
     less work, but it sees the inputs only. tolerance: relative to a variable or its nominal, whichever is larger.
-    A step with a larger error, or that a slave refuses, is repeated shorter, down to `least`. Slaves must be able to go
-    back in time; with "coupling error" those that cannot take the next step shorter instead. Raises InputError.
+    A step with a larger error, in which a Boolean or other discrete connection changes, or that a slave refuses, is
+    repeated shorter, down to `least`. Slaves must be able to go back in time; with "coupling error" those that cannot
+    take the next step shorter instead. Raises InputError.
     """
 
     method: Method
@@ -64,32 +65,38 @@ class Stepper:
         self.size = min(max(self.size, self.control.least), self.control.most)
 
     def step(self, time: float, until: float) -> float:
-        """One step from a time towards the end; returns the time reached. Raises FmuRunError."""
+        """One step from a time towards the end, shorter where an FMU ends the run; returns the time reached. Raises
+        FmuRunError."""
         left = until - time
         size = left if left <= 1.001 * self.size else min(self.size, 0.5 * left)  # no sliver at the end
         if not self.coupling.can_restore:
             self.coupling.step(size)
             error = self._missed()
             self._adapt(size, error, 2.0)
-            return self._reached(time, size, until, error)
+            return self._reached(until, error)
         limit = 2.0
         with self.coupling.saved() as back:
             while True:
+                self.coupling.held.switched = False
                 try:
                     error = self._halves(size, back) if self.control.method == "Richardson" else self._whole(size)
                 except FmuRunError as refusal:
                     if refusal.fatal or size <= self.control.least:
                         raise
                     error = math.inf
+                if self.coupling.held.switched and size > self.control.least:
+                    error = math.inf  # a switch is told at the end of a step: the shorter, the nearer to its time
                 self._adapt(size, error, limit)
                 if error <= 1.0 or size <= self.control.least:
-                    return self._reached(time, size, until, error)
+                    return self._reached(until, error)
                 back()
                 self.repeated += 1
                 size, limit = self.size, 1.0
 
-    def _reached(self, time: float, size: float, until: float, error: float) -> float:
-        reached = until if abs(until - time - size) <= 1e-9 * size else time + size
+    def _reached(self, until: float, error: float) -> float:
+        reached = self.coupling.time
+        if abs(until - reached) <= 1e-9 * self.size:
+            reached = self.coupling.time = until
         if error > 1.0:
             self.inexact.append(reached)
         return reached
@@ -112,7 +119,8 @@ class Stepper:
         whole = coupling.outputs()
         back()
         for half in (0.5 * size, 0.5 * size):
-            coupling.step(half)
+            if coupling.ended is None:
+                coupling.step(half)
         halves = coupling.outputs()
         return self._relative(np.abs(whole - halves), halves, coupling.nominals) / (2**coupling.scheme.order - 1)
 

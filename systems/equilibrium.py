@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from ropeway.components import catenary
+from ropeway.components import catenary, check
 from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import (
@@ -117,11 +117,14 @@ class Equilibrium:
 
     def points(self, r: int) -> np.ndarray:
         """Places of the supports of a run, shape (supports, 3) [m]."""
+        check.index(r, len(self.runs), "Equilibrium.points", "r")
         return support_points(self.model, r, self.point)
 
     def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
         """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
         loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
+        if isinstance(stations, int):
+            check.index(stations, check.MOST, "Equilibrium.profile", "stations")
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             for k, candidate in enumerate(run.spans):
                 if candidate.name == span:

@@ -22,6 +22,7 @@ from ropeway.components import catenary, check, parabola
 from ropeway.components.catenary import Strain
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.catenary_fundamentals import finite
 from ropeway.systems.studies.vector_root import Array
 
 SpanMethod = Literal["successive substitution", "Newton-Raphson", "Brown"]
@@ -72,11 +73,20 @@ class SpanProblem:
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
         """x and z (up) of end b; vertical: upward force of the support at a on the rope."""
-        end = self._stations(horizontal, vertical)[-1].reach
-        return float(end[0]), float(end[2])
+        x, z = finite(self._end(horizontal, vertical), "reach")
+        return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
         """Stretched length."""
+        return float(finite(self._total(horizontal, vertical), "stretched length"))
+
+    def _end(self, horizontal: float, vertical: float) -> tuple[float, float]:
+        """As `reach`, for iterates: NaN where there is none."""
+        end = self._stations(horizontal, vertical)[-1].reach
+        return float(end[0]), float(end[2])
+
+    def _total(self, horizontal: float, vertical: float) -> float:
+        """As `stretched`, for iterates: NaN where there is none."""
         force = (horizontal, 0.0, -vertical)
         total, at = 0.0, 0.0
         for distance, load, station in zip(
@@ -191,7 +201,7 @@ class _Equations:
         return float(self._misses(u)[which])
 
     def _misses(self, u: Array) -> Array:
-        return np.subtract(self.problem.reach(*self.force(u)), (self.problem.span, self.problem.rise))
+        return np.subtract(self.problem._end(*self.force(u)), (self.problem.span, self.problem.rise))
 
     def row(self, u: Array) -> tuple[float, float, float, float, float, int]:
         h, v = self.force(u)
@@ -205,9 +215,9 @@ def _substitution(equations: _Equations, u: Array, damped: bool) -> Array:
     A round brings the error of H down by -(stretch)/(2 excess): it diverges for a rope tauter than its chord."""
     problem = equations.problem
     h, v = equations.force(u)
-    x, z = problem.reach(h, v)
+    x, z = problem._end(h, v)
     equations.evaluations += 2
-    length = problem.stretched(h, v)
+    length = problem._total(h, v)
     ratio = (length - float(np.hypot(x, z))) / (length - problem.chord)
     h_new = h * float(np.sqrt(ratio)) if ratio > 0.0 else np.nan
     if damped:
