@@ -57,6 +57,10 @@ def gaps(state: LineState, r: int) -> Gaps:
     ahead, behind = rope - padded[beyond + 1], padded[beyond] - rope
     if run.around:  # the wheel where the rope begins and ends counts once
         ahead[-1] = behind[-1] = np.inf
+    # Over a sheave on which a load stands none goes.
+    held = state.model.layouts[r].held
+    busy = (held >= 0) & (state.point.d[held] > 0.0)
+    ahead[busy] = behind[busy] = np.inf
     return Gaps(ahead, behind)
 
 
