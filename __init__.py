@@ -103,6 +103,9 @@ if TYPE_CHECKING:
         InputError as InputError,
     )
     from ropeway.components.errors import (
+        Interrupted as Interrupted,
+    )
+    from ropeway.components.errors import (
         OutOfReachError as OutOfReachError,
     )
     from ropeway.components.errors import (
@@ -122,6 +125,12 @@ if TYPE_CHECKING:
     )
     from ropeway.components.errors import (
         UnknownNameError as UnknownNameError,
+    )
+    from ropeway.components.errors import (
+        WorkerError as WorkerError,
+    )
+    from ropeway.components.errors import (
+        WriteError as WriteError,
     )
     from ropeway.components.rope import ropes as ropes
     from ropeway.systems.assembly import assemble as assemble
@@ -224,8 +233,8 @@ _HOMES = {
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InfeasibleScheduleError InputError OutOfReachError RopewayError ScheduleError "
-        "SimulationError SlackRopeError UnbalancedSystemError UnknownNameError"
+        "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError ScheduleError "
+        "SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",

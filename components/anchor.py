@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components.catenary import norm
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 
 
+@checked
 @dataclass(frozen=True)
 class Anchor(Node):
     """Holds the end of a rope at a point: no travel."""

@@ -6,9 +6,10 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ropeway.components import check
+from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import size
@@ -16,6 +17,7 @@ from ropeway.components.smooth import size
 Holding = Literal["bisector", "horizontal"]
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Carriage(Node):
     """Runs on a skyline that comes in at seat a and goes out at seat b, and carries `payload` besides its own
@@ -142,3 +144,16 @@ class Carriage(Node):
         if not self.clamped:
             residuals["tension_law"] = outputs["tension_b"] - outputs["tension_a"]
         return Equations(residuals=residuals, outputs=outputs)
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        ropes = [getattr(v, seat.name).force for seat in self.seats]
+        held = laws.weight((v.mass + v.payload) * v.gravity)
+        if self.holding is not None:
+            way = ropes[0] / laws.tension(ropes[0]) - ropes[1] / laws.tension(ropes[1])
+            if self.holding == "horizontal":
+                way[2] = 0.0
+            held = held + v.holding * way / laws.tension(way)
+        found = {f"balance_{axis}": law for axis, law in laws.balance(*ropes, held).items()}
+        if not self.clamped:
+            found["tension_law"] = laws.ratio(ropes[0], ropes[1])
+        return found

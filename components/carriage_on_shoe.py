@@ -6,15 +6,17 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ropeway.components import shoe
+from ropeway.components import laws, shoe
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class CarriageOnShoe(Carriage):
     """A carriage in contact with the shoe of a smooth `support`: both are one node of the skyline. The rope on
@@ -111,3 +113,7 @@ class CarriageOnShoe(Carriage):
                 "support_force": -load[2],
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        # The shoe's force is normal to it: what is left of all pulls is along the normal where rope lies on it too.
+        return {} if self.clamped else {"tension_law": laws.ratio(v.a.force, v.b.force)}

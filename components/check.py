@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import numbers
 import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ropeway.components import kinds
 from ropeway.components.errors import InputError
 
 Point = tuple[float, float, float]
@@ -22,12 +22,18 @@ class Range(NamedTuple):
     most: float = math.inf
     above: bool = False
 
+    @property
+    def words(self) -> str:
+        """The range in words."""
+        low = "zero" if self.least == 0.0 else f"{self.least:g}"
+        least = f"above {low}" if self.above else "" if self.least == -math.inf else f"of {low} or more"
+        most = "" if self.most == math.inf else f"at most {self.most:g}"
+        return f"a number {', '.join(filter(None, (least, most)))}".rstrip()
+
     def refuses(self, value: float) -> str | None:
         """What a value must be, where it is not that."""
-        if value < self.least or (self.above and value == self.least):
-            bound = f"{self.least:g}" if self.least else "zero"
-            return f"be above {bound}" if self.above else f"not be below {bound}"
-        return f"be at most {self.most:g}" if value > self.most else None
+        inside = self.least <= value <= self.most and not (self.above and value == self.least)
+        return None if inside else self.words
 
 
 ANY, POSITIVE, NOT_NEGATIVE, SHARE = Range(), Range(0.0, above=True), Range(0.0), Range(0.0, 1.0, above=True)
@@ -39,33 +45,31 @@ def name(value: str, what: str) -> None:
         raise InputError(f"{what} name {value!r} is not an identifier", "Use letters, digits and underscores only")
 
 
-def number(value: object, owner: str, field: str, unit: str = "") -> None:
-    """A finite number."""
-    if not isinstance(value, numbers.Real) or not math.isfinite(float(value)):
-        raise InputError(f"{owner}: {field} is {value!r}", f"Give a finite number{f' [{unit}]' if unit else ''}")
+def number(value: object, owner: str, field: str, unit: str = "", within: Range = ANY) -> None:
+    """A finite number within a range."""
+    try:
+        refused = within.refuses(kinds.real(value))
+    except kinds.RefusedError as refusal:
+        refused = refusal.expected
+    if refused:
+        of_unit = f" [{unit}]" if unit else ""
+        raise InputError(f"{owner}: {field} is {kinds.short(value)}", f"Give {refused}{of_unit}")
 
 
 def positive(value: float, owner: str, field: str, unit: str = "", *, infinite: bool = False) -> None:
     """A number above zero; `inf` only where it is allowed."""
-    if infinite and value == math.inf:
-        return
-    number(value, owner, field, unit)
-    if value <= 0.0:
-        raise InputError(f"{owner}: {field} is {value!r} {unit}".rstrip(), "It must be above zero")
+    if not (infinite and value == math.inf):
+        number(value, owner, field, unit, POSITIVE)
 
 
 def not_negative(value: float, owner: str, field: str, unit: str = "") -> None:
     """A number of zero or more."""
-    number(value, owner, field, unit)
-    if value < 0.0:
-        raise InputError(f"{owner}: {field} is {value!r} {unit}".rstrip(), "It must not be negative")
+    number(value, owner, field, unit, NOT_NEGATIVE)
 
 
 def share(value: float, owner: str, field: str) -> None:
     """A number above zero and at most one."""
-    positive(value, owner, field)
-    if value > 1.0:
-        raise InputError(f"{owner}: {field} is {value!r}", "It must be at most 1")
+    number(value, owner, field, "", SHARE)
 
 
 def point(value: Sequence[float], owner: str) -> Point:

@@ -19,7 +19,9 @@ from typing import Any, ClassVar
 from ropeway.components import check
 from ropeway.components.catenary import Vector
 from ropeway.components.check import ANY, Range
+from ropeway.components.checked import checked
 from ropeway.components.errors import UnknownNameError
+from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
 
 
@@ -136,6 +138,7 @@ class Limit:
     high: float = math.inf
 
 
+@checked
 @dataclass(frozen=True)
 class Component(ABC):
     """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
@@ -159,6 +162,13 @@ class Component(ABC):
     @abstractmethod
     def equations(self, v: Any) -> Equations:
         """The physics, on symbols."""
+
+    def laws(self, v: Any) -> Mapping[str, Law]:
+        """What holds at rest, by the name of the residual that says the same: an independent check of `equations`,
+        on NumPy arrays with one column for each component of the kind. `v` has the variables, `v.gravity`, and each
+        seat with the `force` of its rope (3, ...) [N] and the rope's `speed` [m/s]. A residual without a law is
+        checked by its own value."""
+        return {}
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -199,6 +209,7 @@ class Component(ABC):
         return (type(self), site.slots)
 
 
+@checked
 @dataclass(frozen=True)
 class Node(Component):
     """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit."""

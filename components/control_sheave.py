@@ -10,6 +10,7 @@ from typing import Any
 from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Site, Supply, Variable
 from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
 from ropeway.components.errors import InputError
@@ -32,6 +33,7 @@ def first_speed(speed: Speed) -> float:
     return speed.at(0.0) if isinstance(speed, Schedule) else (speed or 0.0)
 
 
+@checked
 @dataclass(frozen=True)
 class ControlSheave(Wheel):
     """A driven sheave. Positive speed runs the rope from a to b.

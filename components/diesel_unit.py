@@ -8,6 +8,7 @@ from typing import Any
 from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Limit, Port, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above
@@ -20,6 +21,7 @@ LUGGED, STALLING = 0.8, 0.6
 """Speeds, of the rated speed, at which the pump begins to give way and at which it gives charge pressure only."""
 
 
+@checked
 @dataclass(frozen=True)
 class DieselHydraulicUnit(Component):
     """A diesel engine with a droop governor that turns a variable pump in closed circuits.

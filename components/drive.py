@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
@@ -22,11 +23,13 @@ STANDSTILL = 0.01
 """Speed within which a drive passes from driving to braking [m/s]."""
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class IdealDrive:
     """Turns its sheave at the commanded speed, whatever force that needs."""
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class HydraulicDrive:
     """A hydraulic motor on a sheave, in a closed circuit with its pump.

@@ -6,14 +6,16 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
 
 
+@checked
 @dataclass(frozen=True)
 class Drum(Node):
     """An end of a rope that stores rope. Travel counts from a to b as everywhere: at a rope's start a
@@ -81,3 +83,8 @@ class Drum(Node):
         if self.tension is None:
             return Equations(rates={"travel": v.speed}, outputs={"rope_tension": pull})
         return Equations(residuals={"tension_kept": pull - v.tension}, outputs={"rope_tension": pull})
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        if self.tension is None:
+            return {}
+        return {"tension_kept": laws.Law(laws.tension(v.rope.force) - v.tension, v.tension)}

@@ -1,7 +1,62 @@
 """What can go wrong, as types. Each error carries its cause and the remedy, in the user's terms."""
 
+from __future__ import annotations
 
-class RopewayError(Exception):
+import copy
+import pickle
+from typing import Any
+
+
+class _Portable(BaseException):
+    """An exception that pickles and copies with all its attributes, whatever its `__init__` takes.
+
+    Python would call the class with `args`, which are the message alone; a process pool waits for ever for an
+    error that it cannot rebuild.
+    """
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        kept = {name: value for name, value in self.__dict__.items() if _pickles(value)}
+        lost = [name for name in self.__dict__ if name not in kept]
+        if lost:
+            notes = [f"{name} is not here: it cannot be sent to another process" for name in lost]
+            kept = {**kept, **dict.fromkeys(lost), "__notes__": [*kept.get("__notes__", []), *notes]}
+        return _rebuilt, (type(self), self.args, kept)
+
+    def __copy__(self) -> _Portable:
+        return _rebuilt(type(self), self.args, self.__dict__)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> _Portable:
+        return _rebuilt(type(self), self.args, copy.deepcopy(self.__dict__, memo))
+
+
+def _rebuilt(kind: type[_Portable], arguments: tuple[Any, ...], attributes: dict[str, Any]) -> _Portable:
+    error = kind.__new__(kind)
+    error.args = arguments
+    error.__dict__.update(attributes)
+    return error
+
+
+def _pickles(value: object) -> bool:
+    """Whether a value can be pickled and read again. Its own code decides that, so any exception says no."""
+    try:
+        pickle.loads(pickle.dumps(value))
+    except Exception:  # noqa: BLE001
+        return False
+    return True
+
+
+class Interrupted(_Portable, KeyboardInterrupt):
+    """The user has interrupted a call (Ctrl-C). `result`: what the call has found so far, None where that is nothing.
+
+    It is a `KeyboardInterrupt`, so that `except Exception` and `except RopewayError` let it pass.
+    """
+
+    def __init__(self, message: str = "Interrupted", result: object = None) -> None:
+        self.result = result
+        super().__init__(message)
+
+
+class RopewayError(_Portable, Exception):
     """Any error of this library: `cause` says what is wrong, `remedy` what to do about it."""
 
     def __init__(self, cause: str, remedy: str = "") -> None:
@@ -16,6 +71,10 @@ class InputError(RopewayError, ValueError):
 
 class UnbalancedSystemError(InputError):
     """Equations and unknowns of a system do not match: a port left open, or too much said."""
+
+
+class WriteError(RopewayError, OSError):
+    """A file could not be written: the disk is full, the folder is read-only. What was there before is unchanged."""
 
 
 class UnknownNameError(InputError, KeyError):
@@ -55,6 +114,14 @@ class SimulationError(RopewayError):
 
     def __str__(self) -> str:
         return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
+
+
+class WorkerError(RopewayError):
+    """Workers of a long study were lost. `result`: a table of the cases finished so far."""
+
+    def __init__(self, cause: str, remedy: str = "", result: object = None) -> None:
+        self.result = result
+        super().__init__(cause, remedy)
 
 
 class ScheduleError(RopewayError):

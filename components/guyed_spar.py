@@ -7,16 +7,21 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Unbounded
 from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import Ground, HeadSpar, Tailhold
 
 
+@checked
 @dataclass(frozen=True)
 class Guyline:
     """A guyline: its rope, its anchor `at` (x, y, z) [m], and its `pretension` at the anchor [N] in set-up, with
@@ -26,7 +31,7 @@ class Guyline:
     rope: Rope
     at: tuple[float, ...]
     pretension: float
-    stiffness: float = math.inf
+    stiffness: Unbounded = math.inf
 
     def __post_init__(self) -> None:
         label = f"Guyline {self.name!r}"
@@ -42,6 +47,7 @@ class Guyline:
             )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class SpringAnchor(Node):
     """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
@@ -89,7 +95,12 @@ class SpringAnchor(Node):
             outputs={"tension": norm(pull)},
         )
 
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        given = np.stack([v.x - v.rest_x, v.y - v.rest_y, v.z - v.rest_z])
+        return {f"spring_{axis}": law for axis, law in laws.balance(v.rope.force, -v.stiffness * given).items()}
 
+
+@checked
 @dataclass(frozen=True, kw_only=True)
 class GuyedSpar(HeadSpar):
     """A rigid mast of `height` [m], pinned at its foot, held upright by `guylines`: two-force member, so that
@@ -228,3 +239,14 @@ class GuyedSpar(HeadSpar):
                 "tension": size(v.skyline.force),
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        mast = np.stack([v.x - v.foot_x, v.y - v.foot_y, v.z - v.foot_z])
+        ropes = [getattr(v, seat.name).force for seat in self.seats]
+        length = laws.tension(mast)
+        forces = [*ropes, v.axial * mast / v.height, laws.weight(v.mass / 2.0 * v.gravity)]
+        found = {f"balance_{axis}": law for axis, law in laws.balance(*forces).items()}
+        found["rigid"] = laws.Law(length - v.height, v.height)
+        for rope in self.blocks:
+            found[f"{rope}_law"] = laws.ratio(getattr(v, f"{rope}_in").force, getattr(v, f"{rope}_out").force)
+        return found

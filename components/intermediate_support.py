@@ -6,14 +6,18 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ropeway.components import check, shoe
+import numpy as np
+
+from ropeway.components import check, laws, shoe
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign
 from ropeway.components.spar import Standing
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class IntermediateSupport(Standing, Wheel):
     """A jack that carries the skyline in a saddle. Frictionless: equal tension on both sides.
@@ -105,3 +109,9 @@ class IntermediateSupport(Standing, Wheel):
                 found = shoe.side(turn, normal, along, v.radius, seat.force, seat.carried)
                 residuals.update(shoe.side_residuals(v, name, found, way))
         return Equations(residuals=residuals, outputs=outputs)
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        by = 1.0
+        if self.friction > 0.0:
+            by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh((v.travel - v.grip) / v.slip))
+        return {"tension_law": laws.ratio(v.a.force, v.b.force, by)}

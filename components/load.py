@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class Load:
     """A point load clamped to a rope; mass [kg]. It travels with the rope. Raises InputError."""

@@ -6,15 +6,19 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
 _FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in metres
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Log(Node):
     """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).
@@ -157,6 +161,24 @@ class Log(Node):
                 "inclination": _angle(-dz, (dx * dx + 1e-30) ** 0.5),
             },
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        beyond = np.clip((v.rear_x - v.ground_x) / v.rounding, -1.0, 1.0)
+        steep = np.arctan(v.slope + (v.slope_after - v.slope) * (1.0 + beyond) / 2.0)
+        drag = -v.moving * v.friction
+        ground = v.normal * np.stack(
+            [drag * np.cos(steep) - np.sin(steep), 0.0 * steep, np.cos(steep) + drag * np.sin(steep)]
+        )
+        own = laws.weight(v.mass * v.gravity)
+        found = {f"balance_{axis}": law for axis, law in laws.balance(v.front.force, ground, own).items()}
+        back, up = v.rear_x - v.x, v.z - v.rear_z
+        moment = back * (ground[2] + v.centre * own[2]) + up * ground[0]
+        found["moment"] = laws.Law(moment, v.length * v.mass * v.gravity)
+        found["rigid"] = laws.Law(np.hypot(back, up) - v.length, v.length)
+        # Free of the ground it hangs below its front; on its head it would fall over.
+        free = v.normal < 1e-4 * v.mass * v.gravity
+        found["upright"] = laws.Law(np.where(free, np.minimum(up, 0.0), 0.0), v.length)
+        return found
 
 
 def _rounded(v: Any) -> tuple[Any, Any]:

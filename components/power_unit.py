@@ -7,10 +7,12 @@ from typing import Any
 
 from ropeway.components import check
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Outlet, Port, Site, Variable
 from ropeway.components.smooth import clip_above
 
 
+@checked
 @dataclass(frozen=True)
 class HydraulicPowerUnit(Component):
     """One pump and engine for several drives. pump_flow [m3/s] and engine_power [W] in all.

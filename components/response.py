@@ -20,6 +20,7 @@ import casadi as ca
 
 from ropeway.components import check
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
@@ -45,6 +46,7 @@ class Decision(NamedTuple):
     refused: Mapping[str, Any]
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Response(ABC):
     """period: between samples [s]; delay: from a sample to its effect [s]; limit: largest correction [m/s]."""
@@ -110,6 +112,7 @@ def _clean(correction: Any) -> Any:
     return ca.if_else(ca.fabs(correction) < 1e-12, 0.0, correction)
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class ThresholdResponse(Response):
     """Keeps both tensions in a range: acts by steps when one leaves it.
@@ -177,6 +180,7 @@ class ThresholdResponse(Response):
         )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class ProportionalResponse(Response):
     """Corrects in proportion to the tension going out less that coming in, or less a target.

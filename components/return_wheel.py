@@ -6,13 +6,17 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.check import POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
-from ropeway.components.sheave import Wheel, held_variables, tension_law
+from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
 
 
+@checked
 @dataclass(frozen=True)
 class TensionedReturn(Wheel):
     """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.
@@ -81,3 +85,10 @@ class TensionedReturn(Wheel):
             },
             outputs=outputs,
         )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        way, pull = np.stack([v.way_x, v.way_y, v.way_z]), v.a.force + v.b.force
+        return {
+            "drawn": laws.Law(np.sum(pull * way, axis=0) + v.take_up, v.take_up),
+            "tension_law": free_or_held(v),
+        }

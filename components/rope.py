@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Protocol
 
 from ropeway.components import check
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.hints import Unbounded
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,19 +22,21 @@ MODULUS = 93.1e9
 class StretchLaw(Protocol):
     """A stretch law as a value: gives the coefficients of eps(T) = c1 T + c2 T^2."""
 
-    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+    def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
         """Coefficients for a rope of this axial stiffness and minimum breaking load [N]."""
         ...
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class Elastic:
     """eps = T/EA: a used rope, whose construction stretch has been pulled out."""
 
-    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+    def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
         return Strain(1.0 / axial_stiffness, 0.0)
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class ConstructionStretch:
     """eps = T/EA + coefficient * (T/MBL)^2: a new rope under its first load (Lyons 2008, eq. 14).
@@ -46,7 +50,7 @@ class ConstructionStretch:
     def __post_init__(self) -> None:
         check.not_negative(self.coefficient, "ConstructionStretch", "coefficient")
 
-    def strain(self, axial_stiffness: float, breaking_load: float) -> Strain:
+    def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
         return Strain(1.0 / axial_stiffness, self.coefficient / breaking_load**2)
 
 
@@ -68,6 +72,7 @@ CONSTRUCTIONS: dict[str, Construction] = {
 """EN 12385-4 factors W, C, K (d in mm, rope grade in N/mm2)."""
 
 
+@checked
 @dataclass(frozen=True)
 class Rope:
     """A rope.
@@ -78,7 +83,7 @@ class Rope:
     """
 
     mass_per_length: float
-    axial_stiffness: float
+    axial_stiffness: Unbounded
     breaking_load: float
     diameter: float | None = None
     stretch: StretchLaw = field(default_factory=Elastic)
@@ -182,6 +187,7 @@ NAMED = (
 """Named ropes: diameter [m], mass [kg/m], minimum breaking load [N]."""
 
 
+@checked
 def ropes() -> pd.DataFrame:
     """The named ropes: index name; diameter [m], mass_per_length [kg/m], axial_stiffness [N], breaking_load
     [N], source. `Rope.named(name)` makes one."""

@@ -9,9 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from ropeway.components import table
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 
 
+@checked
 @dataclass(frozen=True)
 class Schedule:
     """Piecewise linear over time: `times` [s], strictly increasing, and as many `speeds` [m/s].
@@ -44,9 +47,10 @@ class Schedule:
         return float(np.interp(time, self.times, self.speeds))
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes columns time [s] and speed [m/s]; returns the path."""
+        """Writes columns time [s] and speed [m/s]; returns the path. Raises WriteError."""
         rows = "".join(f"{time!r},{speed!r}\n" for time, speed in zip(self.times, self.speeds, strict=True))
-        Path(path).write_text(f"time,speed\n{rows}")
+        with whole(path) as file:
+            file.write_text(f"time,speed\n{rows}", encoding="utf-8")
         return Path(path)
 
     @classmethod

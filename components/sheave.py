@@ -6,13 +6,17 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
-from ropeway.components import check
+import numpy as np
+
+from ropeway.components import check, laws
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 
 
+@checked
 @dataclass(frozen=True)
 class Wheel(Node):
     """A support that a rope runs over, coming in at seat a and going out at seat b. hold_down: the rope runs
@@ -82,6 +86,14 @@ def tension_law(v: Any, t_in: Any, t_out: Any) -> Any:
     return (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
 
 
+def free_or_held(v: Any, by: np.ndarray | float = 1.0) -> laws.Law:
+    """The law of a wheel that turns freely: tensions in the ratio `by`, or the travel at which a load stands on it."""
+    free = laws.ratio(v.a.force, v.b.force, by)
+    standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as the residual has it
+    return laws.Law(np.where(v.held > 0.0, standing, free.miss), free.size)
+
+
+@checked
 @dataclass(frozen=True)
 class Sheave(Wheel):
     """An idler sheave. Frictionless: equal tension on both sides.
@@ -126,3 +138,9 @@ class Sheave(Wheel):
         if self.friction > 0.0:
             t_in = t_in * (v.friction * outputs["wrap"] * sign(v.b.speed, 0.01)).exp()
         return Equations(residuals={"tension_law": tension_law(v, t_in, t_out)}, outputs=outputs)
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        by: np.ndarray | float = 1.0
+        if self.friction > 0.0:
+            by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh(v.b.speed / 0.01))
+        return {"tension_law": free_or_held(v, by)}

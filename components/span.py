@@ -8,10 +8,12 @@ from typing import Any
 
 from ropeway.components import catenary, check
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Limit, RopeEnd, Site, Variable
 from ropeway.components.rope import Rope
 
 
+@checked
 @dataclass(frozen=True)
 class Span(Component):
     """A rope from support a to support b. length: unstretched, at zero travel of both supports [m].

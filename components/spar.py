@@ -11,6 +11,7 @@ from typing import Protocol, Self
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
+from ropeway.components.checked import checked
 from ropeway.components.component import Limit, Node
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Sheave
@@ -29,6 +30,7 @@ class Ground(Protocol):
         ...
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Standing(Node):
     """A support at a point `at`, or at a `station` [m] of a terrain and a `height` [m] above the ground there.
@@ -79,6 +81,7 @@ class Standing(Node):
             )
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class HeadSpar(Standing, Anchor):
     """The yarder's spar: the skyline ends at its top."""
@@ -87,6 +90,7 @@ class HeadSpar(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Tailhold(Standing, Anchor):
     """A stump or other anchor at the ground that holds the end of a rope."""
@@ -95,6 +99,7 @@ class Tailhold(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class TailSpar(Standing, Anchor):
     """A tail tree or mast: the skyline ends at its top, or, with a `tailhold`, runs there through a block and
@@ -106,6 +111,7 @@ class TailSpar(Standing, Anchor):
         return _capacity(self, "tension")
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class Block(Standing, Sheave):
     """A block that a rope runs through; `friction` of its bearing as for a sheave. The rope may pull at it in

@@ -7,15 +7,19 @@ import importlib.util
 import os
 import shlex
 import shutil
+import signal
 import struct
 import subprocess
 import sys
+import tempfile
+import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 from ropeway.components.errors import InputError
 from ropeway.fmu.errors import FmuExportError
+from ropeway.systems.interrupts import stop_if_interrupted
 
 _TARGETS = {
     "x86_64-linux": "x86_64-linux-gnu.2.17",
@@ -74,29 +78,72 @@ def command(platform: str) -> list[str]:
 
 def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
     """Compiles C files in a folder to a shared library, on all processors. Raises FmuExportError with the compiler's
-    own words."""
+    own words, Interrupted."""
     windows = "windows" in platform
     run = [*command(platform), "-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
     objects = list(sources)
     if "ziglang" not in run:  # zig compiles its files side by side itself
         objects = [f"{platform}-{name}.o" for name in sources]
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
-            list(pool.map(lambda one: _run(one, folder, platform), each))
-    _run([*run, "-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])], folder, platform)
+        each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
+        _run(each, folder, platform)
+    _run([[*run, "-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])]], folder, platform)
 
 
-def _run(command: Sequence[str], folder: Path, platform: str) -> None:
+def _run(commands: Sequence[Sequence[str]], folder: Path, platform: str) -> None:
+    """Runs commands, as many at a time as there are processors. Raises FmuExportError, Interrupted."""
+    left, running = list(reversed(commands)), list[_Running]()
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    except OSError as error:
-        remedy = "Correct the environment variable CC, or unset it"
-        raise FmuExportError(f"The compiler for {platform} cannot be started: {error}", remedy) from error
-    if done.returncode != 0:
-        raise FmuExportError(
-            f"Compiling for {platform} failed: {done.stderr.strip()[-2000:]}",
-            "Look at the compiler's message; the sources are in the FMU when platforms=() is given",
-        )
+        while left or running:
+            while left and len(running) < (os.cpu_count() or 1):
+                running.append(_Running(left.pop(), folder, platform))
+            stop_if_interrupted()
+            for one in [one for one in running if one.ended()]:
+                running.remove(one)
+            time.sleep(0.005)
+    finally:
+        for one in running:
+            one.kill()
+
+
+class _Running:
+    """A compiler at work. Raises FmuExportError."""
+
+    def __init__(self, command: Sequence[str], folder: Path, platform: str) -> None:
+        self._platform = platform
+        # A file, as a pipe that nobody reads would stop it.
+        self._said = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115  # closed when it has ended
+        try:
+            self._process = subprocess.Popen(
+                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=self._said, start_new_session=True
+            )
+        except OSError as error:
+            self._said.close()
+            remedy = "Correct the environment variable CC, or unset it"
+            raise FmuExportError(f"The compiler for {platform} cannot be started: {error}", remedy) from error
+
+    def ended(self) -> bool:
+        """Whether it has ended. Raises FmuExportError where it has failed."""
+        if self._process.poll() is None:
+            return False
+        with self._said as said:
+            said.seek(0)
+            message = said.read()
+        if self._process.returncode != 0:
+            raise FmuExportError(
+                f"Compiling for {self._platform} failed: {message.strip()[-2000:]}",
+                "Look at the compiler's message; the sources are in the FMU when platforms=() is given",
+            )
+        return True
+
+    def kill(self) -> None:
+        """Ends it, with the processes that it has started."""
+        with suppress(ProcessLookupError):
+            if os.name == "posix":
+                os.killpg(self._process.pid, signal.SIGKILL)
+            else:
+                self._process.kill()
+        self._process.wait()
+        self._said.close()
 
 
 _MACHO = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}  # CPU type and subtype

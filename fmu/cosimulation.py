@@ -13,7 +13,8 @@ from typing import Literal
 
 import pandas as pd
 
-from ropeway.components import check
+from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.coupling import Connection, Coupling, Master, Scheme
 from ropeway.fmu.errors import FmuVariableError
@@ -38,6 +39,7 @@ class _Participant:
     open: tuple[str, ...]
 
 
+@checked
 class CoSimulation:
     """FMUs and systems that exchange values at communication points.
 
@@ -185,14 +187,12 @@ def _require_rollback(slaves: Mapping[str, Slave]) -> None:
 
 def _conversion(source: Fmu, output: str, target: Fmu, entry: str) -> tuple[float, float]:
     """Factor and offset from one unit to another. Raises FmuVariableError."""
-    names = str(source.variable(output)["unit"]), str(target.variable(entry)["unit"])
-    one, other = source.units.get(names[0]), target.units.get(names[1])
-    if names[0] == names[1] or one is None or other is None:
-        return 1.0, 0.0
-    if not one.fits(other):
+    one, other = str(source.variable(output)["unit"]), str(target.variable(entry)["unit"])
+    try:
+        return units.conversion(one, other, source.units, target.units)
+    except InputError as error:
         raise FmuVariableError(
-            f"{output!r} of {source.path.name} is in {names[0]}, {entry!r} of {target.path.name} in {names[1]}",
-            "Connect variables of one quantity",
+            f"{output!r} of {source.path.name} is in {one}, {entry!r} of {target.path.name} in {other}: {error.cause}",
+            error.remedy,
             entry,
-        )
-    return one.factor / other.factor, (one.offset - other.offset) / other.factor
+        ) from error

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
-from ropeway.fmu import units
+from ropeway.components import units
 from ropeway.fmu.interface import FmuVariable, Interface
 
 CATEGORIES = {

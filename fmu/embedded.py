@@ -15,15 +15,16 @@ import fmpy
 import numpy as np
 import pandas as pd
 
-from ropeway.components import check
+from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
-from ropeway.fmu import units
 from ropeway.fmu.errors import FmuError, FmuImportError
 from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind
 from ropeway.fmu.slave import Slave, require_causality
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class FmuComponent(Component):
     """What `component` returns. `function(t, x, u, p) -> (ode, y)` calls the FMU, in its own units; `scales`: the
@@ -62,6 +63,7 @@ class FmuComponent(Component):
         )
 
 
+@checked
 def component(
     name: str,
     fmu: Fmu | str | Path,

@@ -16,13 +16,16 @@ import casadi as ca
 
 import ropeway
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.fmu import compiler, description, documentation, tables
 from ropeway.fmu.corridor import Corridor
 from ropeway.fmu.equations import Equations
 from ropeway.fmu.errors import FmuExportError
 from ropeway.fmu.interface import Interface
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.model import Model
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.system import System
@@ -43,6 +46,8 @@ _HEADERS = {
 _NAMESPACE = uuid.UUID("6f1f3d52-6c2b-4c0e-9d5b-1d0d3c7a9f10")
 
 
+@checked
+@interruptible
 def export(
     system: System | Model | Equilibrium | SkylineRig,
     path: str | Path,
@@ -66,7 +71,7 @@ def export(
     "host" and names of `ropeway.fmu.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator in
     Co-Simulation, relative and absolute on scaled variables.
 
-    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError.
+    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError, WriteError, Interrupted.
     """
     if fmi not in _HEADERS:
         raise InputError(f"fmi is {fmi!r}", 'Choose "2.0" or "3.0"')
@@ -100,7 +105,7 @@ def export(
         "sources/buildDescription.xml": description.build_description(about, compiled),
         **_binaries(sources, compiled, fmi, about.identifier, names),
     }
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+    with whole(target) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in content.items():
             archive.writestr(name, data)
     return target
@@ -131,6 +136,7 @@ def _model_code(equations: Equations) -> tuple[dict[str, str], str]:
     """The generated C of the equations, a file for each function as they are long, and their declarations."""
     files = {}
     for function in equations.functions:
+        stop_if_interrupted()
         name = f"{function.name()}.c"
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)

@@ -13,18 +13,21 @@ from xml.etree import ElementTree
 import fmpy
 import pandas as pd
 
-from ropeway.fmu import units
+from ropeway.components import units
+from ropeway.components.checked import checked
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Fmu:
     """An FMU file. `kinds`: "ModelExchange", "CoSimulation"; `platforms`: those that it has a binary for.
 
     `variables`: index name; columns kind, causality, variability, unit, start, nominal, description and (value)
-    reference. `units`: dimensions of the units that it defines. `description` is FMPy's.
+    reference. `units`: those that it defines by SI base units; `ropeway.components.units` reads
+    the others by their symbols. `description` is FMPy's.
     """
 
     path: Path
@@ -51,6 +54,7 @@ class Fmu:
         return [str(n) for n in self.variables.index[chosen]]
 
 
+@checked
 def load(path: str | Path) -> Fmu:
     """Reads an FMU of version 2.0 or 3.0. Raises FmuImportError."""
     file = Path(path)
@@ -105,8 +109,6 @@ def _units(described: Any) -> dict[str, units.Unit]:
     for unit in described.unitDefinitions:
         base = unit.baseUnit
         if base is not None:
-            exponents = {s: int(getattr(base, s) or 0) for s in ("kg", "m", "s", "A", "K", "rad")}
+            exponents = {s: int(getattr(base, s) or 0) for s in units.BASE}
             found[unit.name] = units.from_base(exponents, float(base.factor or 1.0), float(base.offset or 0.0))
-        elif (known := units.parse(unit.name)) is not None:
-            found[unit.name] = known
     return found

@@ -15,6 +15,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
 from ropeway.fmu.imported import Fmu
+from ropeway.systems.interrupts import stop_if_interrupted
 
 _CLASSES = {
     ("CoSimulation", False): FMU2Slave,
@@ -119,7 +120,8 @@ class Instance:
         return FmuRunError(cause, remedy, time=self.time, fatal=fatal)
 
     def call(self, what: str, method: str, *arguments: Any, **named: Any) -> Any:
-        """A call, by FMPy's name of it for FMI 2.0. Raises FmuRunError."""
+        """A call, by FMPy's name of it for FMI 2.0. Raises FmuRunError, Interrupted."""
+        stop_if_interrupted()
         try:
             return getattr(self._fmu, _IN_3.get(method, method) if self._three else method)(*arguments, **named)
         except FMICallException as error:

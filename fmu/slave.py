@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.errors import FmuRunError, FmuVariableError
 from ropeway.fmu.imported import Fmu
@@ -15,6 +16,7 @@ from ropeway.fmu.instance import Instance
 from ropeway.fmu.integration import Integrator
 
 
+@checked
 class Slave:
     """An open FMU. Close it, or use it with `with`. kind: "CoSimulation" or "ModelExchange"; tolerance: of the
     integrator of the latter. `can_restore`: it can go back in time; `can_interpolate`: its inputs may change linearly

@@ -10,6 +10,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.coupling import Coupling
 from ropeway.fmu.errors import FmuRunError
@@ -17,6 +18,7 @@ from ropeway.fmu.errors import FmuRunError
 Method = Literal["Richardson", "coupling error"]
 
 
+@checked
 @dataclass(frozen=True)
 class StepControl:
     """How a master chooses the time between two communication points, between `least` and `most` [s].

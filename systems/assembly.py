@@ -9,19 +9,23 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.check import POSITIVE, Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
-from ropeway.systems.run import Run, find_runs, slot_counts
+from ropeway.systems.run import Run, drive_speeds, find_runs, slot_counts
 from ropeway.systems.sampling import clocks
 from ropeway.systems.start import RunStart, run_start
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
     """The flat model of a system.
 
@@ -127,7 +131,7 @@ def _join(
     whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
     gravity = whole[Kind.PARAMETER][0]
     parts = {kind: _split(kind, whole[kind], variables) for kind in SYMBOLS}
-    speed_of = _drive_speeds(runs)
+    speed_of = drive_speeds(runs)
 
     def variable(component: str, name: str) -> ca.MX:
         for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
@@ -232,20 +236,6 @@ def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]
         offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
     pieces = ca.vertsplit(vector, offsets)
     return dict(zip(variables, pieces[-len(variables) :], strict=True))
-
-
-def _drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
-    """For each seat the component and variable with the speed of the nearest drive of its rope."""
-    found = {}
-    for run in runs:
-        driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
-        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
-            if driven:
-                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
-                for touched in (seat, node.through(seat)):
-                    if touched is not None:
-                        found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")
-    return found
 
 
 def _layout(run: Run, tables: dict[Kind, Table]) -> Layout:

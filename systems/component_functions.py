@@ -11,6 +11,7 @@ import numpy as np
 
 from ropeway.components.component import Component, Kind, RopeEnd, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.systems.interrupts import stop_if_interrupted
 
 SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 """What equations read, in the order of the model's arguments."""
@@ -34,6 +35,7 @@ class ComponentFunctions:
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """A component's equations."""
+        stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
             self._functions[key] = _component_function(

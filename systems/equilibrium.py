@@ -10,11 +10,13 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import catenary
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
 from ropeway.systems.assembly import assemble
 from ropeway.systems.carrying import carried_over, declared_alike, undriven
 from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.pending import Pending
@@ -24,6 +26,7 @@ from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True)
 class Equilibrium:
     """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
@@ -140,6 +143,8 @@ class Equilibrium:
         )
 
 
+@checked
+@interruptible
 def equilibrium(
     system: System | Model,
     *,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 
 SWITCHED = {
@@ -17,6 +18,7 @@ SWITCHED = {
 ACTIONS = (*SWITCHED, "emergency stop")
 
 
+@checked
 @dataclass(frozen=True, slots=True)
 class Intervention:
     """An action at a time [s].

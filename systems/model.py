@@ -13,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.check import Range
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
 from ropeway.systems.run import Run
@@ -165,6 +166,7 @@ class Limits:
         return np.asarray((values < self.low) | (values > self.high))
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Model:
     """The flat model of a system.

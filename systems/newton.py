@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -14,6 +15,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mck
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
+from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.model import Model, component_of
 
 Slot = tuple[Kind, int]
@@ -49,21 +51,31 @@ class Point:
 
 
 class Buffered:
-    """A CasADi function called on NumPy arrays without copies."""
+    """A CasADi function called on NumPy arrays without copies; each thread has buffers of its own."""
 
     def __init__(self, function: ca.Function) -> None:
         self.function = function
-        self._buffer, self._call = function.buffer()
-        self.results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
-        for i, result in enumerate(self.results):
-            self._buffer.set_res(i, result.data)
+        self._own = threading.local()
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
-        """Results as nonzeros; they are overwritten by the next call."""
+        """Results as nonzeros; they are overwritten by the next call of this thread. Raises Interrupted."""
+        stop_if_interrupted()
+        try:
+            set_argument, call, results = self._own.buffers
+        except AttributeError:
+            set_argument, call, results = self._own.buffers = self._buffers()
         for i, argument in enumerate(arguments):
-            self._buffer.set_arg(i, argument.data)
-        self._call()
-        return self.results
+            set_argument(i, argument.data)
+        call()
+        return results
+
+    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray]]:
+        """What sets an argument, what calls, and where the results stand."""
+        buffer, call = self.function.buffer()
+        results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
+        for i, result in enumerate(results):
+            buffer.set_res(i, result.data)
+        return buffer.set_arg, call, results
 
 
 class Newton:
@@ -121,8 +133,16 @@ class Newton:
 
     def matrix(self, point: Point) -> csc_matrix:
         """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
-        values = self._matrix(*self.arguments(point))[0]
-        return csc_matrix((values, self._rows, self._columns), shape=self.jacobian.size_out(0))
+        return csc_matrix((self.jacobian_values(point), self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    def jacobian_values(self, point: Point) -> np.ndarray:
+        """The entries of `matrix` in the order of its pattern."""
+        return self._matrix(*self.arguments(point))[0].copy()
+
+    def matrix_places(self) -> csc_matrix:
+        """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
+        numbers = np.arange(1, len(self._rows) + 1)
+        return csc_matrix((numbers, self._rows, self._columns), shape=self.jacobian.size_out(0))
 
     def solve(
         self,

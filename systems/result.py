@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
@@ -36,6 +38,7 @@ class Event(NamedTuple):
     load: str = ""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Result:
     """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
@@ -181,13 +184,15 @@ class Result:
         return energy(self)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame; returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def to_parquet(self, path: str | Path) -> Path:
-        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path."""
-        self.frame.to_parquet(path)
+        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path. Raises WriteError."""
+        with whole(path) as file:
+            self.frame.to_parquet(file)
         return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:

@@ -268,3 +268,17 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
         min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r)
         for c, r in zip(counts, room, strict=True)
     )
+
+
+def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
+    """For each seat the component and variable with the speed of the nearest drive of its rope."""
+    found = {}
+    for run in runs:
+        driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]
+        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+            if driven:
+                nearest = run.nodes[min(driven, key=lambda j: abs(j - k))]
+                for touched in (seat, node.through(seat)):
+                    if touched is not None:
+                        found[node.name, touched.name] = (nearest.name, nearest.drive_speed or "")
+    return found

@@ -9,6 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
@@ -16,6 +17,7 @@ from ropeway.systems import crossing as loads
 from ropeway.systems.assembly import assemble
 from ropeway.systems.carrying import carried_over, declared_alike
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.intervention import Intervention
 from ropeway.systems.model import Model, component_of, nearest
 from ropeway.systems.moving import Moving, Signal, breaks_of
@@ -27,6 +29,8 @@ from ropeway.systems.state import LineState, Record
 from ropeway.systems.system import System
 
 
+@checked
+@interruptible
 def simulate(
     system: System | Model,
     until: float,
@@ -69,7 +73,7 @@ def simulate(
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
     run = _Simulation(replace(rest, pending=pending), signals, interventions, tolerance, stops)
-    with bar("simulate", until, progress) as advance:
+    with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
         except SimulationError as error:
@@ -147,6 +151,7 @@ class _Simulation:
         self.ticks = [0] * len(start.model.clocks)
         self.pending = start.pending
         self.pending = replace(start.pending, ticks=self.next_ticks())
+        self.drop = self.mark()
 
     @property
     def state(self) -> LineState:
@@ -178,6 +183,11 @@ class _Simulation:
             self.line.tolerance,
         )
 
+    def result_so_far(self) -> Result:
+        """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
+        self.drop()
+        return self.result()
+
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""
         self.line.set_time(0.0)
@@ -185,6 +195,7 @@ class _Simulation:
         self.record(on_grid=True)
         count, grid = 1, min(every, until)
         while True:
+            self.drop = self.mark()
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             stop = min(grid, self.next_act(), bend)

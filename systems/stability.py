@@ -3,6 +3,7 @@ it."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.sparse.linalg import splu
 from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.model import Balance, Model, component_of
-from ropeway.systems.newton import newton_of
+from ropeway.systems.newton import Point, newton_of
 from ropeway.systems.state import LineState
 
 SLACK = 1.02
@@ -34,19 +35,32 @@ def slack(state: LineState) -> bool:
 def require_stable(state: LineState) -> None:
     """Raises EquilibriumError where the rope over a support would run into one of its spans: the condensed
     stiffness of all free travels must be positive definite."""
-    held = state.held_travels()
-    free = tuple(b for b in state.model.balances if b.travel not in held)
-    if not free:
-        return
-    rows, columns = condensed_last(state.model, free)
-    matrix = newton_of(state.model).matrix(state.point)[rows][:, columns].tocsc()
-    if has_free_nodes(state.model):
-        pivots = condensed_pivots(matrix, len(free))
-    else:
-        pivots = splu(matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0).U.diagonal()[-len(free) :]
-    soft = -np.array([b.sign for b in free]) * pivots <= 0.0
-    if soft.any():
-        raise _unstable(state.model, free[int(np.argmax(soft))])
+    free = free_balances(state.model, state.point)
+    if free:
+        pivot, balance = least_pivot(state.model, state.point, free)
+        if not pivot > 0.0:
+            raise _unstable(state.model, balance)
+
+
+def free_balances(model: Model, point: Point, held: Collection[str] = ()) -> tuple[Balance, ...]:
+    """The balances that something else does not keep: a load that stands on an idler, or what is named in `held`."""
+    kept = {model.z.index[name] for name in held if name in model.z.index}
+    for layout in model.layouts:
+        can = np.flatnonzero(layout.held >= 0)
+        kept.update(layout.travel.algebraic[can[point.d[layout.held[can]] > 0.0]].tolist())
+    return tuple(b for b in model.balances if b.travel not in kept)
+
+
+def least_pivot(model: Model, point: Point, free: tuple[Balance, ...]) -> tuple[float, Balance]:
+    """The least pivot of the condensed stiffness of some balances over the largest one, and whose it is: above 0
+    where the stiffness is positive definite, not a number where the equations are singular."""
+    condensed = _condensed(model, free)
+    try:
+        pivots = -condensed.signs * condensed.pivots(newton_of(model).jacobian_values(point))
+    except RuntimeError:  # exactly singular
+        return np.nan, free[0]
+    k = int(np.argmin(pivots))
+    return float(pivots[k] / np.abs(pivots).max()), free[k]
 
 
 def require_followed(state: LineState, led: np.ndarray) -> None:
@@ -85,12 +99,65 @@ def condensed_pivots(matrix: csc_matrix, count: int) -> np.ndarray:
     n = matrix.shape[0] - count
     inner = splu(matrix[:n, :n].tocsc()).solve(matrix[:n, n:].toarray())
     stiffness = matrix[n:, n:].toarray() - matrix[n:, :n] @ inner
-    pivots = np.empty(count)
-    for k in range(count):
+    return _pivots(stiffness)
+
+
+def _pivots(stiffness: np.ndarray) -> np.ndarray:
+    """Pivots of a small matrix, in place."""
+    pivots = np.empty(len(stiffness))
+    for k in range(len(stiffness)):
         pivots[k] = stiffness[k, k]
         if pivots[k] != 0.0:
             stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
     return pivots
+
+
+class _Condensed:
+    """The condensed stiffness of some balances of a model: where the entries of the Jacobian go, found once."""
+
+    def __init__(self, model: Model, free: tuple[Balance, ...]) -> None:
+        rows, columns = condensed_last(model, free)
+        self.signs, self.count = np.array([b.sign for b in free]), len(free)
+        self.whole = not has_free_nodes(model)
+        pattern = newton_of(model).matrix_places()
+        if self.whole:
+            self._all = _Block(pattern[rows][:, columns])
+            return
+        inner, outer = slice(0, len(rows) - self.count), slice(len(rows) - self.count, None)
+        # An order that fills in little serves for all values.
+        trial = pattern[rows][:, columns].astype(float)
+        trial.data[:] = np.random.default_rng(1).uniform(1.0, 2.0, trial.nnz)
+        columns[inner] = columns[inner][np.argsort(splu(trial[inner, inner].tocsc()).perm_c)]
+        ordered = pattern[rows][:, columns]
+        self._inner, self._right = _Block(ordered[inner, inner]), _Block(ordered[inner, outer])
+        self._below, self._corner = _Block(ordered[outer, inner]), _Block(ordered[outer, outer])
+
+    def pivots(self, values: np.ndarray) -> np.ndarray:
+        """Pivots of the balances after all else is eliminated, for the entries of a Jacobian. Raises RuntimeError
+        where that is singular."""
+        if self.whole:
+            factors = splu(self._all.of(values), permc_spec="NATURAL", diag_pivot_thresh=0.0)
+            return np.asarray(factors.U.diagonal()[-self.count :])
+        solved = splu(self._inner.of(values), permc_spec="NATURAL").solve(self._right.of(values).toarray())
+        return _pivots(self._corner.of(values).toarray() - self._below.of(values) @ solved)
+
+
+class _Block:
+    """Part of a sparse matrix whose entries are taken from those of the whole: `places` holds their numbers, from 1."""
+
+    def __init__(self, places: csc_matrix) -> None:
+        found = places.tocsc()
+        found.sort_indices()
+        self._take, self._rows, self._columns, self._shape = found.data - 1, found.indices, found.indptr, found.shape
+
+    def of(self, values: np.ndarray) -> csc_matrix:
+        """With these entries of the whole."""
+        return csc_matrix((values[self._take], self._rows, self._columns), shape=self._shape)
+
+
+@lru_cache(maxsize=64)
+def _condensed(model: Model, free: tuple[Balance, ...]) -> _Condensed:
+    return _Condensed(model, free)
 
 
 @lru_cache(maxsize=16)

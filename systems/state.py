@@ -278,7 +278,7 @@ class LineState:
             if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
                 raise InputError(f"{name} is a result", "Use given= and solve_for=")
             if refused := self.model.tables[kind].ranges[k].refuses(value):
-                raise InputError(f"{name} is {value!r}", f"It must {refused}")
+                raise InputError(f"{name} is {value!r}", f"Give {refused}")
             self.point.vector(kind)[k] = value
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)

@@ -10,7 +10,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
-from ropeway.components import check
+from ropeway.components import check, units
+from ropeway.components.checked import checked
 from ropeway.components.component import (
     Component,
     Node,
@@ -58,6 +59,7 @@ class Feed:
     around: int | None = None
 
 
+@checked
 class System:
     """Components and their connections. Declarations only: nothing is solved here."""
 
@@ -121,9 +123,9 @@ class System:
             raise InputError(f"{one} and {other} cannot be joined", "Join an output to an input")
         for port in (source, target):
             self._require_part(port.owner)
-        units = [port.owner.unit_of(port.name) for port in (source, target)]
-        if units[0] != units[1] and all(units):
-            raise InputError(f"{source} is in {units[0]}, {target} in {units[1]}", "Connect variables of one unit")
+        unit, wanted = (port.owner.unit_of(port.name) for port in (source, target))
+        if unit and wanted and not units.same(unit, wanted):
+            raise InputError(f"{source} is in {unit}, {target} in {wanted}", "Connect variables of one unit")
         if (target.owner.name, target.name) in self.links:
             raise InputError(f"Port {target} is joined twice", "One output drives an input")
         self.links[target.owner.name, target.name] = (source.owner.name, source.name)

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
@@ -22,6 +23,7 @@ from ropeway.systems.rigs.supports import read_supports
 from ropeway.systems.system import GRAVITY, System
 
 
+@checked
 def endless(
     rope: Rope,
     supports: str | Path | pd.DataFrame,

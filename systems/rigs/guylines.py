@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from ropeway.components.anchor import Anchor
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
 from ropeway.components.span import Span
@@ -12,6 +13,7 @@ from ropeway.systems.equilibrium import equilibrium
 from ropeway.systems.system import System
 
 
+@checked
 def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
     """Strings all guylines of a spar, from their anchors `GUYLINE` to its top, with the lengths that give their
     pretension while the spar stands upright; released, the spar finds its own place. Raises SlackRopeError,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Unpack
 
 from ropeway.components.carriage import Carriage
+from ropeway.components.checked import checked
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
@@ -13,6 +14,7 @@ from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.system import GRAVITY
 
 
+@checked
 def live_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
     """A skyline on a drum at the headspar, so that it can be lowered and raised: `HEADSPAR.travel` is the rope
     paid out [m]. All keywords are those of `standing_skyline`; `payload(..., clearance=)` and `load_path(...,
@@ -21,6 +23,7 @@ def live_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> Skyli
     return joined(Kind.LIVE, terrain, **parts)
 
 
+@checked
 def gravity_skyline(
     terrain: Ground | None,
     *,

@@ -10,6 +10,7 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
@@ -25,6 +26,7 @@ from ropeway.systems.system import GRAVITY, System
 _Part = TypeVar("_Part", Drive, Response)
 
 
+@checked
 def monocable(
     rope: Rope,
     supports: str | Path | pd.DataFrame,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ropeway.components import check
 from ropeway.components.carriage import Carriage
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope
@@ -13,6 +14,7 @@ from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.system import GRAVITY
 
 
+@checked
 def running_skyline(
     terrain: Ground | None,
     *,

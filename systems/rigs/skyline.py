@@ -12,6 +12,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
+from ropeway.components.checked import checked
 from ropeway.components.component import Node, Seat
 from ropeway.components.drum import Drum
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
@@ -36,6 +37,7 @@ class Kind(Enum):
     RUNNING = "running"
 
 
+@checked
 @dataclass(frozen=True)
 class Turn:
     """What hangs under the carriage: a `log` on a `dropline` of unstretched `length` [m]. The payload is the
@@ -78,6 +80,7 @@ def on_ground(log: Log, ground: Ground | None, x: float) -> Log:
     return replace(log, **known)
 
 
+@checked
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SkylineRig:
     """A skyline with its carriage. `system(span, station)` joins its public parts.

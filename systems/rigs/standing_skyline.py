@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Unpack
 
+from ropeway.components.checked import checked
 from ropeway.components.spar import Ground
 from ropeway.systems.rigs.joining import SkylineParts, joined
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 
 
+@checked
 def standing_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
     """A standing skyline with its carriage.
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope
 from ropeway.systems.studies.catenary_fundamentals import require
@@ -27,6 +28,7 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 """Lyons' methods: eq. 3, eq. 11, eq. 19."""
 
 
+@checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
     """An unstretched `length` [m] and what goes with it: `stretch` [m], `weight` of the rope [N], tensions and
@@ -52,6 +54,7 @@ class StretchFit(NamedTuple):
     r_squared: float
 
 
+@checked
 def unstretched_length(
     rope: Rope,
     *,
@@ -103,6 +106,7 @@ def unstretched_length(
     )
 
 
+@checked
 def stretched_position(
     rope: Rope,
     *,
@@ -130,6 +134,7 @@ def strain_law(rope: Rope, *, construction: bool) -> Strain:
     return (law if construction else Elastic()).strain(rope.axial_stiffness, rope.breaking_load)
 
 
+@checked
 def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) -> StretchFit:
     """Fit eps = coefficient * (T/MBL)^2 by least squares to elongations (0.005 for 0.5 %) at safety factors MBL/T.
 

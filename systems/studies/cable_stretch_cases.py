@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.rope import MODULUS, ConstructionStretch
 from ropeway.systems.studies.catenary_fundamentals import require
 from ropeway.systems.studies.vector_root import Array, Numbers
@@ -114,6 +115,7 @@ def locus_phi(tau: Numbers, slope: Numbers, *, share: float = 1.0 / 3.0) -> Arra
     return share * np.asarray(tau) / np.sqrt(1.0 + 1.0 / np.square(slope))
 
 
+@checked
 def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
     """Lyons' Figure 2 as numbers: the ratio of the average-tension method's length to the exact one, of all cases.
 

@@ -11,9 +11,11 @@ import pandas as pd
 from scipy.stats.qmc import LatinHypercube
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 
 
+@checked
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, seed: int = 0) -> pd.DataFrame:
     """Cases spread evenly between the `bounds` (low, high) of each parameter: in each of `samples` equal parts of
     a parameter's range there is one. One row a case, the same for the same seed. Raises InputError."""

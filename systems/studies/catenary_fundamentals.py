@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, SlackRopeError
 from ropeway.systems.studies.vector_root import Array, Numbers, complex_step, newton
 
@@ -32,6 +33,7 @@ class EndForces(NamedTuple):
     tension_end: Array
 
 
+@checked
 @dataclass(frozen=True, eq=False, slots=True)
 class CatenaryCurve:
     """The catenary from (0, 0) to (span, rise), z up [m], of catenary parameter a = H/w [m].
@@ -97,6 +99,7 @@ class CatenaryCurve:
         )
 
 
+@checked
 def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, weight: Numbers) -> CatenaryCurve:
     """For a horizontal tension and a weight per metre. Raises InputError."""
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
@@ -104,6 +107,7 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
     return CatenaryCurve(span, rise, np.asarray(horizontal) / np.asarray(weight))
 
 
+@checked
 def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> CatenaryCurve:
     """For a rope length [m] (Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2)).
 
@@ -121,6 +125,7 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
     return CatenaryCurve(span, rise, d / (2.0 * u))
 
 
+@checked
 def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0.5) -> CatenaryCurve:
     """For a sag [m] below the chord at a share `at` of the span, 0 < at < 1. Raises InputError."""
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
@@ -134,6 +139,7 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
     return CatenaryCurve(span, rise, d / (2.0 * np.exp(log_u)))
 
 
+@checked
 def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers) -> CatenaryCurve:
     """For the tension at the start of the rope and its weight per metre; the taut one of the two.
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import HeadSpar, TailSpar
@@ -56,8 +57,10 @@ def payload_command(
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     table, picture = folder / "payload.csv", folder / "payload.png"
-    study.frame.to_csv(table, index=False)
-    study.plot().savefig(picture, dpi=110)
+    with whole(table) as file:
+        study.frame.to_csv(file, index=False)
+    with whole(picture) as file:
+        study.plot().savefig(file, dpi=110)
     return study, (table, picture)
 
 

@@ -12,8 +12,10 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.errors import EquilibriumError, InputError, RopewayError, SimulationError
+from ropeway.components.checked import checked
+from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.newton import Point, newton_of, outputs_of
 from ropeway.systems.result import Result
 from ropeway.systems.rigs.skyline import SkylineRig
@@ -37,6 +39,7 @@ class Happening(NamedTuple):
     station: float
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Inhaul:
     """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
@@ -59,6 +62,8 @@ class Inhaul:
         return inhaul_figure(self)
 
 
+@checked
+@interruptible
 def inhaul(
     rig: SkylineRig,
     *,
@@ -96,7 +101,8 @@ def inhaul(
         rig.span_of(station)
     run = _Run(rig, float(payload), every, list(changes), tolerance)
     try:
-        run.go(float(start), float(end), speed if end < start else -speed)
+        with keeping(run.result):
+            run.go(float(start), float(end), speed if end < start else -speed)
     except EquilibriumError as error:
         raise SimulationError(error.cause, error.remedy, run.time, run.result()) from error
     except SimulationError as error:
@@ -267,6 +273,10 @@ class _Run:
                 tolerance=self.tolerance,
                 progress=False,
             )
+        except Interrupted as interrupted:
+            if isinstance(interrupted.result, Result):
+                self.record_all(at, interrupted.result, speed)
+            raise
         except SimulationError as error:
             if not isinstance(error.result, Result):
                 raise

@@ -8,9 +8,11 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.span import Span
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
@@ -47,6 +49,8 @@ UNITS = {
 }
 
 
+@checked
+@interruptible
 def load_path(
     rig: SkylineRig,
     payload: float,
@@ -78,10 +82,15 @@ def load_path(
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)
-    rows = []
-    for x in stations_of(rig, stations):
-        z = None if height is None else carriage_height(rig, float(x), height)
-        rows.append(row(solver.solve(float(x), payload, z), float(x)))
+    rows: list[dict[str, float | str | int]] = []
+    with keeping(lambda: _frame(rows)):
+        for x in stations_of(rig, stations):
+            z = None if height is None else carriage_height(rig, float(x), height)
+            rows.append(row(solver.solve(float(x), payload, z), float(x)))
+    return _frame(rows)
+
+
+def _frame(rows: Sequence[dict[str, float | str | int]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows)
     frame.attrs["units"] = units_of(frame)
     return frame

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.studies.catenary_fundamentals import require
 from ropeway.systems.studies.vector_root import Array, Numbers
 
 
+@checked
 @dataclass(frozen=True, eq=False, slots=True)
 class LoadedSpan:
     """A span with its carriage; numbers, or arrays that broadcast.

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, SlackRopeError
 from ropeway.systems.studies.catenary_fundamentals import CatenaryCurve, EndForces, require
 from ropeway.systems.studies.vector_root import Array
@@ -42,6 +43,7 @@ class LongestRope:
         return self.curve.forces(weight)
 
 
+@checked
 def longest_rope(
     stations: ArrayLike,
     elevations: ArrayLike,

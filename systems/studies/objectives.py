@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.result import Result
 from ropeway.systems.studies.responses import control_sheaves
@@ -16,6 +17,7 @@ OBJECTIVES = ("peak tension", "tension deviation", "energy")
 [N]; energy that the control sheaves' drives give, not less what they recover [J]."""
 
 
+@checked
 def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
     """What `optimise_schedule` and `tune_response` minimise, of any run from `settle` [s] on: all of `OBJECTIVES` by
     name. target: tension that the deviation counts from [N], by default the mean. Raises InputError."""

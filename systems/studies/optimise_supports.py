@@ -9,8 +9,10 @@ from itertools import combinations
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row, stations_of
@@ -19,6 +21,7 @@ from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 
 
+@checked
 @dataclass(frozen=True)
 class Candidate:
     """A tree or a place where a support can stand: its `station` [m] and the `heights` that it allows [m].
@@ -43,6 +46,7 @@ class Candidate:
         return IntermediateSupport(self.name, station=self.station, height=height)
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class SupportPlan:
     """The supports found. `feasible`: whether the payload passes with them; if not, `supports` is the trial that
@@ -61,6 +65,7 @@ class SupportPlan:
         return float(sum(s.height or 0.0 for s in self.supports))
 
 
+@checked
 def support_range(start: float, end: float, spacing: float, heights: Sequence[float]) -> tuple[Candidate, ...]:
     """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely.
     Raises InputError."""
@@ -71,6 +76,8 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 
 
+@checked
+@interruptible
 def optimise_supports(
     rig: SkylineRig,
     candidates: Sequence[Candidate],

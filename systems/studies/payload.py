@@ -12,11 +12,13 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
 from ropeway.systems.studies.span_model import Solved
@@ -40,6 +42,7 @@ NO_EQUILIBRIUM = "no equilibrium"
 """What limits a payload where there is nothing else to say."""
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class PayloadStudy:
     """The largest payload by station. `frame` has one row a station: station [m], payload [kg], limited_by,
@@ -88,6 +91,8 @@ def is_lowered(rig: SkylineRig) -> bool:
     return rig.kind is not Kind.STANDING and rig.turn is None
 
 
+@checked
+@interruptible
 def payload(
     rig: SkylineRig,
     *,
@@ -119,12 +124,17 @@ def payload(
     where = stations_of(rig, stations)
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
     search = _Search(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
-    rows = []
-    for x in where:
-        rows.append(search.at(float(x)))
-    frame = pd.DataFrame(rows)
-    frame.attrs["units"] = units_of(frame)
-    return PayloadStudy(rig, frame, safety_factor, others, clearance)
+    rows: list[Row] = []
+
+    def study() -> PayloadStudy:
+        frame = pd.DataFrame(rows)
+        frame.attrs["units"] = units_of(frame)
+        return PayloadStudy(rig, frame, safety_factor, others, clearance)
+
+    with keeping(lambda: study().frame):
+        for x in where:
+            rows.append(search.at(float(x)))
+    return study()
 
 
 def margins_of(

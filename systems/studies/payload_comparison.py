@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.systems.studies.catenary_fundamentals import require
@@ -22,6 +23,7 @@ UNITS = {"chord_slope": "1", "payload": "kg", "error": "1", "error_rolling": "1"
 """Units of the comparison's columns."""
 
 
+@checked
 def compare_payload_methods(
     *,
     span: float,
@@ -76,6 +78,7 @@ def compare_payload_methods(
     return table
 
 
+@checked
 def method_errors(
     rope: Rope,
     *,

@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.systems.studies.catenary_fundamentals import length_between, taut_u, vertical_at
 from ropeway.systems.studies.elastic_piece import ElasticPiece
 from ropeway.systems.studies.loaded_span import LoadedSpan
@@ -50,6 +51,7 @@ def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Arr
     return exact_load(line, weight, tension, "rolling").gross
 
 
+@checked
 def exact_load(
     line: LoadedSpan, weight: Numbers, tension: Numbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
@@ -74,6 +76,7 @@ def exact_load(
     )
 
 
+@checked
 def elastic_load(
     line: LoadedSpan,
     weight: Numbers,

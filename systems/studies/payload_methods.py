@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import SlackRopeError
 from ropeway.components.rope import Rope
 from ropeway.systems.studies.catenary_fundamentals import catenary_for_sag, minimum_tension, require
@@ -147,6 +148,7 @@ METHODS: Mapping[str, Method] = MappingProxyType(
 """All methods by their names."""
 
 
+@checked
 def payload_for_tension(
     method: Method,
     line: LoadedSpan,
@@ -170,6 +172,7 @@ def payload_for_tension(
     return np.asarray(gross / gravity - carriage_mass)
 
 
+@checked
 def tension_for_payload(
     method: Method,
     line: LoadedSpan,

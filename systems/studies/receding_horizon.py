@@ -9,12 +9,14 @@ from functools import cached_property
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import simulate
@@ -25,6 +27,7 @@ from ropeway.systems.studies.scheduling.plan import SchedulePlan
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RecedingHorizon:
     """A line driven by plan after plan: the plans, when each began [s], the schedules as driven, and the simulation
@@ -49,6 +52,8 @@ class RecedingHorizon:
         return pd.DataFrame(rows).rename_axis("plan")
 
 
+@checked
+@interruptible
 def receding_horizon(
     line: System,
     until: float,
@@ -92,7 +97,11 @@ def receding_horizon(
     driven: dict[str, dict[float, float]] = {name: {} for name in names}
     bounds = ScheduleLimits() if limits is None else limits
     warm: dict[str, Schedule] | None = None
-    with bar("receding horizon", until, progress) as advance:
+
+    def so_far() -> pd.DataFrame:
+        return pd.DataFrame({f"{name}.speed": pd.Series(speeds) for name, speeds in driven.items()}).rename_axis("time")
+
+    with bar("receding horizon", until, progress) as advance, keeping(so_far):
         while begin < until - 1e-9:
             plan = optimise_schedule(
                 _later(bare, begin, horizon),
@@ -118,9 +127,9 @@ def receding_horizon(
             warm = {name: own.later(part, horizon) for name, own in plan.schedules.items()}
             begin += part
             advance(begin)
-    schedules = {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in driven.items()}
-    inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
-    result = simulate(first.model, until, every=step / 4.0, inputs=inputs, start=first, progress=False)
+        schedules = {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in driven.items()}
+        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
+        result = simulate(first.model, until, every=step / 4.0, inputs=inputs, start=first, progress=False)
     return RecedingHorizon(tuple(plans), tuple(begins), schedules, result)
 
 

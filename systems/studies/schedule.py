@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
@@ -16,6 +17,7 @@ from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
 from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.model import component_of
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Result
@@ -56,6 +58,8 @@ _SAMPLES = 4
 """Records of a simulation in each interval of the schedule."""
 
 
+@checked
+@interruptible
 def optimise_schedule(
     line: System,
     until: float,
@@ -98,10 +102,11 @@ def optimise_schedule(
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
-    study = _Study(line, until, intervals, bounds, settled, target, lead, start, trim)
-    with bar("optimise", 1.0, progress) as advance:
+    plans: list[SchedulePlan] = []
+    with bar("optimise", 1.0, progress) as advance, keeping(lambda: plans[-1] if plans else None):
+        study = _Study(line, until, intervals, bounds, settled, target, lead, start, trim)
         schedules = study.first(warm_start)
-        return study.optimise(weights, schedules, advance, begin)
+        return study.optimise(weights, schedules, plans, advance, begin)
 
 
 def check_intervals(intervals: int) -> None:
@@ -250,16 +255,17 @@ class _Study:
         self,
         weights: Mapping[str, float],
         schedules: dict[str, Schedule],
+        plans: list[SchedulePlan],
         advance: Callable[[float], None],
         begin: float,
     ) -> SchedulePlan:
-        """Plans and simulates in turn until both agree. Raises InfeasibleScheduleError, ScheduleError."""
+        """Plans and simulates in turn until both agree; each plan is added to `plans`. Raises InfeasibleScheduleError,
+        ScheduleError."""
         balanced = objectives(self.balanced, settle=self.settle, target=self.target)
         # A line that stands takes no energy: then what its tension does over a metre.
         size = sum(w * (balanced[name] or self.target) for name, w in weights.items()) / _SIZE
         around = self.around(schedules)
         rounds: list[Round] = []
-        plan: SchedulePlan | None = None
         # A mean over time wants more samples than a peak, which asks for its own where it needs them.
         record = float(self.grid[1]) / _SAMPLES
         between = (self.grid[1:] + self.grid[:-1]) / 2.0
@@ -304,6 +310,7 @@ class _Study:
                 lead=self.lead,
                 trim=self.trim,
             )
+            plans.append(plan)
             advance(1.0 - 0.5 ** (number + 1))
             broken = broken_limits(task, after)
             # Where crossings can come at several times alike, rounds differ in them but not in what they reach.

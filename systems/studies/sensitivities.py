@@ -10,9 +10,11 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model
 from ropeway.systems.result import Result
 from ropeway.systems.state import find
@@ -21,6 +23,8 @@ from ropeway.systems.studies.varied import Varied
 from ropeway.systems.tangent import tangent_of
 
 
+@checked
+@interruptible
 def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to: str | Sequence[str]) -> pd.DataFrame:
     """Derivatives of results by parameters, in SI units of the one per SI unit of the other.
 

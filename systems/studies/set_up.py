@@ -12,14 +12,17 @@ import pandas as pd
 from scipy.optimize import brentq
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row
 from ropeway.systems.studies.stations import Stations
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class SetUp:
     """How to rig a skyline: `length` unstretched [m], `tension` of the bare rope at the headspar [N], the `rig`
@@ -31,6 +34,8 @@ class SetUp:
     loaded: dict[str, Any]
 
 
+@checked
+@interruptible
 def set_up(
     rig: SkylineRig,
     *,
@@ -84,6 +89,8 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[s
     return row(Stations(replace(rig, length=length, tension=None)).solve(station, payload), station)
 
 
+@checked
+@interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
     """A new rope settling: one row for each turn (station [m], payload [kg]) in order.
 

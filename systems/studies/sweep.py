@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from inspect import signature
 from pathlib import Path
-from threading import RLock
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from ropeway.components.errors import InputError
+from ropeway.components.checked import checked
+from ropeway.components.errors import InputError, WorkerError
 from ropeway.systems.assembly import assemble
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.studies.cases import table_of
@@ -29,6 +31,8 @@ Study = Callable[..., Mapping[str, Any] | float]
 _FAILURE = ("error", "message")
 
 
+@checked
+@interruptible
 def sweep(
     study: Study | System | Model,
     parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
@@ -52,7 +56,8 @@ def sweep(
 
     Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
     where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
-    before the first case, RopewayError when a worker process dies.
+    before the first case; WorkerError when a worker is lost, and Interrupted, each with the rows so far as `result`;
+    WriteError when the file cannot be written.
     """
     cases = table_of(parameters)
     if taken := set(cases.columns) & set(_FAILURE):
@@ -73,22 +78,46 @@ def sweep(
         task, mark = study, _mark(study)
     if path is not None and Path(path).suffix != ".parquet":
         raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
-    journal = None if path is None else Journal(path, mark, cases)
-    finished = None if journal is None else journal.finished()
-    if finished is not None:
-        return finished
-    rows = _run(task, cases, workers, journal, progress)
-    table = pd.concat([cases, pd.DataFrame([rows[i] for i in cases.index], index=cases.index)], axis=1)
+    rows: dict[int, Row] = {}
+
+    def so_far() -> pd.DataFrame:
+        return _table(cases, rows, units)
+
+    with ExitStack() as stack:
+        stack.enter_context(keeping(so_far))
+        journal = None if path is None else stack.enter_context(Journal(path, mark, cases))
+        finished = None if journal is None else journal.finished()
+        if finished is not None:
+            return finished
+        try:
+            _run(task, cases, rows, workers, journal, progress)
+        except WorkerError as error:
+            error.result = so_far()
+            raise
+        return so_far() if journal is None else journal.finish(so_far())
+
+
+def _table(cases: pd.DataFrame, rows: Mapping[int, Row], units: Mapping[str, str]) -> pd.DataFrame:
+    """The cases that have been found, with what they came to."""
+    there = [i for i in cases.index if i in rows]
+    found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
+    table = pd.concat([cases.loc[there], found], axis=1)
     table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
-    table.attrs["units"] = units
-    return table if journal is None else journal.finish(table)
+    table.attrs["units"] = dict(units)
+    return table
 
 
 def _run(
-    study: Study, cases: pd.DataFrame, workers: Workers, journal: Journal | None, progress: bool | None
-) -> dict[int, Row]:
-    """The rows of all cases, by number."""
-    rows = {} if journal is None else journal.rows()
+    study: Study,
+    cases: pd.DataFrame,
+    rows: dict[int, Row],
+    workers: Workers,
+    journal: Journal | None,
+    progress: bool | None,
+) -> None:
+    """Finds the rows of all cases, by number."""
+    if journal is not None:
+        rows.update(journal.rows())
     every = cases.to_dict("records")
     left = [i for i in range(len(every)) if i not in rows]
     size = max(1, min(50, len(every) // 200))
@@ -101,17 +130,11 @@ def _run(
             if journal is not None:
                 journal.add(new)
             advance(len(rows))
-    return rows
-
-
-_ALONE = RLock()
-"""Solvers keep their buffers: of the threads that a Dask worker may have, one works at a time."""
 
 
 def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[Row]:
     """What some cases came to, failures too: the part of a sweep that a worker does."""
-    with _ALONE:
-        return [_row(study, case) for case in cases]
+    return [_row(study, case) for case in cases]
 
 
 def _row(study: Study, case: dict[str, Any]) -> Row:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ropeway.components import check, table
 from ropeway.components.catenary import Strain, Vector, segment
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 
 
@@ -34,6 +35,7 @@ class Piece(NamedTuple):
     strain: Strain
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Profile:
     """The ground along a corridor: `station` [m], increasing, and `elevation` [m] there, straight between.

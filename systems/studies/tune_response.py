@@ -12,10 +12,12 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.response import Response, check_precedence
 from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.progress import bar
 from ropeway.systems.simulation import simulate
 from ropeway.systems.studies.journal import Row
@@ -27,6 +29,7 @@ from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class TunedResponse:
     """The best `response` and `precedence` found, the `line` with them, and their `objective`; `baseline` is the
@@ -44,6 +47,8 @@ class TunedResponse:
     history: pd.DataFrame
 
 
+@checked
+@interruptible
 def tune_response(
     line: System,
     response: Response,
@@ -93,18 +98,30 @@ def tune_response(
     space = _Space(over)
     space.check(response)
     given = {name: getattr(response, name, line.precedence) for name in over}
-    history: list[dict[str, Any]] = [{**given, **trial.baseline()}]
+    history: list[dict[str, Any]] = []
     members = max(5, population * len(over))
-    with bar("tune", 1 + (generations + 1) * members, progress) as advance, crew(workers) as share_out:
+
+    def table() -> pd.DataFrame:
+        return pd.DataFrame(history).rename_axis("run")
+
+    with (
+        keeping(table),
+        bar("tune", 1 + (generations + 1) * members, progress) as advance,
+        crew(workers) as share_out,
+    ):
+        history.append({**given, **trial.baseline()})
 
         def judge(values: np.ndarray) -> np.ndarray:
             """Objectives of a generation, its members in columns."""
             cases = [space.case(member) for member in values.T]
             rows: list[dict[str, Any]] = [{**case, "objective": np.inf} for case in cases]
-            for done, (i, (found,)) in enumerate(share_out(partial(rows_of, trial), [[case] for case in cases]), 1):
-                rows[i].update(found)
-                advance(len(history) + done)
-            history.extend(rows)
+            tasks = [[case] for case in cases]
+            try:
+                for done, (i, (found,)) in enumerate(share_out(partial(rows_of, trial), tasks), 1):
+                    rows[i].update(found)
+                    advance(len(history) + done)
+            finally:  # those that have run
+                history.extend(row for row in rows if "message" in row)
             return np.array([row["objective"] for row in rows])
 
         differential_evolution(
@@ -120,13 +137,12 @@ def tune_response(
             updating="deferred",
             vectorized=True,
         )
-    table = pd.DataFrame(history).rename_axis("run")
-    best = history[int(table["objective"].to_numpy().argmin())]
+    best = history[int(table()["objective"].to_numpy().argmin())]
     if not np.isfinite(best["objective"]):
         raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
     tuned, precedence = trial.variant({name: best[name] for name in over})
     return TunedResponse(
-        trial.line_with(tuned, precedence), tuned, precedence, best["objective"], history[0]["objective"], table
+        trial.line_with(tuned, precedence), tuned, precedence, best["objective"], history[0]["objective"], table()
     )
 
 

@@ -20,6 +20,7 @@ import pandas as pd
 
 from ropeway.components import catenary, check, parabola
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.studies.vector_root import Array
 
@@ -32,6 +33,7 @@ Unknowns = Literal["horizontal and vertical", "tension and angle"]
 _DIFFERENCE = 1e-7  # forward difference, relative
 
 
+@checked
 @dataclass(frozen=True)
 class SpanProblem:
     """A span with loads: end b `span` away from end a and `rise` higher, unstretched `length`, `weight` per
@@ -120,6 +122,7 @@ class History:
         return len(self.frame) - 1
 
 
+@checked
 def solve_span(
     problem: SpanProblem,
     method: SpanMethod = "Newton-Raphson",

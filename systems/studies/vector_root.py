@@ -6,12 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-Numbers = float | Array
-"""A number, or numbers side by side."""
+from ropeway.components.hints import Array as Array
+from ropeway.components.hints import Numbers as Numbers
 
 _STEP = 1e-30  # complex step: derivatives to rounding
 

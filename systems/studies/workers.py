@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
+import sys
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
+from multiprocessing import parent_process
+from multiprocessing.context import SpawnContext, SpawnProcess
+from queue import SimpleQueue
 from threading import Thread
 from typing import Any, Protocol
 
-from ropeway.components.errors import InputError, RopewayError
+from ropeway.components.errors import InputError, WorkerError
+from ropeway.systems.interrupts import next_of, stop_if_interrupted
 
 
 class DaskClient(Protocol):
@@ -32,7 +37,7 @@ Crew = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[tuple[int, Any]]
 def crew(workers: Workers) -> Iterator[Crew]:
     """Workers for as long as they are needed; what is not begun then is dropped.
 
-    Raises InputError, and RopewayError when a process dies.
+    Raises InputError, WorkerError when a worker is lost, and Interrupted.
     """
     known = workers is None or hasattr(workers, "get_executor")
     if not known and not (isinstance(workers, int) and workers >= 1):
@@ -40,60 +45,105 @@ def crew(workers: Workers) -> Iterator[Crew]:
     count = (os.cpu_count() or 1) if workers is None else workers
     if count == 1:
         yield _here
-        return
-    executor = (
-        ProcessPoolExecutor(count, get_context("spawn"), _end_with_parent)
-        if isinstance(count, int)
-        else count.get_executor(pure=False)
-    )
-    begun: list[Future[Any]] = []
-
-    def share_out(function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
-        if isinstance(count, int):
-            _require_sendable(function)
+    elif isinstance(count, int):
+        with _processes(count) as executor:
+            yield lambda function, tasks: _shared_out(executor, _sendable(function), tasks)
+    else:
+        executor = count.get_executor(pure=False)
         try:
-            begun[:] = [executor.submit(function, task) for task in tasks]
-            number = {future: i for i, future in enumerate(begun)}
-            for future in as_completed(begun):
-                yield number[future], future.result()
-        except BrokenExecutor as error:
-            raise RopewayError(
-                "A worker process has died",
-                "Call it under `if __name__ == '__main__':`, define functions in a module that a new process can "
-                "import, use fewer workers if memory is short",
-            ) from error
+            yield lambda function, tasks: _shared_out(executor, function, tasks)
+        finally:
+            executor.shutdown(wait=False)
 
+
+def _here(function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
+    for i, task in enumerate(tasks):
+        stop_if_interrupted()
+        yield i, function(task)
+
+
+def _shared_out(executor: Executor, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
+    """The results of all tasks, as they come in. Raises WorkerError, Interrupted."""
+    done: SimpleQueue[Future[Any]] = SimpleQueue()
+    number: dict[Future[Any], int] = {}
     try:
-        yield share_out
+        for i, task in enumerate(tasks):
+            number[executor.submit(function, task)] = i
+        for future in number:
+            future.add_done_callback(done.put)
+        for _ in range(len(number)):
+            future = next_of(done)
+            yield number[future], future.result()
+    except BrokenExecutor as error:
+        raise WorkerError(
+            "A worker process has died",
+            "Call it under `if __name__ == '__main__':`, define functions in a module that a new process can "
+            "import, use fewer workers if memory is short, or workers=1",
+        ) from error
+    except Exception as error:  # whatever a cluster fails with: a study's own errors are results
+        raise WorkerError(
+            f"A worker was lost: {type(error).__name__}: {error}",
+            "Look at the workers' own messages; give them more memory, or use fewer of them",
+        ) from error
     finally:
-        for future in begun:
+        for future in number:
             future.cancel()
-        executor.shutdown()
 
 
-def _end_with_parent() -> None:
-    """Processes whose parent is killed would wait for work for ever."""
+class _Processes(SpawnContext):
+    """Starts processes, and keeps them in `started`."""
 
-    def wait() -> None:
+    def __init__(self) -> None:
+        super().__init__()
+        self.started: list[SpawnProcess] = []
+
+    def Process(self, *args: Any, **settings: Any) -> SpawnProcess:  # type: ignore[override]  # noqa: N802
+        """As the executor calls it."""
+        self.started.append(SpawnProcess(*args, **settings))
+        return self.started[-1]
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
+    """Local processes. They end at once when the work is broken off: by an error, by Ctrl-C, or with this process."""
+    context = _Processes()
+    executor = ProcessPoolExecutor(count, context, _begin)
+    try:
+        yield executor
+    except BaseException:
+        for process in context.started:
+            if process.is_alive():
+                process.terminate()
+        raise
+    finally:
+        executor.shutdown(cancel_futures=True)
+
+
+def _begin() -> None:
+    """What a worker process does first. Ctrl-C reaches all processes of a terminal: the first one ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def end_with_parent() -> None:
         parent = parent_process()
         if parent is not None:
             parent.join()
             os._exit(1)
 
-    Thread(target=wait, daemon=True).start()
+    Thread(target=end_with_parent, daemon=True).start()
 
 
-def _here(function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
-    for i, task in enumerate(tasks):
-        yield i, function(task)
-
-
-def _require_sendable(function: Callable[[Any], Any]) -> None:
-    """Raises InputError for a function that another process could not find."""
+def _sendable(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """The function. Raises InputError where another process could not find it."""
     try:
-        pickle.dumps(function)
+        sent = pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         raise InputError(
             f"A worker process cannot be given this study: {error}",
             "Define its function at the top of a module, or use workers=1",
         ) from error
+    if b"__main__" in sent and not hasattr(sys.modules["__main__"], "__file__"):
+        raise InputError(
+            "A worker process cannot be given this study: it is defined in a notebook or at a prompt",
+            "Use workers=1, or move the function to a module and import it",
+        )
+    return function

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ropeway.components.catenary import Strain
+from ropeway.components.checked import checked
 from ropeway.components.errors import SlackRopeError
 from ropeway.systems.studies.catenary_fundamentals import catenary_for_length
 from ropeway.systems.studies.elastic_piece import ElasticPiece
@@ -45,6 +46,7 @@ class Worksheet(NamedTuple):
     unloaded_tension: Array
 
 
+@checked
 def lira_worksheet(
     line: LoadedSpan,
     weight: Numbers,

@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Unbounded
 
-PerSheave = float | Mapping[str, float]
+PerSheave = Unbounded | Mapping[str, Unbounded]
 """One value for all control sheaves, or one for each name; those not named have no limit of their own."""
 
 _LARGEST = {
@@ -38,6 +40,7 @@ SPARE = 0.95
 """Share of a hydraulic drive's limits that a plan uses: beyond it they round off the drive's motion."""
 
 
+@checked
 @dataclass(frozen=True, kw_only=True)
 class ScheduleLimits:
     """Limits of a schedule.

@@ -8,13 +8,19 @@ so the graph stays small, and the Hessian is exact.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from threading import Lock
 from typing import Any
 
 import casadi as ca
 import numpy as np
+
+from ropeway.systems.interrupts import WAIT, interrupted, stop_if_interrupted
+
+_IN_USE = Lock()
 
 
 class Term:
@@ -107,7 +113,7 @@ def solve(
     iterations: int,
     tolerance: float,
 ) -> Solution:
-    """The minimum of the sum of all costs, from a start; low and high bound the variables."""
+    """The minimum of the sum of all costs, from a start; low and high bound the variables. Raises Interrupted."""
     uses = [u for u in uses if u.n]
     functions, problem = _problem(len(start), uses, linear)
     options: dict[str, Any] = {
@@ -126,14 +132,17 @@ def solve(
         "calc_lam_p": False,
         "error_on_fail": False,
     }
-    solver = ca.nlpsol("solver", "ipopt", problem, options)
+    stop = _Stop(problem)
+    solver = ca.nlpsol("solver", "ipopt", problem, {**options, "iteration_callback": stop})
     bounds = [
         np.concatenate([*(u.__dict__[side].ravel(order="F") for u in uses), linear.__dict__[side]])
         for side in ("low", "high")
     ]
     begin = time.perf_counter()
-    found = solver(x0=start, lbx=low, ubx=high, lbg=bounds[0], ubg=bounds[1])
-    stats = solver.stats()
+    with _alone():
+        found = solver(x0=start, lbx=low, ubx=high, lbg=bounds[0], ubg=bounds[1])
+        stats = solver.stats()
+    stop_if_interrupted()
     return Solution(
         np.array(found["x"]).ravel(),
         np.array(found["g"]).ravel(),
@@ -144,6 +153,43 @@ def solve(
         int(stats["iter_count"]),
         time.perf_counter() - begin,
     )
+
+
+class _Stop(ca.Callback):  # type: ignore[misc]  # CasADi has no types
+    """Asked by IPOPT after each iteration whether to stop: after a Ctrl-C."""
+
+    def __init__(self, problem: dict[str, ca.MX]) -> None:
+        super().__init__()
+        n, m = problem["x"].numel(), problem["g"].numel()
+        self._sizes = {"f": 1, "x": n, "lam_x": n, "g": m, "lam_g": m}
+        self.construct("stop", {})
+
+    def get_n_in(self) -> int:
+        """What IPOPT tells: as many as a solver has results."""
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        """One: 1 to stop, 0 to go on."""
+        return 1
+
+    def get_sparsity_in(self, i: int) -> ca.Sparsity:
+        """Columns; nothing for the multipliers of parameters."""
+        return ca.Sparsity.dense(self._sizes.get(ca.nlpsol_out(i), 0), 1)
+
+    def eval(self, arguments: Sequence[ca.DM]) -> list[bool]:
+        """The answer."""
+        return [interrupted()]
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """IPOPT's linear solver MUMPS is not made for several threads at a time. Raises Interrupted."""
+    while not _IN_USE.acquire(timeout=WAIT):
+        stop_if_interrupted()
+    try:
+        yield
+    finally:
+        _IN_USE.release()
 
 
 def _problem(n: int, uses: Sequence[Uses], linear: Linear) -> tuple[dict[str, ca.Function], dict[str, ca.MX]]:

@@ -10,20 +10,21 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.files import whole
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import component_of
 from ropeway.systems.result import Result
 from ropeway.systems.studies.scheduling.limits import ScheduleLimits
+from ropeway.systems.studies.scheduling.robustness import Disturbance, robustness, trimmed_line
 from ropeway.systems.studies.scheduling.solution import Active
 from ropeway.systems.system import System
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from ropeway.systems.studies.scheduling.robustness import Disturbance
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,7 @@ class Report:
         return pd.DataFrame(rows).rename_axis("round")
 
 
+@checked
 @dataclass(frozen=True, eq=False, repr=False)
 class SchedulePlan:
     """Schedules of the control sheaves, by name, and what they bring.
@@ -140,7 +142,6 @@ class SchedulePlan:
     def trimmed(self) -> System:
         """The line with trims that correct towards the plan: feed-forward plus trim is
         `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
-        from ropeway.systems.studies.scheduling.robustness import trimmed_line
 
         return trimmed_line(self, self.trim)
 
@@ -152,13 +153,14 @@ class SchedulePlan:
         tension [N], "over plan" (that over the plan's, less 1), deviation [N], energy [J], from `settle` [s] on, by
         default the plan's; NaN where the line could not go on.
         """
-        from ropeway.systems.studies.scheduling.robustness import robustness
 
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path."""
-        self.frame.to_csv(path)
+        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path. Raises
+        WriteError."""
+        with whole(path) as file:
+            self.frame.to_csv(file)
         return Path(path)
 
     def plot(self) -> Figure:

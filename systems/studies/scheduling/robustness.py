@@ -10,11 +10,13 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, RopewayError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
 from ropeway.systems.carrying import carried_over
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.newton import newton_of
 from ropeway.systems.simulation import simulate
 from ropeway.systems.state import LineState
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.scheduling.plan import SchedulePlan
 
 
+@checked
 @dataclass(frozen=True)
 class Disturbance:
     """What is not as planned: all masses times `mass`, the speed of `sheave` times `speed` and its schedule `delay`
@@ -108,6 +111,7 @@ def trimmed_line(plan: SchedulePlan, trim: ProportionalResponse) -> System:
     return with_responses(plan.line, {**dict.fromkeys(plan.schedules), **responses})
 
 
+@interruptible
 def robustness(
     plan: SchedulePlan, disturbances: Sequence[Disturbance] | None = None, settle: float | None = None
 ) -> pd.DataFrame:
@@ -121,20 +125,37 @@ def robustness(
     driven = [case.schedules(plan.schedules) for case in cases]
     lines = {"open loop": with_responses(plan.line, dict.fromkeys(plan.schedules)), "trimmed": plan.trimmed}
     starts = {kind: carried_over(plan.start, line) for kind, line in lines.items()}
-    rows = {}
-    for case, schedules in zip(cases, driven, strict=True):
-        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
-        row: dict[tuple[str, str], float] = {}
-        for kind, start in starts.items():
-            try:
-                begin = case.start(start)
-                result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
-                found = objectives(result, settle=late, target=plan.target)
-            except RopewayError:
-                found = dict.fromkeys(known, np.nan)
-            row[kind, "peak tension"] = found["peak tension"]
-            row[kind, "over plan"] = found["peak tension"] / known["peak tension"] - 1.0
-            row[kind, "tension deviation"] = found["tension deviation"]
-            row[kind, "energy"] = found["energy"]
-        rows[case.name] = row
-    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("case")
+    rows: dict[str, dict[tuple[str, str], float]] = {}
+
+    def table() -> pd.DataFrame:
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("case")
+
+    with keeping(table):
+        for case, schedules in zip(cases, driven, strict=True):
+            rows[case.name] = _row(case, schedules, plan, starts, late, known)
+    return table()
+
+
+def _row(
+    case: Disturbance,
+    schedules: Mapping[str, Schedule],
+    plan: SchedulePlan,
+    starts: Mapping[str, Equilibrium],
+    late: float,
+    known: Mapping[str, float],
+) -> dict[tuple[str, str], float]:
+    """What a plan comes to under a disturbance, open loop and trimmed."""
+    row: dict[tuple[str, str], float] = {}
+    inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
+    for kind, start in starts.items():
+        try:
+            begin = case.start(start)
+            result = simulate(begin.model, plan.until, every=0.5, inputs=inputs, start=begin, progress=False)
+            found = objectives(result, settle=late, target=plan.target)
+        except RopewayError:
+            found = dict.fromkeys(known, np.nan)
+        row[kind, "peak tension"] = found["peak tension"]
+        row[kind, "over plan"] = found["peak tension"] / known["peak tension"] - 1.0
+        row[kind, "tension deviation"] = found["tension deviation"]
+        row[kind, "energy"] = found["energy"]
+    return row

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, UnknownNameError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
@@ -20,6 +21,7 @@ _TRIALS, _BALANCE = 20, 1.0
 """Trials for an even share, and how near to it is near enough [N]."""
 
 
+@checked
 def balanced(line: System) -> Equilibrium:
     """The line at rest with so much rope in each section that all control sheaves have the same difference of tension
     between their sides: they share evenly what the line as a whole pulls. Raises InputError, EquilibriumError.

@@ -1,0 +1,118 @@
+"""The check that an annotation of a public signature stands for."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ropeway.components import kinds
+from ropeway.components.check import Range
+from ropeway.components.kinds import Check, RefusedError
+
+Array = NDArray[np.float64]
+
+Numbers = float | Array
+"""A number, or numbers side by side."""
+
+_INFINITE = "may be infinite"
+Unbounded = Annotated[float, _INFINITE]
+"""A number that may be infinite, as the stiffness of a rope that does not stretch."""
+
+_PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth}
+_NAMES: dict[Any, str] = {str: "text", type(None): "None", np.ndarray: "an array"}
+
+
+def check_of(hint: Any) -> Check | None:
+    """The check of an annotation, None where it allows everything. Raises TypeError for one of no known kind."""
+    if hint is Any or hint is object:
+        return None
+    if hint in (Numbers, ArrayLike):
+        return kinds.array
+    if hint in _PLAIN:
+        return _PLAIN[hint]
+    if isinstance(hint, TypeVar):
+        return check_of(hint.__bound__ or Any)
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return _annotated(arguments[0], arguments[1])
+    if origin in (typing.Required, typing.NotRequired):
+        return check_of(arguments[0])
+    if origin in (Union, types.UnionType):
+        return _union(arguments)
+    if origin is Literal:
+        return kinds.one_of(arguments)
+    if origin is not None:
+        return _container(origin, arguments)
+    if getattr(hint, "_is_protocol", False):
+        members = sorted(_members(hint))
+        return kinds.with_members(members, f"{kinds.article(hint.__name__)}, which has {', '.join(members)}")
+    if isinstance(hint, type):
+        return kinds.instance_of((hint,), _name(hint))
+    raise TypeError(f"No check for {hint!r}")
+
+
+def _name(kind: Any) -> str:
+    return _NAMES.get(kind) or kinds.article(getattr(kind, "__name__", str(kind)))
+
+
+def _annotated(hint: Any, extra: Any) -> Check | None:
+    """`Unbounded`, or a hint with the `Range` of its values."""
+    if extra == _INFINITE:
+        return kinds.unbounded
+    inner = check_of(hint)
+    if inner is None or not isinstance(extra, Range):
+        return inner
+
+    def ranged(value: Any) -> Any:
+        value = inner(value)
+        for v in np.ravel(value):
+            if extra.refuses(float(v)):
+                raise RefusedError(float(v), extra.words)
+        return value
+
+    return ranged
+
+
+def _union(options: tuple[Any, ...]) -> Check | None:
+    """None of the options allows everything, or there is no check. An array that may stand for a sequence is
+    checked as one."""
+    checks = {option: check_of(option) for option in options}
+    if None in checks.values():
+        return None
+    if any(get_origin(option) is Sequence for option in options):
+        checks.pop(np.ndarray, None)
+    plain = [o for o in checks if isinstance(o, type) and o not in _PLAIN and not getattr(o, "_is_protocol", False)]
+    others = [check for option, check in checks.items() if option not in plain and check is not None]
+    return kinds.any_of(tuple(plain), [_name(o) for o in plain], others)
+
+
+def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
+    if origin is tuple and arguments[-1] is not Ellipsis:
+        return kinds.tuple_like([check_of(a) for a in arguments], f"{len(arguments)} values")
+    if origin is Callable:
+        return kinds.with_members(("__call__",), "a function")
+    if issubclass(origin, np.ndarray):
+        return kinds.instance_of((np.ndarray,), "an array")
+    checks = [check_of(a) for a in arguments if a is not Ellipsis]
+    if issubclass(origin, Mapping):
+        return kinds.mapping_of(checks[0], checks[1], "a mapping of names to values")
+    what = "numbers" if checks[0] is kinds.real else "values"
+    if origin is tuple:
+        return kinds.tuple_of(checks[0], f"a sequence of {what}")
+    if issubclass(origin, Sequence):
+        return kinds.sequence_of(checks[0], f"a sequence of {what}")
+    if origin in (Iterable, Collection):
+        return kinds.with_members(("__iter__",), f"several {what}")
+    return kinds.instance_of((origin,), _name(origin))
+
+
+def _members(protocol: Any) -> set[str]:
+    """Names of what an object must have to follow a protocol."""
+    bases = [b for b in protocol.__mro__ if getattr(b, "_is_protocol", False) and b is not typing.Protocol]
+    names = {name for b in bases for name in (*vars(b), *vars(b).get("__annotations__", {}))}
+    return {name for name in names if not name.startswith("_")}

@@ -1,0 +1,254 @@
+"""Kinds of values that a user gives: each check returns the value as the library uses it, or raises `RefusedError`.
+
+Numbers of NumPy become Python's, so that a float32 does not take digits from what it is multiplied with; a pandas
+Series becomes an array.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from reprlib import Repr
+from typing import Any
+
+import numpy as np
+
+from ropeway.components.errors import RopewayError
+
+Check = Callable[[Any], Any]
+
+FINITE = "a finite number, not NaN or inf"
+
+_TEXTS = (str, bytes, bytearray, memoryview)
+_REPR = Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
+
+
+class RefusedError(RopewayError):
+    """A value that is not what is `expected`; `place` says where it stands in its argument."""
+
+    def __init__(self, value: object, expected: str) -> None:
+        self.value, self.expected, self.place = value, expected, ""
+        super().__init__(expected)
+
+    def at(self, place: str) -> RefusedError:
+        """The same, seen from its container."""
+        self.place = f"[{place}]{self.place}"
+        return self
+
+
+def short(value: object) -> str:
+    """A value in a message: its repr where that is short, or else its class."""
+    try:
+        text = _REPR.repr(value)
+    except Exception:  # noqa: BLE001 the repr of a user's object may raise anything
+        text = "<"
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    return f"{article(type(value).__name__)}" if text.startswith("<") or "\n" in text else text
+
+
+def article(word: str) -> str:
+    """A word with a or an."""
+    return f"{'an' if word[0].lower() in 'aeiou' else 'a'} {word}"
+
+
+def is_real(value: object) -> bool:
+    """Whether a value is one real number; a bool is none."""
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "iuf"
+    return isinstance(value, numbers.Real) and not isinstance(value, bool)
+
+
+def real(value: Any) -> Any:
+    """A finite number."""
+    kind = type(value)
+    try:
+        if kind is not float and kind is not int:
+            if not is_real(value):
+                raise RefusedError(value, "a number")
+            value = float(value)
+        finite = math.isfinite(value)
+    except OverflowError:
+        finite = False
+    if not finite:
+        raise RefusedError(value, FINITE)
+    return value
+
+
+def unbounded(value: Any) -> Any:
+    """A number, which may be infinite."""
+    return float(value) if is_real(value) and value in (math.inf, -math.inf) else real(value)
+
+
+def whole(value: Any) -> Any:
+    """A whole number."""
+    if is_real(value) and isinstance(value, numbers.Integral):
+        return int(value)
+    raise RefusedError(value, "a whole number")
+
+
+def truth(value: Any) -> Any:
+    """True or False."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise RefusedError(value, "True or False")
+
+
+def array(value: Any) -> Any:
+    """A number as it is; arrays, Series and nested sequences of one length as an array of numbers."""
+    if isinstance(value, (list, tuple)):
+        each(value, array)
+    elif not (isinstance(value, np.ndarray) and value.ndim) and not hasattr(value, "to_numpy"):
+        return real(value)
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        raise RefusedError(value, "rows of one length") from None
+    if found.dtype.kind not in "iuf" or not found.size:
+        raise RefusedError(value, "a number, or an array of numbers")
+    return _finite(found)
+
+
+def _finite(found: np.ndarray) -> np.ndarray:
+    """An array of numbers as floats; the first that is not finite is refused."""
+    bad = ~np.isfinite(found)
+    if bad.any():
+        place = np.argwhere(bad)[0]
+        raise RefusedError(float(found[tuple(place)]), FINITE).at(", ".join(map(str, place)))
+    return found.astype(float, copy=False)
+
+
+def each(values: Sequence[Any], check: Check) -> list[Any]:
+    """Every element checked."""
+    found = []
+    for i, value in enumerate(values):
+        try:
+            found.append(check(value))
+        except RefusedError as refusal:
+            raise refusal.at(str(i)) from None
+    return found
+
+
+def _elements(value: Any, expected: str) -> Sequence[Any]:
+    """The elements of a list, tuple, array or Series."""
+    if isinstance(value, (list, tuple)):
+        return value
+    if hasattr(value, "to_numpy") and not isinstance(value, type):
+        value = value.to_numpy()
+    if isinstance(value, np.ndarray) and value.ndim:
+        return list(value)
+    if isinstance(value, Sequence) and not isinstance(value, _TEXTS):
+        return value
+    raise RefusedError(value, expected)
+
+
+def sequence_of(check: Check | None, expected: str) -> Check:
+    """A sequence, every element of it checked; as it is where all its elements are."""
+
+    def sequence(value: Any) -> Any:
+        if isinstance(value, np.ndarray) and check is real and value.ndim == 1 and value.dtype.kind in "iuf":
+            return _finite(value)
+        values = _elements(value, expected)
+        found = values if check is None else each(values, check)
+        same = values is value and all(one is other for one, other in zip(found, values, strict=True))
+        return value if same else found
+
+    return sequence
+
+
+def tuple_of(check: Check | None, expected: str) -> Check:
+    """Any sequence as a tuple, every element of it checked."""
+    sequence = sequence_of(check, expected)
+    return lambda value: tuple(sequence(value))
+
+
+def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:
+    """A sequence of as many elements as there are checks, as a tuple."""
+
+    def like(value: Any) -> Any:
+        values = _elements(value, expected)
+        if len(values) != len(checks):
+            raise RefusedError(value, expected)
+        pairs = list(zip(checks, values, strict=True))
+        return tuple(each(pairs, lambda pair: pair[1] if pair[0] is None else pair[0](pair[1])))
+
+    return like
+
+
+def mapping_of(keys: Check | None, values: Check | None, expected: str) -> Check:
+    """A mapping, its keys and values checked."""
+
+    def mapping(value: Any) -> Any:
+        if not isinstance(value, Mapping):
+            raise RefusedError(value, expected)
+        found = {}
+        for key, element in value.items():
+            try:
+                key = key if keys is None else keys(key)
+            except RefusedError as refusal:
+                raise RefusedError(key, f"{refusal.expected} as each key") from None
+            try:
+                found[key] = element if values is None else values(element)
+            except RefusedError as refusal:
+                raise refusal.at(repr(key)) from None
+        return value if all(found[key] is value[key] for key in found) else found
+
+    return mapping
+
+
+def instance_of(kinds: tuple[type, ...], expected: str) -> Check:
+    """An object of one of these classes."""
+
+    def instance(value: Any) -> Any:
+        if isinstance(value, kinds):
+            return value
+        raise RefusedError(value, expected)
+
+    return instance
+
+
+def with_members(members: Sequence[str], expected: str) -> Check:
+    """An object, not a class, that has all these attributes."""
+
+    def having(value: Any) -> Any:
+        if not isinstance(value, type) and all(hasattr(value, name) for name in members):
+            return value
+        raise RefusedError(value, expected)
+
+    return having
+
+
+def one_of(words: tuple[Any, ...]) -> Check:
+    """One of these words; a word near to one is named first."""
+    expected = f"one of {', '.join(map(repr, words))}"
+
+    def word(value: Any) -> Any:
+        if isinstance(value, str) and value in words:
+            return value
+        near = get_close_matches(value, words, 1) if isinstance(value, str) else ()
+        raise RefusedError(value, f"{expected}; did you mean {near[0]!r}?" if near else expected)
+
+    return word
+
+
+def any_of(plain: tuple[type, ...], expected: Sequence[str], checks: Sequence[Check]) -> Check:
+    """An object of one of the `plain` classes, named in `expected`, or what one of the checks lets through."""
+
+    def alternative(value: Any) -> Any:
+        if isinstance(value, plain):
+            return value
+        refusals = []
+        for check in checks:
+            try:
+                return check(value)
+            except RefusedError as refusal:
+                refusals.append(refusal)
+        for told in refusals:  # the right kind of container, or a number, tells more than all that it could be
+            if told.place or told.expected == FINITE:
+                raise told
+        raise RefusedError(value, " or ".join(dict.fromkeys((*(r.expected for r in refusals), *expected))))
+
+    return alternative

@@ -1,0 +1,47 @@
+"""What must hold at a component at rest, in NumPy alone: the certificate of a state is checked by these.
+
+They share no code with the residuals that the solvers take, so that an error in one does not hide in the other.
+A force is an array of shape (3, ...): the pull of the rope at a seat.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Law(NamedTuple):
+    """A difference that vanishes at rest, and the size that it is measured by; arrays of one shape."""
+
+    miss: np.ndarray
+    size: np.ndarray
+
+
+def tension(force: np.ndarray) -> np.ndarray:
+    """Size of a force [N]."""
+    return np.asarray(np.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]))
+
+
+def wrap(coming: np.ndarray, going: np.ndarray) -> np.ndarray:
+    """Angle by which a rope is turned [rad], from its pulls on both sides."""
+    turned = np.cross(coming, going, axis=0)
+    return np.asarray(np.arctan2(tension(turned), -np.sum(coming * going, axis=0)))
+
+
+def ratio(coming: np.ndarray, going: np.ndarray, by: np.ndarray | float = 1.0) -> Law:
+    """The tension going out is `by` times the tension coming in."""
+    t_in, t_out = tension(coming), tension(going)
+    return Law(t_out - by * t_in, np.maximum(t_in, t_out))
+
+
+def balance(*forces: np.ndarray) -> dict[str, Law]:
+    """All forces on a body sum to zero, along each axis."""
+    total, size = sum(forces, np.zeros(1)), sum((tension(f) for f in forces), np.zeros(1))
+    return {axis: Law(total[i], size) for i, axis in enumerate("xyz")}
+
+
+def weight(newtons: np.ndarray) -> np.ndarray:
+    """The force of a weight."""
+    none = np.zeros_like(newtons)
+    return np.stack([none, none, -newtons])

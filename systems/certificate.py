@@ -1,0 +1,343 @@
+"""A certificate for every state that leaves a solver: an independent check, in NumPy, that it is an equilibrium.
+
+It shares no code with the residuals that the solvers make zero. What it cannot know by itself, as the contact of a log
+with the ground or a component that has no `laws`, it checks by the model's own residuals, evaluated afresh.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.certificate_layout import CertificateLayout, layout_of
+from ropeway.systems.certificate_spans import Hung, Shape, Spans, hung, pulls, read_spans, shape
+from ropeway.systems.certificate_stability import least_pivots
+from ropeway.systems.model import Model, component_of
+from ropeway.systems.newton import Buffered, Point, dense, outputs_of
+from ropeway.systems.run import Run
+from ropeway.systems.stability import free_balances, least_pivot
+from ropeway.systems.state import find
+
+CLOSURE = 1e-9
+"""How far a span may end from its support, over its chord. A hundred-thousandth of its rope and of its coordinates
+counts as chord too: rounding leaves that much of them."""
+PLACE = 1e-9
+"""How far a load may hang from its place on the rope, over the mean span."""
+INSIDE = 1e-8
+"""How far a load that stands on a support may hang beyond it, over the mean span."""
+ROPE = 1e-9
+"""How much of a rope may be missing or too much, over its length."""
+LAW = 1e-8
+"""How far forces may be from balance, over their sizes, and a law of a component from being kept."""
+GIVEN = 1e-8
+"""How far a given value may be missed, over its size or its nominal."""
+
+_BATCH = 200_000
+"""Numbers in one array of a batch of records, about: more take memory and save no time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check: its worst `value`, its `limit`, and the `component` and `record` where it is worst. The value is at
+    most the limit; of `lower` limits it is above it."""
+
+    name: str
+    value: float
+    limit: float
+    component: str
+    record: int = 0
+    lower: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is met; a value that is not a number is not."""
+        return self.value > self.limit if self.lower else self.value <= self.limit
+
+    def worse_than(self, other: Check) -> bool:
+        """Whether this one is to be reported of two of a name: the first that fails, else the worst."""
+        if not (self.holds and other.holds):
+            return other.holds or (not self.holds and self.record < other.record)
+        return self.value < other.value if self.lower else self.value > other.value
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The checks of a state, or the worst of each over many records."""
+
+    checks: tuple[Check, ...]
+
+    @property
+    def failed(self) -> Check | None:
+        """The failed check of the first record in which one failed, None where all hold."""
+        return min((c for c in self.checks if not c.holds), key=lambda c: c.record, default=None)
+
+    @property
+    def frame(self) -> pd.DataFrame:
+        """The checks: index check; columns value, limit, holds, component where it is worst. A value is at most its
+        limit; of the checks that begin with "least" it is above it."""
+        table = pd.DataFrame(
+            {
+                "check": [c.name for c in self.checks],
+                "value": [c.value for c in self.checks],
+                "limit": [c.limit for c in self.checks],
+                "holds": [c.holds for c in self.checks],
+                "component": [c.component for c in self.checks],
+            }
+        )
+        return table.set_index("check")
+
+    def require(self, model: Model) -> None:
+        """Raises EquilibriumError that names the check which failed."""
+        check = self.failed
+        if check is None:
+            return
+        if check.name == STABLE:
+            raise EquilibriumError(
+                f"The balance of the rope over {check.component!r} is unstable: it would run into one of the spans",
+                "The rope is too slack: shorten it or raise the tension",
+                check.component,
+            )
+        if check.name == LEAST_ROPE:
+            raise EquilibriumError(
+                f"No rope is left in span {check.component!r}", "Give the run more rope", check.component
+            )
+        raise EquilibriumError(
+            f"The solution found for {model.name!r} fails its check: {check.name} is {check.value:.3g} at "
+            f"{check.component!r}, the limit is {check.limit:g}",
+            "Start from a nearby equilibrium with start=, or change lengths, tensions or loads a little",
+            check.component,
+        )
+
+    @classmethod
+    def worst(cls, certificates: Iterable[Certificate]) -> Certificate:
+        """Of each check the worst, or the first that failed."""
+        found: dict[str, Check] = {}
+        for certificate in certificates:
+            for check in certificate.checks:
+                if check.name not in found or check.worse_than(found[check.name]):
+                    found[check.name] = check
+        return cls(tuple(found.values()))
+
+
+SPANS_END = "distance of a span's end from its support over its chord"
+LEAST_ROPE = "least rope in a span over its chord"
+ON_ROPE = "distance of a load from its place on the rope over the mean span"
+IN_SPAN = "distance of a load beyond its span over the mean span"
+ROPE_SUM = "rope missing from a run over its length"
+STABLE = "least pivot of the stiffness of free travels"
+EQUATIONS = "other equations over their nominals"
+VALUES = "distance from a given value over its size"
+
+
+def certify(
+    model: Model,
+    point: Point,
+    runs: Sequence[Run],
+    passed: Sequence[np.ndarray],
+    *,
+    given: Mapping[str, float] | None = None,
+    rope: Sequence[float] = (),
+    held: Collection[str] = (),
+) -> Certificate:
+    """The certificate of one state.
+
+    Parameters
+    ----------
+    model
+        The model that was solved.
+    point
+        The solved point.
+    runs
+        The runs with their loads.
+    passed
+        For each run the number of loads beyond each support, shape (supports,).
+    given
+        Values that variables or outputs must have, by name.
+    rope
+        For each run its unstretched length [m] as it must be; none: it is not compared.
+    held
+        Names of places and travels that something else holds, as a carriage at a station ("carriage.x"): their
+        balance need not be stable.
+
+    Returns
+    -------
+    Certificate
+        It raises nothing: `certificate.require(model)` does.
+    """
+    values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
+    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
+    if given:
+        checks.append(_given(model, point, runs, passed, given))
+    return Certificate(tuple(checks))
+
+
+def certify_records(
+    model: Model, points: Sequence[Point], runs: Sequence[Run], passed: Sequence[Sequence[np.ndarray]]
+) -> Certificate:
+    """The worst of each check over many solved points of one model, in order of time; passed: for each point as in
+    `certify`. A check that fails is that of the first record in which it does."""
+    layout = layout_of(model)
+    size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
+    found = []
+    for first in range(0, len(points), size):
+        chunk = points[first : first + size]
+        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in chunk])
+        beyond = [np.array([p[r] for p in passed[first : first + size]]) for r in range(len(runs))]
+        for check in _checks(model, values, chunk, runs, beyond, (), ()):
+            found.append(Certificate((_later(check, first),)))
+    return Certificate.worst(found)
+
+
+def _later(check: Check, first: int) -> Check:
+    return Check(check.name, check.value, check.limit, check.component, check.record + first, check.lower)
+
+
+def _stacked(*vectors: np.ndarray) -> np.ndarray:
+    """All vectors, and the zero behind them that a layout counts on."""
+    return np.concatenate((*vectors, (0.0,)))
+
+
+def _checks(
+    model: Model,
+    values: np.ndarray,
+    points: Sequence[Point],
+    runs: Sequence[Run],
+    passed: Sequence[np.ndarray],
+    rope: Sequence[float],
+    held: Collection[str],
+) -> list[Check]:
+    layout, checks = layout_of(model), []
+    places = layout.spans
+    start = len(model.x) + len(model.z) + len(model.u)
+    gravity = values[:, start : start + 1]
+    with np.errstate(all="ignore"):  # what is not a number fails its check
+        if places.names:
+            spans = read_spans(places, values, gravity)
+            loads = hung(places, values, spans, runs, passed)
+            found = shape(spans, loads, gravity)
+            checks += _span_checks(layout, values, spans, loads, found, rope)
+            pull = pulls(spans, found)
+        else:
+            pull = np.zeros((3, len(values), 1))
+        checks += _law_checks(model, layout, values, pull)
+        if len(layout.others):
+            checks.append(_other_equations(model, layout, points))
+        quick = None
+        if places.names and layout.plain and not held:
+            quick = least_pivots(layout, values, spans, found)
+    checks += _stability(model, layout, points, quick, held)
+    return checks
+
+
+def _stability(
+    model: Model,
+    layout: CertificateLayout,
+    points: Sequence[Point],
+    quick: tuple[float, int, int] | None,
+    held: Collection[str],
+) -> list[Check]:
+    """By the condensed stiffness of plain lines; that of the whole model counts where ropes hold nodes, and where
+    the first refuses a line that friction may hold."""
+    if quick is not None and quick[0] > 0.0:
+        return [Check(STABLE, quick[0], 0.0, layout.supports[quick[2]], quick[1], lower=True)]
+    found = []
+    for i, point in enumerate(points if quick is None else points[quick[1] : quick[1] + 1]):
+        free = free_balances(model, point, held)
+        if free:
+            pivot, balance = least_pivot(model, point, free)
+            name = component_of(model.z.names[balance.travel])
+            found.append(Check(STABLE, pivot, 0.0, name, i if quick is None else quick[1], lower=True))
+    return list(Certificate.worst(Certificate((check,)) for check in found).checks)
+
+
+def _worst(name: str, misses: np.ndarray, limit: float, components: Sequence[str], *, lower: bool = False) -> Check:
+    """The worst of misses (records, components): the largest in the first record that fails, else in all."""
+    flat = int(misses.argmin() if lower else misses.argmax())  # both stop at the first that is not a number
+    check = Check(
+        name, float(misses.flat[flat]), limit, components[flat % misses.shape[1]], flat // misses.shape[1], lower
+    )
+    if check.holds or len(misses) == 1:
+        return check
+    good = misses > limit if lower else misses <= limit
+    record = int(np.argmax(~good.all(axis=1)))
+    place = int(misses[record].argmin() if lower else misses[record].argmax())
+    return Check(name, float(misses[record, place]), limit, components[place], record, lower)
+
+
+def _span_checks(
+    layout: CertificateLayout,
+    values: np.ndarray,
+    spans: Spans,
+    loads: Hung | None,
+    found: Shape,
+    rope: Sequence[float],
+) -> list[Check]:
+    places = layout.spans
+    off = found.reach - spans.way
+    miss = np.sqrt((off * off).sum(axis=1))
+    size = spans.chord + 1e-5 * (np.abs(spans.length) + spans.coordinates)
+    checks = [
+        _worst(SPANS_END, miss / size, CLOSURE, places.names),
+        _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
+    ]
+    if loads is not None:
+        mean = spans.chord.mean(axis=1)[:, None]
+        mass, at, ride, empty = values[:, places.slots].transpose(1, 0, 2, 3)
+        read = at + ride * spans.travel_a[:, :, None] + empty * spans.length[:, :, None]
+        away = np.abs(np.where(loads.there | (mass != 0.0), read - loads.distance, 0.0))
+        away = np.where(mass == loads.mass, away, np.inf).max(axis=2)
+        checks.append(_worst(ON_ROPE, np.where(loads.lost, np.inf, away / mean), PLACE, places.names))
+        beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None])
+        beyond = np.where(loads.there, beyond, 0.0).max(axis=2)
+        checks.append(_worst(IN_SPAN, beyond / mean, INSIDE, places.names))
+    if rope:
+        ends = places.runs
+        totals = np.array([spans.length[0, a:b].sum() for a, b in itertools.pairwise(ends)])
+        missing = np.abs(totals - np.asarray(rope)) / np.asarray(rope)
+        checks.append(_worst(ROPE_SUM, missing[None], ROPE, [places.names[a] for a in ends[:-1]]))
+    return checks
+
+
+def _law_checks(model: Model, layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:
+    checks = []
+    for kind in layout.kinds:
+        for name, law in kind.laws(values, pull).items():
+            miss = np.broadcast_to(np.abs(law.miss) / law.size, (len(values), len(kind.names)))
+            k = model.r.index.get(f"{kind.names[0]}.{name}")
+            text = name if k is None else model.r.descriptions[k]
+            checks.append(_worst(f"{type(kind.first).__name__}: {text}", miss, LAW, kind.names))
+    return checks
+
+
+def _other_equations(model: Model, layout: CertificateLayout, points: Sequence[Point]) -> Check:
+    residuals = _residuals_of(model)
+    nominal = model.r.nominals[layout.others]
+    found = np.array([residuals(*point.arguments)[0][layout.others] for point in points])
+    names = [component_of(model.r.names[i]) for i in layout.others]
+    return _worst(EQUATIONS, np.abs(found) / nominal, LAW, names)
+
+
+@lru_cache(maxsize=16)
+def _residuals_of(model: Model) -> Buffered:
+    """The algebraic equations of a model as a function of a point's arguments."""
+    arguments = model.dae.mx_in()
+    return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
+
+
+def _given(
+    model: Model, point: Point, runs: Sequence[Run], passed: Sequence[np.ndarray], given: Mapping[str, float]
+) -> Check:
+    outputs, misses = outputs_of(model)(*point.arguments)[0], []
+    for name, target in given.items():
+        kind, k = find(model, runs, passed, name)
+        value = outputs[k] if kind is Kind.OUTPUT else point.vector(kind)[k]
+        misses.append(abs(value - target) / max(abs(target), model.tables[kind].nominals[k]))
+    return _worst(VALUES, np.array([misses]), GIVEN, [component_of(name) for name in given])

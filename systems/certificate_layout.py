@@ -1,0 +1,195 @@
+"""Where a certificate finds what it checks: places in the vectors of a model, one after the other, and a zero behind
+them for what a model does not have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from ropeway.components.component import Component, Node, Seat, Site
+from ropeway.systems.model import Model, component_of
+from ropeway.systems.newton import VECTORS
+from ropeway.systems.run import Run, drive_speeds
+
+SPAN = ("force_x", "force_y", "force_z", "length_start", "mass_per_length", "compliance", "construction")
+"""Variables of a span, in the order of the rows of `SpanPlaces.read`; behind them, for ends a and b, `ENDS`."""
+ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
+
+
+@dataclass(frozen=True, eq=False)
+class SpanPlaces:
+    """Places of all spans, run after run. `read` (21, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
+    (4, spans, slots): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
+    behind; `shoes`: whether a rope leaves a node beside its place anywhere."""
+
+    names: tuple[str, ...]
+    read: np.ndarray
+    slots: np.ndarray
+    slot_counts: np.ndarray
+    runs: tuple[int, ...]
+    shoes: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Kindred:
+    """Components of one kind: `first` stands for all `names`. `variables`: places of each (components,); `seats`:
+    for each seat the rope end that sits there, a number of `force_at_ends`, and the place of the rope's speed."""
+
+    first: Component
+    names: tuple[str, ...]
+    variables: dict[str, np.ndarray]
+    seats: dict[str, tuple[np.ndarray, np.ndarray]]
+
+    def laws(self, values: np.ndarray, pulls: np.ndarray) -> Any:
+        """Laws of the components for values (records, all) and pulls (3, records, ends)."""
+        return self.first.laws(_Reading(self, values, pulls))
+
+
+class _Reading:
+    """What `Component.laws` reads: variables as arrays (records, components), seats with force and speed."""
+
+    def __init__(self, kind: Kindred, values: np.ndarray, pulls: np.ndarray) -> None:
+        self._kind, self._values, self._pulls = kind, values, pulls
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "gravity":
+            return self._values[:, self._kind.variables["gravity"]]
+        if name in self._kind.seats:
+            end, speed = self._kind.seats[name]
+            return SimpleNamespace(force=self._pulls[:, :, end], speed=self._values[:, speed])
+        try:
+            return self._values[:, self._kind.variables[name]]
+        except KeyError:
+            raise AttributeError(name) from None
+
+
+@dataclass(frozen=True, eq=False)
+class CertificateLayout:
+    """All places of a model. `kinds`: components with laws of their own; `others`: residuals that no law stands
+    for; `travels`: place of the travel of each support, run after run, of an idler or a drum that keeps its tension,
+    -1 of another; `held`: place of what says that a load stands on it; `plain`: whether ropes hold no node."""
+
+    spans: SpanPlaces
+    kinds: tuple[Kindred, ...]
+    others: np.ndarray
+    travels: np.ndarray
+    held: np.ndarray
+    supports: tuple[str, ...]
+    plain: bool
+
+
+@lru_cache(maxsize=64)
+def layout_of(model: Model) -> CertificateLayout:
+    """The places of a model: found once."""
+    places = _Places(model)
+    kinds = _kinds(model, places)
+    known = {f"{s.name}.closure_{axis}" for run in model.runs for s in run.spans for axis in "xyz"}
+    with np.errstate(all="ignore"):  # only the names count
+        for kind in kinds:
+            found = kind.laws(places.declared, np.ones((3, 1, 2 * len(places.spans) + 1)))
+            known.update(f"{name}.{residual}" for name in kind.names for residual in found)
+    supports = [(run, k) for run in model.runs for k in range(len(run.nodes))]
+    return CertificateLayout(
+        spans=_span_places(model, places),
+        kinds=kinds,
+        others=np.array([i for i, name in enumerate(model.r.names) if name not in known], dtype=int),
+        travels=np.array([_free_travel(model, run, k) for run, k in supports], dtype=int),
+        held=np.array([places(f"{run.nodes[k].name}.held") for run, k in supports], dtype=int),
+        supports=tuple(run.nodes[k].name for run, k in supports),
+        plain=all(f"{node.name}.{axis}" in model.p.index for run in model.runs for node in run.nodes for axis in "xyz"),
+    )
+
+
+class _Places:
+    """Places of variables by their names; the last place holds a zero."""
+
+    def __init__(self, model: Model) -> None:
+        names = [name for kind in VECTORS for name in model.tables[kind].names]
+        self.index = {name: i for i, name in enumerate(names)}
+        self.none = len(names)
+        self.declared = np.append(np.concatenate([model.tables[kind].values for kind in VECTORS]), 0.0)[None]
+        self.spans = [span.name for run in model.runs for span in run.spans]
+
+    def __call__(self, name: str) -> int:
+        return self.index.get(name, self.none)
+
+
+def _span_places(model: Model, places: _Places) -> SpanPlaces:
+    def end(node: Node, seat: Seat) -> list[int]:
+        """Places of `ENDS`."""
+        beside = "" if seat.offset is None else f"{node.name}.{seat.offset}_"
+        aside = [places(f"{beside}{name}") if beside else places.none for name in ("rope", "x", "z")]
+        return [places(f"{node.name}.{seat.travel}"), *(places(f"{node.name}.{a}") for a in "xyz"), *aside]
+
+    read, firsts = [], [0]
+    for run in model.runs:
+        for k, span in enumerate(run.spans):
+            leaves = run.seats[0] if k == 0 else run.nodes[k].through(run.seats[k]) or run.seats[k]
+            own = [places(f"{span.name}.{name}") for name in SPAN]
+            read.append([*own, *end(run.nodes[k], leaves), *end(run.nodes[k + 1], run.seats[k + 1])])
+        firsts.append(len(read))
+    counts = np.array([n for layout in model.layouts for n in layout.slots.count], dtype=int)
+    most = int(counts.max(initial=0))
+    slots = [
+        [[places(f"{name}.slot_{what}[{j + 1}]") for j in range(most)] for name in places.spans]
+        for what in ("mass", "at", "ride", "empty")
+    ]
+    return SpanPlaces(
+        names=tuple(places.spans),
+        read=np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy(),
+        slots=np.array(slots, dtype=int).reshape(4, len(places.spans), most),
+        slot_counts=counts,
+        runs=tuple(firsts),
+        shoes=any(seat.offset for run in model.runs for node in run.nodes for seat in node.seats),
+    )
+
+
+def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
+    """Components with laws, by their kind."""
+    groups: dict[Any, list[Component]] = {}
+    for c in model.system.components.values():
+        if type(c).laws is not Component.laws:
+            groups.setdefault((type(c), c.structure(Site(1.0, 1.0))), []).append(c)
+    numbers = {name: k for k, name in enumerate(places.spans)}
+    sits = {
+        seat: numbers[span] + (len(numbers) if end == "b" else 0)
+        for (span, end), seat in model.system.connections.items()
+    }
+    speeds = drive_speeds(model.runs)
+    owned: dict[str, set[str]] = {}
+    for name in places.index:
+        owned.setdefault(component_of(name), set()).add(name.split(".", 1)[-1])
+    found = []
+    for group in groups.values():
+        names = [c.name for c in group]
+        first = group[0]
+        seats = first.seats if isinstance(first, Node) else ()
+        variables = {v: np.array([places(f"{name}.{v}") for name in names]) for v in owned.get(first.name, ())}
+        variables["gravity"] = np.full(len(names), places.index["gravity"])
+        found.append(
+            Kindred(
+                first,
+                tuple(names),
+                variables,
+                {
+                    seat.name: (
+                        np.array([sits.get((name, seat.name), 2 * len(numbers)) for name in names]),
+                        np.array([places(".".join(speeds.get((name, seat.name), ("", "")))) for name in names]),
+                    )
+                    for seat in seats
+                },
+            )
+        )
+    return tuple(found)
+
+
+def _free_travel(model: Model, run: Run, k: int) -> int:
+    """Place of a support's travel in the algebraic variables where tensions balance it, else -1."""
+    node, seat = run.nodes[k], run.seats[k]
+    if seat.travel is None or node.balance_at(seat) is None:
+        return -1
+    return model.z.index.get(f"{node.name}.{seat.travel}", -1)
