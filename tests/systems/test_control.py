@@ -318,7 +318,7 @@ def test_summary_names_what_went_wrong() -> None:
     ("name", "value", "words"),
     [
         *((n, -1.0, "above zero") for n in ("inertia", "volume_per_metre", "pump_flow", "response_increment")),
-        *((n, -0.1, "below zero") for n in ("bearing_friction", "drag", "turns", "response_hold")),
+        *((n, -0.1, "zero or more") for n in ("bearing_friction", "drag", "turns", "response_hold")),
         ("mechanical_efficiency", 1.01, "at most 1"),
     ],
 )
