@@ -1,15 +1,19 @@
-"""The command line: demo, simulate a line, optimise its schedules, payload of a corridor, FMUs, ropes."""
+"""The command line: demo, simulation of a line, schedules, payload of a corridor, FMUs, ropes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ropeway.components.errors import Interrupted, SimulationError
+from ropeway.components.files import whole
+from ropeway.components.rounding import at_least, at_most
 from ropeway.fmu.command import app as fmu_commands
-from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
+from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line, folder_for
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,8 +31,12 @@ app = typer.Typer(
 
 app.add_typer(fmu_commands, name="fmu")
 
-Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; it is made if need be.")]
-SafetyFactor = Annotated[float, typer.Option(help="Breaking load over safe working load.")]
+Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; made if it does not exist.")]
+SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
+
+
+_FILES = ("tensions.csv", "events.csv", "tensions.png", "line.png")
+"""What a simulation leaves in its folder."""
 
 
 @app.command()
@@ -39,7 +47,7 @@ def demo(out: Out = Path("ropeway-demo")) -> None:
     with errors_on_one_line(), as_file(files("ropeway.examples") / "line.csv") as supports:
         rope = rw.Rope.named("RHOL-IWRC 29")
         line = rw.monocable(rope, supports, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
-        _report(rw.simulate(line, until=600.0, every=1.0), out)
+        _simulate(lambda: rw.simulate(line, until=600.0, every=1.0), out)
 
 
 @app.command()
@@ -53,11 +61,11 @@ def simulate(
     ],
     rope: RopeName = "RHOL-IWRC 29",
     tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Rope speed [m/s]; negative runs backwards.")] = 1.0,
+    speed: Annotated[float, typer.Option(help="Speed of the rope [m/s]; below zero it runs backwards.")] = 1.0,
     load_mass: LoadMass = 300.0,
     load_spacing: LoadSpacing = 50.0,
-    until: Annotated[float, typer.Option(help="Length of the run [s].")] = 600.0,
-    every: Annotated[float, typer.Option(help="Interval of the tables [s].")] = 1.0,
+    until: Annotated[float, typer.Option(help="Duration of the run [s].")] = 600.0,
+    every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
     out: Out = Path("ropeway-out"),
 ) -> None:
@@ -69,7 +77,7 @@ def simulate(
         system = rw.monocable(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
         )
-        _report(rw.simulate(system, until=until, every=every), out)
+        _simulate(lambda: rw.simulate(system, until=until, every=every), out)
 
 
 @app.command()
@@ -77,24 +85,27 @@ def optimise(
     line: Annotated[Path, typer.Argument(help="Supports, as for `simulate`, with at least two control sheaves.")],
     rope: RopeName = "RHOL-IWRC 29",
     tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Rope speed [m/s].")] = 1.0,
+    speed: Annotated[float, typer.Option(help="Speed of the rope [m/s].")] = 1.0,
     load_mass: LoadMass = 300.0,
     load_spacing: LoadSpacing = 50.0,
-    until: Annotated[float, typer.Option(help="Length of the schedule [s].")] = 120.0,
-    intervals: Annotated[int, typer.Option(help="Pieces of the schedule.")] = 60,
-    minimise: Annotated[str, typer.Option(help="peak tension, tension deviation or energy.")] = "peak tension",
+    until: Annotated[float, typer.Option(help="Duration of the schedule [s].")] = 120.0,
+    intervals: Annotated[int, typer.Option(help="Number of intervals of the schedule.")] = 60,
+    minimise: Annotated[
+        str, typer.Option(help="What to minimise: peak tension, tension deviation or energy.")
+    ] = "peak tension",
     force: Annotated[float, typer.Option(help="Largest force of a drive [N].")] = float("inf"),
     power: Annotated[float, typer.Option(help="Largest power of a drive [W].")] = float("inf"),
     settle: Annotated[
         float | None,
         typer.Option(
-            help="When limits and objective begin to count [s]; by default 10 s or a quarter of the schedule."
+            help="When tensions begin to count in the objective [s]; by default 10 s or a quarter of the "
+            "schedule. Energy always counts over the whole schedule, and limits hold from the beginning."
         ),
     ] = None,
     safety_factor: SafetyFactor = 3.0,
     out: Out = Path("ropeway-schedule"),
 ) -> None:
-    """Optimise how the control sheaves of a mono-cable line move: schedules, limits that bind, robustness."""
+    """Optimise the speeds of the control sheaves of a mono-cable line: schedules, active limits, robustness."""
     import ropeway as rw
 
     with errors_on_one_line():
@@ -103,6 +114,7 @@ def optimise(
             chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
         )
         limits = rw.ScheduleLimits(force=force, power=power)
+        folder_for(out)
         _report_plan(
             rw.optimise_schedule(system, until, minimise=minimise, limits=limits, intervals=intervals, settle=settle),
             out,
@@ -113,25 +125,33 @@ def optimise(
 def payload(
     corridor: Annotated[Path, typer.Argument(help="Ground of the corridor: CSV with columns station,elevation [m].")],
     skyline: Annotated[str, typer.Option(help="Name of the skyline; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
-    mainline: Annotated[str | None, typer.Option(help="Name of the mainline; without one an ideal hold.")] = None,
+    mainline: Annotated[
+        str | None,
+        typer.Option(help="Name of the mainline; without one an ideal force holds the carriage at each station."),
+    ] = None,
     tension: Annotated[float, typer.Option(help="Tension of the bare skyline at the headspar [N].")] = 70e3,
     head: Annotated[float | None, typer.Option(help="Station of the headspar [m]; by default the first.")] = None,
     tail: Annotated[float | None, typer.Option(help="Station of the tailspar [m]; by default the last.")] = None,
     head_height: Annotated[float, typer.Option(help="Height of the headspar [m].")] = 15.0,
     tail_height: Annotated[float, typer.Option(help="Height of the tailspar [m].")] = 8.0,
-    support: Annotated[list[str] | None, typer.Option(help="Intermediate support STATION:HEIGHT; repeat it.")] = None,
+    support: Annotated[
+        list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
+    ] = None,
     carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0,
-    load_depth: Annotated[float, typer.Option(help="From the skyline down to the load's lowest point [m].")] = 0.0,
+    load_depth: Annotated[
+        float, typer.Option(help="Distance from the skyline down to the lowest point of the load [m].")
+    ] = 0.0,
     safety_factor: SafetyFactor = 3.0,
-    clearance: Annotated[float, typer.Option(help="Least clearance under the load [m].")] = 1.0,
+    clearance: Annotated[float, typer.Option(help="Clearance that the load must keep above the ground [m].")] = 1.0,
     spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0,
     out: Out = Path("ropeway-payload"),
 ) -> None:
-    """Largest payload along a standing skyline, and what limits it."""
+    """Largest payload at stations along a standing skyline, and what limits it."""
     import ropeway as rw
     from ropeway.systems.studies.corridor_report import payload_command
 
     with errors_on_one_line():
+        folder_for(out)
         study, paths = payload_command(
             corridor,
             skyline=rw.Rope.named(skyline),
@@ -150,10 +170,12 @@ def payload(
             out=out,
         )
         frame = study.frame
-        rows = [[f"{r.station:.0f}", f"{r.payload:.0f}", str(r.limited_by)] for r in frame.itertuples()]
+        rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
         worst = study.limiting
-        typer.echo(f"Largest payload {study.payload:.0f} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
+        typer.echo(
+            f"Largest payload {at_most(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}."
+        )
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 
@@ -180,9 +202,41 @@ def ropes() -> None:
     )
 
 
-def _report(result: Result, out: Path) -> None:
-    """Prints a summary; writes tensions, events and pictures."""
-    out.mkdir(parents=True, exist_ok=True)
+def _simulate(run: Callable[[], Result], out: Path) -> None:
+    """Runs a simulation, writes its tables and pictures, and prints a summary. What has run is written too where the
+    run stops before its end."""
+    from ropeway.systems.result import Result
+
+    folder_for(out)
+    try:
+        result = run()
+    except (Interrupted, SimulationError) as error:
+        if isinstance(error.result, Result) and len(error.result.frame):
+            _write(error.result, out)
+            typer.echo(f"ropeway: the first {error.result.times[-1]:.6g} s are in {out.resolve()}", err=True)
+        raise
+    written = _write(result, out)
+    _report(result)
+    typer.echo(f"Written to {out.resolve()}: {', '.join(written)}")
+
+
+def _write(result: Result, out: Path) -> list[str]:
+    """Writes tensions, events and pictures; returns the names of the files."""
+    tensions, events, over_time, line = (out / f"{name}" for name in _FILES)
+    columns = result.frame.filter(regex=r"\.(tension_in|tension_out|rope_tension|tension_a|tension_b)$")
+    with whole(tensions) as file:
+        _with_units(columns, result).to_csv(file, float_format="%.3f")
+    with whole(events) as file:
+        result.events.to_csv(file, index=False)
+    with whole(over_time) as file:
+        result.plot().savefig(file, dpi=130)
+    with whole(line) as file:
+        result.plot_line(time=float(result.times[-1]) / 2.0).savefig(file, dpi=130)
+    return list(_FILES)
+
+
+def _report(result: Result) -> None:
+    """Prints a summary: tensions at the drives, highest and lowest tension, events."""
     frame, events, rope = result.frame, result.events, result.runs[0].rope
     tensions = result.full_frame.filter(regex=r"\.(tension_in|tension_out|rope_tension)$")
     ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
@@ -191,60 +245,73 @@ def _report(result: Result, out: Path) -> None:
     _table(
         f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",
         ["tension [kN]", "lowest", "mean", "highest"],
-        [[c, *(f"{v / 1e3:.1f}" for v in (tensions[c].min(), frame[c].mean(), tensions[c].max()))] for c in names],
+        [
+            [
+                c,
+                at_most(tensions[c].min() / 1e3, 1),
+                f"{frame[c].mean() / 1e3:.1f}",
+                at_least(tensions[c].max() / 1e3, 1),
+            ]
+            for c in names
+        ],
     )
-    place = ends.max().idxmax()
+    place, highest = ends.max().idxmax(), float(ends.max().max())
     typer.echo(
-        f"Highest tension {ends.max().max() / 1e3:.1f} kN at {place} (t = {ends[place].idxmax():.1f} s); "
-        f"SWL {rope.safe_working_load / 1e3:.1f} kN, MBL {rope.breaking_load / 1e3:.1f} kN. "
-        f"Lowest {ends.min().min() / 1e3:.1f} kN."
+        f"Highest tension {at_least(highest / 1e3, 1)} kN at {place} (t = {ends[place].idxmax():.1f} s); "
+        f"SWL {at_most(rope.safe_working_load / 1e3, 1)} kN, MBL {at_most(rope.breaking_load / 1e3, 1)} kN. "
+        f"Lowest {at_most(ends.min().min() / 1e3, 1)} kN."
     )
+    for limit, value in (("minimum breaking load", rope.breaking_load), ("safe working load", rope.safe_working_load)):
+        if highest > value:
+            typer.echo(f"ropeway: warning: the highest tension is above the {limit} of the rope", err=True)
+            break
     counts = events["event"].value_counts()
     typer.echo("Events: " + (", ".join(f"{n} {name}" for name, n in counts.items()) or "none"))
-    tensions_table = _with_units(
-        frame.filter(regex=r"\.(tension_in|tension_out|rope_tension|tension_a|tension_b)$"), result
-    )
-    tensions_table.to_csv(out / "tensions.csv", float_format="%.3f")
-    events.to_csv(out / "events.csv", index=False)
-    result.plot().savefig(out / "tensions.png", dpi=130)
-    result.plot_line(time=float(result.times[-1]) / 2.0).savefig(out / "line.png", dpi=130)
-    typer.echo(f"Written to {out.resolve()}: tensions.csv, events.csv, tensions.png, line.png")
 
 
 def _report_plan(plan: SchedulePlan, out: Path) -> None:
-    """Prints what a plan brings; writes schedules, limits, robustness and a picture."""
+    """Writes schedules, active limits, robustness and a picture; prints what a plan brings."""
+    robust = plan.robustness()
+    plan.to_csv(out / "schedule.csv")
+    for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
+        with whole(out / name) as file:
+            table.to_csv(file)
+    with whole(out / "schedule.png") as file:
+        plan.plot().savefig(file, dpi=130)
+    _print_plan(plan, robust)
+    typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
+
+
+def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
+    """Prints objectives beside those of constant speed, limits, and robustness."""
     from ropeway.systems.studies.scheduling.limits import UNITS
 
-    out.mkdir(parents=True, exist_ok=True)
     units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
+    runs = {"constant speed": plan.constant, "sheaves in balance": plan.balanced, "optimised": plan.objectives}
+    shown = {name: values for name, values in runs.items() if values is not None}
     rows = [
-        [f"{name} [{unit}]", f"{plan.balanced[name] / scale:.2f}", f"{plan.objectives[name] / scale:.2f}"]
+        [f"{name} [{unit}]", *(at_least(values[name] / scale, 2) for values in shown.values())]
         for name, (unit, scale) in units.items()
     ]
-    _table(f"From {plan.settle:g} s on, simulated", ["", "sheaves in balance", "optimised"], rows)
+    title = f"Simulated: tensions from {plan.settle:g} s on, energy from 0 to {plan.until:g} s"
+    _table(title, ["", *shown], rows)
     gap = plan.gap
     typer.echo(
-        f"{len(plan.report.rounds)} rounds, {plan.report.seconds:.0f} s; plan and simulation are "
-        f"{1e3 * gap.crossing_time:.2g} ms (crossings) and {gap.peak_tension:.2g} N (peak) apart"
+        f"{len(plan.report.rounds)} rounds, {plan.report.seconds:.0f} s; plan and simulation differ by "
+        f"{1e3 * gap.crossing_time:.2g} ms in the times of crossings, {gap.peak_tension:.2g} N in the highest tension"
     )
     limits = [
         [limit, at, f"{r.bound:g} {UNITS[limit]}".rstrip(), f"{r.cost:.3g}"]
         for (limit, at), r in zip(plan.active.index, plan.active.itertuples(), strict=True)
     ]
     cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
-    _table("Limits that bind, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
-    robust = plan.robustness()
+    _table("Active limits, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
     over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
     _table(
-        "Highest tension over the plan's, when the line is not as planned [%]",
+        "Highest tension above that of the plan, when the line is not as planned [%]",
         ["", *over.columns],
         [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
     )
-    plan.to_csv(out / "schedule.csv")
-    plan.active.to_csv(out / "limits.csv")
-    robust.to_csv(out / "robustness.csv")
-    plan.plot().savefig(out / "schedule.png", dpi=130)
-    typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
 
 
 def _with_units(frame: pd.DataFrame, result: Result) -> pd.DataFrame:

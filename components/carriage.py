@@ -39,13 +39,15 @@ class Carriage(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.not_negative(self.mass, self.label, "mass", "kg")
-        check.not_negative(self.payload, self.label, "payload", "kg")
-        check.not_negative(self.depth, self.label, "depth", "m")
+        check.not_negative(self.mass, self.described, "mass", "kg")
+        check.not_negative(self.payload, self.described, "payload", "kg")
+        check.not_negative(self.depth, self.described, "depth", "m")
         if self.holding not in (None, "bisector", "horizontal"):
-            raise InputError(f"{self.label}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None')
+            raise InputError(
+                f"{self.described}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None'
+            )
         if self.clamped and self.holding is not None:
-            raise InputError(f"{self.label} is clamped and held", "The clamp holds it: leave holding out")
+            raise InputError(f"{self.described} is clamped and held", "The clamp holds it: leave holding out")
 
     @property
     def a(self) -> Seat:

@@ -33,7 +33,7 @@ class CarriageOnShoe(Carriage):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.support.radius <= 0.0 or self.support.friction > 0.0:
-            raise InputError(f"{self.support.label} has no smooth shoe", "Give it a radius and no friction")
+            raise InputError(f"{self.support.described} has no smooth shoe", "Give it a radius and no friction")
 
     @property
     def a(self) -> Seat:

@@ -16,6 +16,9 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
+_PLUMB = 1e-280
+"""Square of a horizontal force [N2] that changes nothing and keeps a plumb rope's angle finite."""
+
 Vector = tuple[Any, Any, Any]
 """Three components, each a float, an array or a CasADi symbol."""
 
@@ -59,20 +62,34 @@ def norm(force: Vector) -> Any:
 def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
     """Reach and end force of a load-free piece of `length` [m, unstretched] and `weight` [N/m].
 
-    Singular only for a folded rope (no horizontal force, and its belly inside the piece).
+    A folded rope too, whose two parts hang side by side from its ends without a horizontal force.
     """
     fx, fy, v0 = force
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy
+    h2 = fx * fx + fy * fy + _PLUMB
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
-    angle = xp.atanh(weight * length / s) / weight
+    angle = _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
     across, lift = 2 * angle + strain.c1 * length, 1 / s + strain.c1 / 2
     if not (isinstance(strain.c2, float) and strain.c2 == 0.0):
         across = across + strain.c2 * (length / 4 * (s + v * v / s) + h2 * angle)
         lift = lift + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
     return Segment((fx * across, fy * across, length * v * lift), (fx, fy, v1))
+
+
+def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:
+    """atanh(gain / (t0 + t1)) for gain = v1 - v0 not below 0, half of what asinh(v / h) gains along a piece; written so
+    that nothing cancels near a fold, where the argument is all but one."""
+    choose = ca.if_else if xp is ca else np.where
+    up0, up1 = v0 >= 0, v1 <= 0
+    steep0, steep1 = t0 + choose(up0, v0, -v0), t1 + choose(up1, -v1, v1)
+    rest = choose(up0, steep0, h2 / steep0) + choose(up1, steep1, h2 / steep1)  # t0 + t1 - gain
+    if xp is np and np.iscomplexobj(
+        rest
+    ):  # NumPy's log1p of complex numbers is not exact near zero; these are derivatives
+        return np.arctanh(gain / (t0 + t1))
+    return xp.log1p(2 * gain / rest) / 2
 
 
 class _Integrals(NamedTuple):
@@ -88,11 +105,11 @@ def _integrals(force: Vector, weight: Any, length: Any) -> _Integrals:
     fx, fy, v0 = force
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy
-    t0 = xp.sqrt(h2 + v0 * v0)
-    s, v = t0 + xp.sqrt(h2 + v1 * v1), v0 + v1
+    h2 = fx * fx + fy * fy + _PLUMB
+    t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
+    s, v = t0 + t1, v0 + v1
     vertical = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
-    tension = length / 4 * (s + v * v / s) + h2 * xp.atanh(weight * length / s) / weight
+    tension = length / 4 * (s + v * v / s) + h2 * _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
     return _Integrals(tension, h2 * length + vertical, vertical, t0)
 
 

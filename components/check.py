@@ -67,6 +67,22 @@ def not_negative(value: float, owner: str, field: str, unit: str = "") -> None:
     number(value, owner, field, unit, NOT_NEGATIVE)
 
 
+def index(value: int, count: int, owner: str, field: str) -> None:
+    """The number of one of `count` things, counted from 0."""
+    if not 0 <= value < count:
+        raise InputError(f"{owner}: {field} is {value}", f"Give 0 to {count - 1}" if count else "There is none")
+
+
+MOST = 1_000_000
+"""Stations, cases or records that one call may ask for."""
+
+
+def count(value: float, owner: str, what: str) -> None:
+    """A number of things to make that a computer can hold."""
+    if not value <= MOST:
+        raise InputError(f"{owner} would make {value:.3g} {what}", f"Ask for {MOST:,} at most")
+
+
 def share(value: float, owner: str, field: str) -> None:
     """A number above zero and at most one."""
     number(value, owner, field, "", SHARE)
@@ -81,3 +97,12 @@ def point(value: Sequence[float], owner: str) -> Point:
         number(v, owner, "a coordinate of at", "m")
     x, *rest = (float(v) for v in values)
     return (x, rest[0], rest[1]) if len(rest) == 2 else (x, 0.0, rest[0])
+
+
+def pair(value: Sequence[float], owner: str, field: str) -> tuple[float, float]:
+    """Two coordinates."""
+    if not hasattr(value, "__len__") or len(value) != 2:
+        raise InputError(f"{owner}: {field} is {value!r}", "Give two coordinates, easting and northing")
+    for v in value:
+        number(v, owner, f"a coordinate of {field}")
+    return float(value[0]), float(value[1])

@@ -212,18 +212,21 @@ class Component(ABC):
 @checked
 @dataclass(frozen=True)
 class Node(Component):
-    """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit."""
+    """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit. `label`: any text, which pictures and
+    messages show; by default its name."""
 
     at: tuple[float, ...]
+    label: str = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "at", check.point(self.at, self.label))
+        object.__setattr__(self, "label", self.label or self.name)
+        object.__setattr__(self, "at", check.point(self.at, self.described))
 
     @property
-    def label(self) -> str:
+    def described(self) -> str:
         """How error messages name it."""
-        return f"{type(self).__name__} {self.name!r}"
+        return f"{type(self).__name__} {self.label!r}"
 
     @property
     def arriving(self) -> Seat:

@@ -53,11 +53,11 @@ class ControlSheave(Wheel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_speed(self.speed, self.label)
-        check.positive(self.grip_friction, self.label, "grip_friction")
-        check.not_negative(self.turns, self.label, "turns")
+        check_speed(self.speed, self.described)
+        check.positive(self.grip_friction, self.described, "grip_friction")
+        check.not_negative(self.turns, self.described, "turns")
         if not isinstance(self.drive, (IdealDrive, HydraulicDrive)):
-            raise InputError(f"{self.label}: drive is {self.drive!r}", "Give an IdealDrive or a HydraulicDrive")
+            raise InputError(f"{self.described}: drive is {self.drive!r}", "Give an IdealDrive or a HydraulicDrive")
 
     @property
     def supply(self) -> Supply:
@@ -126,7 +126,7 @@ class ControlSheave(Wheel):
     def demand(self, v: Any) -> tuple[Any, Any]:
         """Flow [m3/s] and power [W] that the drive asks of a power unit."""
         if self.hydraulic is None:
-            raise InputError(f"{self.label} has no hydraulic drive", "Only hydraulic drives take a power unit")
+            raise InputError(f"{self.described} has no hydraulic drive", "Only hydraulic drives take a power unit")
         outputs = self.wheel_equations(v)
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]

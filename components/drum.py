@@ -30,11 +30,11 @@ class Drum(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_speed(self.speed, self.label)
+        check_speed(self.speed, self.described)
         if self.tension is not None:
-            check.positive(self.tension, self.label, "tension", "N")
+            check.positive(self.tension, self.described, "tension", "N")
             if self.speed != 0.0:
-                raise InputError(f"{self.label} has a speed and a tension", "Give one of them")
+                raise InputError(f"{self.described} has a speed and a tension", "Give one of them")
 
     @property
     def rope(self) -> Seat:

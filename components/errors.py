@@ -65,6 +65,10 @@ class RopewayError(_Portable, Exception):
         super().__init__(f"{cause}. {remedy}".strip() if remedy else cause)
 
 
+class RopewayWarning(UserWarning):
+    """A result that is right, and that a user should not build on: it says why."""
+
+
 class InputError(RopewayError, ValueError):
     """A value that no component or system can have. Raised before anything is built."""
 

@@ -30,9 +30,9 @@ def whole(path: str | Path) -> Iterator[Path]:
     WriteError
         The file could not be written: no folder, no permission, a full disk.
     """
-    target = Path(path).resolve()
-    beside = target
+    target = beside = Path(path)
     if target.is_file() or not target.exists():
+        target = target.resolve()
         # The end of the name says in what format some writers write.
         beside = target.with_name(f".{uuid4().hex[:8]}-{target.name}")
     try:
@@ -41,6 +41,8 @@ def whole(path: str | Path) -> Iterator[Path]:
             if target.exists():
                 shutil.copymode(target, beside)
             os.replace(beside, target)
+    except WriteError:
+        raise
     except OSError as error:
         reason = error.strerror or str(error)
         raise WriteError(

@@ -56,7 +56,7 @@ class SpringAnchor(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.stiffness, self.label, "stiffness", "N/m")
+        check.positive(self.stiffness, self.described, "stiffness", "N/m")
 
     @property
     def rope(self) -> Seat:
@@ -96,8 +96,11 @@ class SpringAnchor(Node):
         )
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
-        given = np.stack([v.x - v.rest_x, v.y - v.rest_y, v.z - v.rest_z])
-        return {f"spring_{axis}": law for axis, law in laws.balance(v.rope.force, -v.stiffness * given).items()}
+        place, rest = np.stack([v.x, v.y, v.z]), np.stack([v.rest_x, v.rest_y, v.rest_z])
+        found = laws.balance(v.rope.force, -v.stiffness * (place - rest))
+        # Coordinates are rounded, and a stiff spring feels it.
+        rounding = 1e-7 * v.stiffness * np.abs(rest).max(axis=0)
+        return {f"spring_{axis}": laws.Law(law.miss, law.size + rounding) for axis, law in found.items()}
 
 
 @checked
@@ -123,30 +126,32 @@ class GuyedSpar(HeadSpar):
         object.__setattr__(self, "blocks", tuple(self.blocks))
         for block in self.blocks:
             check.name(block, "Block")
-        check.not_negative(self.mass, self.label, "mass", "kg")
+        check.not_negative(self.mass, self.described, "mass", "kg")
         if self.height is None:
-            raise InputError(f"{self.label} has no height", "Give height=, and foot= or station=")
-        check.positive(self.height, self.label, "height", "m")
+            raise InputError(f"{self.described} has no height", "Give height=, and foot= or station=")
+        check.positive(self.height, self.described, "height", "m")
         if self.foot:
-            foot = check.point(self.foot, self.label)
+            foot = check.point(self.foot, self.described)
             object.__setattr__(self, "foot", foot)
             object.__setattr__(self, "at", (foot[0], foot[1], foot[2] + self.height))
             if self.station is None:
                 object.__setattr__(self, "station", foot[0])
         elif self.at:
-            raise InputError(f"{self.label} is placed by its top", "Give foot=, or station and height")
+            raise InputError(f"{self.described} is placed by its top", "Give foot=, or station and height")
         super().__post_init__()
         if len(self.guylines) < 2:
-            raise InputError(f"{self.label} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
+            raise InputError(f"{self.described} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
         if len({g.name for g in self.guylines}) < len(self.guylines):
-            raise InputError(f"{self.label} has two guylines of one name", "Give each a name of its own")
+            raise InputError(f"{self.described} has two guylines of one name", "Give each a name of its own")
 
     def placed(self, ground: Ground | None) -> Self:
         if self.foot:
             self.require_above(ground)
             return self
         if ground is None or self.station is None:
-            raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with foot=")
+            raise InputError(
+                f"{self.described} is placed by station and height", "Give a terrain, or place it with foot="
+            )
         return replace(self, foot=(self.station, 0.0, ground.elevation_at(self.station)))
 
     @property
@@ -198,7 +203,7 @@ class GuyedSpar(HeadSpar):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out, force = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.force
-        foot = check.point(self.foot, self.label)
+        foot = check.point(self.foot, self.described)
         upright = sum(g.pretension for g in self.guylines)
         return (
             *(

@@ -5,13 +5,14 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ropeway.components import kinds
-from ropeway.components.check import Range
+from ropeway.components.check import POSITIVE, Range
 from ropeway.components.kinds import Check, RefusedError
 
 Array = NDArray[np.float64]
@@ -19,12 +20,23 @@ Array = NDArray[np.float64]
 Numbers = float | Array
 """A number, or numbers side by side."""
 
+Positive = Annotated[float, POSITIVE]
+PositiveNumbers = Annotated[Numbers, POSITIVE]
+"""Numbers above zero."""
+
 _INFINITE = "may be infinite"
 Unbounded = Annotated[float, _INFINITE]
 """A number that may be infinite, as the stiffness of a rope that does not stretch."""
 
-_PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth}
-_NAMES: dict[Any, str] = {str: "text", type(None): "None", np.ndarray: "an array"}
+_UNDEFINED = "may be NaN"
+Undefined = Annotated[float, _UNDEFINED]
+"""A number that is NaN where there is none."""
+
+_PLAIN: dict[Any, Check] = {float: kinds.real, int: kinds.whole, bool: kinds.truth, np.ndarray: kinds.any_array}
+_NAMES: dict[Any, str] = {
+    str: "text",
+    type(None): "None",
+}
 
 
 def check_of(hint: Any) -> Check | None:
@@ -48,7 +60,7 @@ def check_of(hint: Any) -> Check | None:
         return kinds.one_of(arguments)
     if origin is not None:
         return _container(origin, arguments)
-    if getattr(hint, "_is_protocol", False):
+    if _is_protocol(hint):
         members = sorted(_members(hint))
         return kinds.with_members(members, f"{kinds.article(hint.__name__)}, which has {', '.join(members)}")
     if isinstance(hint, type):
@@ -64,6 +76,8 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
     """`Unbounded`, or a hint with the `Range` of its values."""
     if extra == _INFINITE:
         return kinds.unbounded
+    if extra == _UNDEFINED:
+        return kinds.instance_of((float, int), "a number")
     inner = check_of(hint)
     if inner is None or not isinstance(extra, Range):
         return inner
@@ -79,16 +93,24 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
 
 
 def _union(options: tuple[Any, ...]) -> Check | None:
-    """None of the options allows everything, or there is no check. An array that may stand for a sequence is
-    checked as one."""
+    """Any one of them. An array holds numbers: where it may stand for a sequence it is checked as one."""
     checks = {option: check_of(option) for option in options}
     if None in checks.values():
         return None
-    if any(get_origin(option) is Sequence for option in options):
-        checks.pop(np.ndarray, None)
-    plain = [o for o in checks if isinstance(o, type) and o not in _PLAIN and not getattr(o, "_is_protocol", False)]
+    if np.ndarray in checks:
+        del checks[np.ndarray]
+        if not any(get_origin(option) is Sequence for option in options):
+            checks[ArrayLike] = kinds.array
+    if Path in checks:
+        del checks[Path]
+        checks[str] = kinds.path
+    plain = [o for o in checks if isinstance(o, type) and o not in (*_PLAIN, str) and not _is_protocol(o)]
     others = [check for option, check in checks.items() if option not in plain and check is not None]
     return kinds.any_of(tuple(plain), [_name(o) for o in plain], others)
+
+
+def _is_protocol(hint: Any) -> bool:
+    return bool(getattr(hint, "_is_protocol", False))
 
 
 def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
@@ -97,7 +119,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     if origin is Callable:
         return kinds.with_members(("__call__",), "a function")
     if issubclass(origin, np.ndarray):
-        return kinds.instance_of((np.ndarray,), "an array")
+        return kinds.array
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
     if issubclass(origin, Mapping):
         return kinds.mapping_of(checks[0], checks[1], "a mapping of names to values")
@@ -113,6 +135,6 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
 
 def _members(protocol: Any) -> set[str]:
     """Names of what an object must have to follow a protocol."""
-    bases = [b for b in protocol.__mro__ if getattr(b, "_is_protocol", False) and b is not typing.Protocol]
+    bases = [b for b in protocol.__mro__ if _is_protocol(b) and b is not typing.Protocol]
     names = {name for b in bases for name in (*vars(b), *vars(b).get("__annotations__", {}))}
     return {name for name in names if not name.startswith("_")}

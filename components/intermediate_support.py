@@ -40,12 +40,12 @@ class IntermediateSupport(Standing, Wheel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.not_negative(self.friction, self.label, "friction")
-        check.positive(self.slip, self.label, "slip", "m")
-        check.number(self.rest, self.label, "rest", "m")
-        check.not_negative(self.radius, self.label, "radius", "m")
+        check.not_negative(self.friction, self.described, "friction")
+        check.positive(self.slip, self.described, "slip", "m")
+        check.number(self.rest, self.described, "rest", "m")
+        check.not_negative(self.radius, self.described, "radius", "m")
         if self.slope is not None:
-            check.number(self.slope, self.label, "slope")
+            check.number(self.slope, self.described, "slope")
 
     @property
     def a(self) -> Seat:

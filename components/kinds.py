@@ -10,6 +10,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
@@ -20,6 +21,9 @@ from ropeway.components.errors import RopewayError
 Check = Callable[[Any], Any]
 
 FINITE = "a finite number, not NaN or inf"
+
+LONGEST_NAME = 255
+"""Bytes of the longest name that file systems take."""
 
 _TEXTS = (str, bytes, bytearray, memoryview)
 _REPR = Repr()
@@ -97,6 +101,15 @@ def truth(value: Any) -> Any:
     raise RefusedError(value, "True or False")
 
 
+def path(value: Any) -> Any:
+    """A file or a folder by its path."""
+    if not isinstance(value, (str, Path)):
+        raise RefusedError(value, "the path of a file")
+    if "\0" in str(value) or any(len(part.encode(errors="replace")) > LONGEST_NAME for part in Path(value).parts):
+        raise RefusedError(value, f"a path without NUL, its names of {LONGEST_NAME} bytes at most")
+    return value
+
+
 def array(value: Any) -> Any:
     """A number as it is; arrays, Series and nested sequences of one length as an array of numbers."""
     if isinstance(value, (list, tuple)):
@@ -119,6 +132,13 @@ def _finite(found: np.ndarray) -> np.ndarray:
         place = np.argwhere(bad)[0]
         raise RefusedError(float(found[tuple(place)]), FINITE).at(", ".join(map(str, place)))
     return found.astype(float, copy=False)
+
+
+def any_array(value: Any) -> Any:
+    """An array of numbers or truth values, with NaN where there is none."""
+    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
+        return value
+    raise RefusedError(value, "an array of numbers")
 
 
 def each(values: Sequence[Any], check: Check) -> list[Any]:

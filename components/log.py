@@ -52,18 +52,20 @@ class Log(Node):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.mass, self.label, "mass", "kg")
-        check.positive(self.length, self.label, "length", "m")
-        check.not_negative(self.friction, self.label, "friction")
-        check.positive(self.smoothing, self.label, "smoothing", "m")
-        check.positive(self.rounding, self.label, "rounding", "m")
+        check.positive(self.mass, self.described, "mass", "kg")
+        check.positive(self.length, self.described, "length", "m")
+        check.not_negative(self.friction, self.described, "friction")
+        check.positive(self.smoothing, self.described, "smoothing", "m")
+        check.positive(self.rounding, self.described, "rounding", "m")
         for field in ("slope", "ground_x", "ground_z"):
-            check.number(getattr(self, field), self.label, field)
-        check.number(self.after, self.label, "slope_after")
+            check.number(getattr(self, field), self.described, field)
+        check.number(self.after, self.described, "slope_after")
         if not 0.0 < self.centre < 1.0:
-            raise InputError(f"{self.label}: centre is {self.centre!r}", "Give the part of the length from the front")
+            raise InputError(
+                f"{self.described}: centre is {self.centre!r}", "Give the part of the length from the front"
+            )
         if self.moving not in (-1.0, 0.0, 1.0):
-            raise InputError(f"{self.label}: moving is {self.moving!r}", "Give -1, 0 or 1")
+            raise InputError(f"{self.described}: moving is {self.moving!r}", "Give -1, 0 or 1")
 
     @property
     def after(self) -> float:

@@ -31,13 +31,13 @@ class TensionedReturn(Wheel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.positive(self.take_up, self.label, "take_up", "N")
+        check.positive(self.take_up, self.described, "take_up", "N")
         if len(self.direction) != 3:
-            raise InputError(f"{self.label}: direction has {len(self.direction)} components", "Give (x, y, z)")
+            raise InputError(f"{self.described}: direction has {len(self.direction)} components", "Give (x, y, z)")
         for value in self.direction:
-            check.number(value, self.label, "a component of direction")
+            check.number(value, self.described, "a component of direction")
         if not any(self.direction):
-            raise InputError(f"{self.label}: direction is zero", "Give the way in which the take-up draws")
+            raise InputError(f"{self.described}: direction is zero", "Give the way in which the take-up draws")
 
     @property
     def balance(self) -> str:

@@ -19,6 +19,10 @@ MODULUS = 93.1e9
 """Modulus of a 6-strand IWRC rope on its metallic area [Pa] (Lyons 2008, p. 32)."""
 
 
+HEAVIEST, SOFTEST, WEAKEST, THICKEST = 200.0, 1e5, 1e3, 0.2
+"""What no rope goes beyond: mass per length [kg/m], axial stiffness [N], breaking load [N], diameter [m]."""
+
+
 class StretchLaw(Protocol):
     """A stretch law as a value: gives the coefficients of eps(T) = c1 T + c2 T^2."""
 
@@ -79,7 +83,8 @@ class Rope:
 
     mass_per_length [kg/m, unstretched]; axial_stiffness EA [N], inf for an inextensible rope; breaking_load:
     minimum breaking load MBL [N]; diameter [m] where known; stretch: Elastic() or ConstructionStretch(c);
-    safety_factor: MBL over safe working load. Raises InputError.
+    safety_factor: MBL over safe working load. Raises InputError, also for values that no rope has: those of a
+    datasheet in kg/km, MN, kN or mm.
     """
 
     mass_per_length: float
@@ -96,8 +101,14 @@ class Rope:
         check.positive(self.axial_stiffness, owner, "axial_stiffness", "N", infinite=True)
         check.positive(self.breaking_load, owner, "breaking_load", "N")
         check.positive(self.safety_factor, owner, "safety_factor")
+        if self.mass_per_length > HEAVIEST:
+            raise _asking(owner, "mass_per_length", self.mass_per_length, "kg/m", "kg/km")
+        if self.axial_stiffness < SOFTEST:
+            raise _asking(owner, "axial_stiffness", self.axial_stiffness, "N", "kN or MN")
+        if self.breaking_load < WEAKEST:
+            raise _asking(owner, "breaking_load", self.breaking_load, "N", "kN or t")
         if self.diameter is not None:
-            check.positive(self.diameter, owner, "diameter", "m")
+            _require_diameter(self.diameter, owner)
 
     @property
     def strain(self) -> Strain:
@@ -129,11 +140,9 @@ class Rope:
             known = ", ".join(CONSTRUCTIONS)
             raise UnknownNameError(f"No construction {construction!r}", f"Known are {known}")
         owner = f"Rope {construction}"
-        check.positive(diameter, owner, "diameter", "m")
+        _require_diameter(diameter, owner)
         check.positive(grade, owner, "grade", "N/mm2")
         check.positive(modulus, owner, "modulus", "Pa")
-        if diameter > 0.2:
-            raise InputError(f"{owner}: diameter is {diameter} m", "Give metres, not millimetres")
         factors, mm = CONSTRUCTIONS[construction], diameter * 1e3
         return cls(
             mass_per_length=factors.mass * mm**2 / 100.0,
@@ -164,6 +173,17 @@ class Rope:
             safety_factor=safety_factor,
             name=name,
         )
+
+
+def _require_diameter(diameter: float, owner: str) -> None:
+    check.positive(diameter, owner, "diameter", "m")
+    if diameter > THICKEST:
+        raise _asking(owner, "diameter", diameter, "m", "mm")
+
+
+def _asking(owner: str, field: str, value: float, unit: str, meant: str) -> InputError:
+    """An error for a value that no rope has."""
+    return InputError(f"{owner}: {field} is {value} {unit}, which no rope has", f"Give {unit}. Is it in {meant}?")
 
 
 @dataclass(frozen=True, slots=True)

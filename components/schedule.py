@@ -54,11 +54,27 @@ class Schedule:
         return Path(path)
 
     @classmethod
-    def from_csv(cls, path: str | Path, column: str = "speed") -> Schedule:
-        """The schedule in column `column` [m/s] of a table with a column time [s]. Raises InputError with file and
-        line."""
-        rows = [values for _, values in table.numbers(path, ("time", column))]
-        return cls([time for time, _ in rows], [speed for _, speed in rows])
+    def from_csv(cls, path: table.Source, column: str = "speed") -> Schedule:
+        """From a table, see `docs/files.md`.
+
+        Parameters
+        ----------
+        path : str, Path or DataFrame
+            With a column time [s] and the column of the speeds.
+        column : str, default "speed"
+            The column of the speeds [m/s], or of another quantity in SI units; a header such as "c1.speed [km/h]" is
+            converted.
+
+        Raises
+        ------
+        InputError
+            With file, line and column.
+        """
+        layout = table.Layout({"time": "s", column: "m/s" if column == "speed" else ""}, f"time,{column}\n0,0.5\n10,1")
+        read = table.read(path, layout)
+        values = read.numbers("time", column)
+        read.require_increase(values[:, 0], "time", "s")
+        return cls(values[:, 0].tolist(), values[:, 1].tolist())
 
     def breaks(self) -> np.ndarray:
         """Times where it bends, and where it passes through zero [s]."""

@@ -111,7 +111,7 @@ class Sheave(Wheel):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check.not_negative(self.friction, self.label, "friction")
+        check.not_negative(self.friction, self.described, "friction")
 
     @property
     def balance(self) -> str:

@@ -45,20 +45,20 @@ class Standing(Node):
 
     def __post_init__(self) -> None:
         if self.capacity is not None:
-            check.positive(self.capacity, self.label, "capacity", "N")
+            check.positive(self.capacity, self.described, "capacity", "N")
         if self.at:
             super().__post_init__()
             if (self.station is None) != (self.height is None):
-                raise InputError(f"{self.label} has one of station and height", "Give at=, or station and height")
+                raise InputError(f"{self.described} has one of station and height", "Give at=, or station and height")
             return
         check.name(self.name, type(self).__name__)
         if self.station is None or self.height is None:
-            raise InputError(f"{self.label} has no place", "Give at=(x, z), or station and height above the ground")
-        check.number(self.station, self.label, "station", "m")
-        check.number(self.height, self.label, "height", "m")
+            raise InputError(f"{self.described} has no place", "Give at=(x, z), or station and height above the ground")
+        check.number(self.station, self.described, "station", "m")
+        check.number(self.height, self.described, "height", "m")
         if self.height < 0.0:
             raise InputError(
-                f"{self.label} stands {-self.height:g} m below the ground", "Give a height above the ground"
+                f"{self.described} stands {-self.height:g} m below the ground", "Give a height above the ground"
             )
 
     def placed(self, ground: Ground | None) -> Self:
@@ -67,7 +67,9 @@ class Standing(Node):
             self.require_above(ground)
             return self
         if ground is None:
-            raise InputError(f"{self.label} is placed by station and height", "Give a terrain, or place it with at=")
+            raise InputError(
+                f"{self.described} is placed by station and height", "Give a terrain, or place it with at="
+            )
         elevation = ground.elevation_at(self.station)
         return replace(self, at=(self.station, 0.0, elevation + self.height))
 
@@ -75,7 +77,7 @@ class Standing(Node):
         """Raises InputError where its point lies below a terrain."""
         if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
             raise InputError(
-                f"{self.label} at z = {self.at[2]:g} m lies below the ground, "
+                f"{self.described} at z = {self.at[2]:g} m lies below the ground, "
                 f"{ground.elevation_at(self.at[0]):g} m at station {self.at[0]:g} m",
                 "Raise it, or place it by station and height",
             )

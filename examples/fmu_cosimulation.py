@@ -81,10 +81,10 @@ def main(folder: Path) -> None:
         frames[label] = frame.iloc[:: round(0.1 / step)]
 
     shown = (
-        ("unit.speed", 1.0, "engine [rad/s]"),
-        ("unit.pressure", 1e-5, "pressure [bar]"),
-        ("c4.rope_speed", 1.0, "rope at c4 [m/s]"),
-        ("c4.tension_in", 1e-3, "c4.tension_in [kN]"),
+        ("unit.speed", 1.0, "speed of the\nengine [rad/s]"),
+        ("unit.pressure", 1e-5, "pressure of the\npower unit [bar]"),
+        ("c4.rope_speed", 1.0, "speed of the rope\nat sheave c4 [m/s]"),
+        ("c4.tension_in", 1e-3, "tension before\nsheave c4 [kN]"),
     )
     figure, axes = plt.subplots(5, sharex=True, figsize=(7.0, 10.0), layout="constrained")
     for axis, (name, factor, label) in zip(axes, shown, strict=False):
@@ -93,12 +93,13 @@ def main(folder: Path) -> None:
             values = frames[way][f"{owner[name.split('.')[0]]}.{name}"]
             axis.plot(values.index, factor * values, style, linewidth=1, label=f"FMUs, {way}")
         axis.set_ylabel(label)
-    axes[0].legend(loc="center right")
+    axes[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False, fontsize="small")
+    figure.suptitle("A power unit and a line: in one simulation, and as two FMUs")
     for way, style in zip(ways, ("k:", "C1-"), strict=True):
         error = np.abs(frames[way]["line.c4.tension_in"].to_numpy() - reference["c4.tension_in"].to_numpy())
-        print(f"{way}: largest difference in c4.tension_in {error.max():.3g} N")
+        print(f"{way}: largest difference in the tension before c4 {error.max():.3g} N")
         axes[4].semilogy(reference.index[1:], error[1:], style, label=way)
-    axes[4].set(xlabel="time [s]", ylabel="difference in\nc4.tension_in [N]")
+    axes[4].set(xlabel="time [s]", ylabel="difference in the\ntension [N]")
     figure.savefig(folder / "fmu_cosimulation.png", dpi=110)
     plt.close(figure)
 

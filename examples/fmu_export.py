@@ -33,7 +33,7 @@ def main(folder: Path) -> None:
     figure, axes = plt.subplots(layout="constrained")
     axes.plot(run["time"], run[name] / 1e3, label="FMU in FMPy")
     axes.plot(times, result.frame[name] / 1e3, "--", label="IDAS")
-    axes.set(xlabel="time [s]", ylabel=f"{name} [kN]")
+    axes.set(xlabel="time [s]", ylabel="tension before sheave c2 [kN]")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
     figure.savefig(folder / "fmu_export.png", dpi=110)
     plt.close(figure)

@@ -80,8 +80,8 @@ def main(folder: Path, given: Path | None) -> None:
     coupled = together.run(until=UNTIL)
 
     shown = {
-        "c1.tension_out": ("line.c1.tension_out", "N", 1e-3, "c1.tension_out [kN]"),
-        "dancer.y": ("dancer.y", "m", 1.0, "way [m]"),
+        "c1.tension_out": ("line.c1.tension_out", "N", 1e-3, "tension behind\nsheave c1 [kN]"),
+        "dancer.y": ("dancer.y", "m", 1.0, "way of the\ndancer [m]"),
     }
     figure, axes = plt.subplots(3, sharex=True, figsize=(7.0, 7.0), layout="constrained")
     for axis, (name, (other, unit, factor, label)) in zip(axes, shown.items(), strict=False):
@@ -90,7 +90,9 @@ def main(folder: Path, given: Path | None) -> None:
         axis.set_ylabel(label)
         difference = np.abs(coupled[other].to_numpy() - one_run[name].to_numpy())
         print(f"largest difference in {name}: {difference.max():.2g} {unit}")
-        axes[2].semilogy(one_run.index[1:], difference[1:] / np.ptp(one_run[name]), label=name)
+        axes[2].semilogy(
+            one_run.index[1:], difference[1:] / np.ptp(one_run[name]), label=label.split(" [")[0].replace("\n", " ")
+        )
     axes[0].plot(without.index, without["c1.tension_out"] / 1e3, "k:", label="without the dancer")
     axes[0].legend(loc="upper center", ncols=3)
     axes[2].set(xlabel="time [s]", ylabel="difference\n(of the range)")

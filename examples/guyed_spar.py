@@ -64,24 +64,35 @@ def main(folder: Path = Path("ropeway-guyed")) -> pd.DataFrame:
 
 
 def picture(paths: dict[tuple[float, float], pd.DataFrame]) -> Figure:
-    """Guyline tensions and lean along the corridor."""
+    """Lean along the corridor; the guylines' tensions, which differ little along it, where the back ones pull most."""
     figure = Figure(figsize=(10.0, 7.0), layout="constrained")
-    top, bottom = figure.subplots(2, 1, sharex=True)
+    grid = figure.add_gridspec(2, 3)
+    lean = figure.add_subplot(grid[0, :])
+    bars = [figure.add_subplot(grid[1, k]) for k in range(3)]
     colours = {5e3: "tab:blue", 20e3: "tab:orange", 50e3: "tab:green"}
     for (pretension, stiffness), path in paths.items():
-        style = "-" if stiffness == math.inf else "--"
-        label = f"{pretension / 1e3:.0f} kN, {'rigid anchors' if stiffness == math.inf else 'anchors 2 kN/mm'}"
-        top.plot(path["station"], path["spar_lean"] * 1e3, color=colours[pretension], ls=style, lw=1.3, label=label)
-        bottom.plot(path["station"], path["guy1_tension"] / 1e3, color=colours[pretension], ls=style, lw=1.3)
-        bottom.plot(path["station"], path["guy3_tension"] / 1e3, color=colours[pretension], ls=style, lw=0.8)
-    top.set_title("Guyed spar of 15 m under a skyline with 3 t: pretension of the guylines and their anchors")
-    top.set_ylabel("lean of the top [mm]")
-    top.legend(fontsize="small", ncols=2)
-    bottom.set_ylabel("guyline tension [kN]\n(thick: back, thin: front)")
-    bottom.set_xlabel("station of the carriage [m]")
-    for axis in (top, bottom):
-        axis.grid(alpha=0.3)
-        axis.set_ylim(bottom=0.0)
+        rigid = stiffness == math.inf
+        label = f"{pretension / 1e3:.0f} kN, {'rigid anchors' if rigid else 'anchors 2 kN/mm'}"
+        colour, style = colours[pretension], "-" if rigid else "--"
+        lean.plot(path["station"], path["spar_lean"] * 1e3, lw=1.3, label=label, color=colour, ls=style)
+        worst = path.loc[path["guy1_tension"].idxmax()]
+        place = list(colours).index(pretension) + (-0.2 if rigid else 0.2)
+        for axis, column in zip(bars, ("guy1_tension", "guy3_tension", "highest_tension"), strict=True):
+            hatch = None if rigid else "//"
+            bar = axis.bar(place, worst[column] / 1e3, 0.38, color=colour, hatch=hatch, edgecolor="white")
+            axis.bar_label(bar, fmt="%.1f", fontsize="small")
+    lean.set_title("Guyed spar of 15 m under a skyline with 3 t: pretension of the guylines and their anchors")
+    lean.set(ylabel="lean of the top [mm]", xlabel="station of the carriage [m]")
+    lean.set_ylim(bottom=0.0)
+    lean.legend(fontsize="small", ncols=2, loc="lower center")
+    lean.grid(alpha=0.3)
+    for axis, title in zip(bars, ("back guyline", "front guyline", "skyline"), strict=True):
+        axis.set_title(f"{title}, where the back ones pull most", fontsize="small")
+        axis.set_xticks(range(3), [f"{p / 1e3:.0f} kN" for p in colours])
+        axis.set_xlabel("pretension (hatched: anchors 2 kN/mm)")
+        axis.margins(y=0.12)
+        axis.grid(axis="y", alpha=0.3)
+    bars[0].set_ylabel("tension [kN]")
     return figure
 
 

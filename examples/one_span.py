@@ -1,5 +1,6 @@
 """One span with a turn hanging in it: forces at the ends, the rope's shape, and how much it could carry."""
 
+import math
 import sys
 from pathlib import Path
 
@@ -18,7 +19,8 @@ def main(folder: Path) -> None:
     print(f"6000 kg: {loaded['a_b.tension_a'] / 1e3:.1f} kN at a, {loaded['a_b.tension_b'] / 1e3:.1f} kN at b")
 
     limit = rw.equilibrium(s, given={"a_b.tension_a": rope.safe_working_load}, solve_for="turn.mass")
-    print(f"At the safe working load of {rope.safe_working_load / 1e3:.1f} kN it carries {limit['turn.mass']:.0f} kg")
+    most = math.floor(limit["turn.mass"])  # what it carries is rounded down
+    print(f"At the safe working load of {rope.safe_working_load / 1e3:.1f} kN it carries {most} kg")
 
     taut = rw.equilibrium(s, given={"turn.z": -50.0}, solve_for="a_b.length")
     print(
@@ -26,11 +28,11 @@ def main(folder: Path) -> None:
         f"{taut['a_b.tension_a'] / 1e3:.0f} kN"
     )
 
-    figure = Figure(figsize=(9.0, 3.0), layout="constrained")
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
     axis = figure.subplots()
     for eq, label, style in (
         (loaded, "6000 kg on 408 m of rope", "-"),
-        (limit, f"{limit['turn.mass']:.0f} kg on 408 m (safe working load)", "--"),
+        (limit, f"{most} kg on 408 m (safe working load)", "--"),
         (taut, f"6000 kg on {taut['a_b.length']:.1f} m", "-"),
     ):
         curve = eq.profile("a_b")
@@ -40,12 +42,13 @@ def main(folder: Path) -> None:
     axis.set(
         xlabel="x [m]",
         ylabel="z [m]",
-        title="One span with a turn: load, rope, and tension at the upper end a",
-        aspect="equal",
+        title="One span with a turn: load, rope, and tension at the upper end a (heights 2 times exaggerated)",
+        aspect=2.0,
     )
     for name, x, z in (("a", 0.0, 0.0), ("b", 400.0, -60.0)):
         axis.annotate(name, (x, z), xytext=(8, 4), textcoords="offset points")
-    axis.legend(fontsize="small")
+    axis.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3, frameon=False)
+    axis.margins(y=0.12)
     axis.grid(alpha=0.3)
     figure.savefig(folder / "one_span.png", dpi=110)
 

@@ -6,6 +6,7 @@ that the turn just clears the ground.
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -30,7 +31,7 @@ def main(folder: Path = Path("ropeway-running")) -> rw.PayloadStudy:
     shown = ["station", "payload", "limited_by", "haulback_tension", "mainline_tension", "deflection"]
     print(study.frame[shown].iloc[::5].round(1).to_string(index=False))
     worst = study.limiting
-    print(f"\nLargest payload {study.payload:.0f} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
+    print(f"\nLargest payload {math.floor(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
     folder.mkdir(parents=True, exist_ok=True)
     study.frame.to_csv(folder / "running.csv", index=False)
     study.plot().savefig(folder / "running.png", dpi=110)

@@ -5,6 +5,7 @@ Uphill yarding on a corridor of 480 m: a yarder's spar of 15 m, a jack of 9 m on
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -30,7 +31,7 @@ def main(folder: Path = Path("ropeway-skyline")) -> rw.PayloadStudy:
 
     study = rw.payload(rig, safety_factor=3.0, clearance=1.0)
     worst = study.limiting
-    print(f"\nLargest payload {study.payload:.0f} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
+    print(f"\nLargest payload {math.floor(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
     folder.mkdir(parents=True, exist_ok=True)
     study.frame.to_csv(folder / "payload.csv", index=False)
     study.plot().savefig(folder / "payload.png", dpi=110)

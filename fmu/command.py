@@ -5,11 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal, cast
 
+import pandas as pd
 import typer
 
+from ropeway.components.files import whole
 from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
 
-app = typer.Typer(help="FMUs: export a line, look into one, run one.", no_args_is_help=True, rich_markup_mode=None)
+app = typer.Typer(
+    help="FMUs: export a line, show what is in an FMU, run one.", no_args_is_help=True, rich_markup_mode=None
+)
 
 File = Annotated[Path, typer.Argument(help="An FMU.")]
 
@@ -19,10 +23,12 @@ def export_line(
     line: Annotated[Path, typer.Argument(help="Supports: CSV with columns name,x,y,z,kind, as for `simulate`.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="The FMU to write.")] = Path("line.fmu"),
     fmi: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "2.0",
-    platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; can be repeated.")] = None,
+    platform: Annotated[
+        list[str] | None, typer.Option(help="Platform of a binary; repeat the option for more.")
+    ] = None,
     rope: RopeName = "RHOL-IWRC 29",
     tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Rope speed at the start [m/s].")] = 1.0,
+    speed: Annotated[float, typer.Option(help="Speed of the rope at the start [m/s].")] = 1.0,
     load_mass: LoadMass = 300.0,
     load_spacing: LoadSpacing = 50.0,
 ) -> None:
@@ -64,29 +70,46 @@ def info(file: File) -> None:
 @app.command()
 def run(
     file: File,
-    until: Annotated[float, typer.Option(help="End [s].")],
-    step: Annotated[float, typer.Option(help="Communication step [s].")] = 0.1,
+    until: Annotated[float, typer.Option(help="End of the run [s].")],
+    step: Annotated[float, typer.Option(help="Communication step, the time between two rows [s].")] = 0.1,
     out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
-    start: Annotated[list[str] | None, typer.Option(help="A start value, name=value; can be repeated.")] = None,
+    start: Annotated[
+        list[str] | None, typer.Option(help="A start value as name=value; repeat the option for more.")
+    ] = None,
 ) -> None:
     """Run an FMU, for Co-Simulation or Model Exchange; write its outputs as a table."""
-    from ropeway.components.errors import InputError
+    from ropeway.components.errors import InputError, Interrupted
     from ropeway.fmu.cosimulation import CoSimulation
+    from ropeway.fmu.errors import FmuRunError
+    from ropeway.fmu.imported import load
+    from ropeway.fmu.values import from_text
 
     with errors_on_one_line():
-        values: dict[str, float] = {}
-        for text in start or []:
-            name, _, number = text.partition("=")
-            try:
-                values[name] = float(number)
-            except ValueError as error:
-                raise InputError(f"{text!r} is not name=value", "Give a number after the equals sign") from error
         if not out.parent.is_dir():
             raise InputError(f"There is no folder {out.parent}", "Make it, or choose another")
+        if out.is_dir():
+            raise InputError(f"{out} is a folder", "Give the name of a file with --out")
+        fmu = load(file)
+        values = {}
+        for text in start or []:
+            name, equals, value = text.partition("=")
+            if not equals:
+                raise InputError(f"{text!r} is not name=value", "Give a value after an equals sign")
+            values[name] = from_text(fmu.entry(name), value)
         together = CoSimulation(step)
-        together.add("fmu", file, start=values)
-        frame = together.run(until)
-        units = frame.attrs["units"]
-        frame.columns = [f"{c.removeprefix('fmu.')} [{units[c]}]" for c in frame.columns]
-        frame.rename_axis("time [s]").to_csv(out)
-        typer.echo(f"{len(frame)} rows of {len(frame.columns)} outputs written to {out.resolve()}")
+        together.add("fmu", fmu, start=values)
+        try:
+            typer.echo(_table(together.run(until), out))
+        except (FmuRunError, Interrupted) as error:
+            if isinstance(error.result, pd.DataFrame) and len(error.result):
+                typer.echo(_table(error.result, out), err=True)
+            raise
+
+
+def _table(frame: pd.DataFrame, out: Path) -> str:
+    """Writes the outputs of a run with their units, and says so."""
+    units = frame.attrs["units"]
+    named = frame.rename(columns={c: f"{c.removeprefix('fmu.')} [{units[c]}]" for c in frame.columns})
+    with whole(out) as file:
+        named.rename_axis("time [s]").to_csv(file)
+    return f"{len(named)} rows of {len(named.columns)} outputs written to {out.resolve()}"

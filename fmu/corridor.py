@@ -125,7 +125,8 @@ class Corridor:
         rig = self.rig
         require_pulled(rig)
         if rig.turn is not None and rig.terrain is not None:
-            raise InputError(f"{rig.turn.log.label} drags over ground that changes", "Export the rig without its turn")
+            log = rig.turn.log.described
+            raise InputError(f"{log} drags over ground that changes", "Export the rig without its turn")
         for support in rig.supports:
             if support.radius <= 0.0:
                 raise InputError(

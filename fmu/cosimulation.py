@@ -16,14 +16,19 @@ import pandas as pd
 from ropeway.components import check, units
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
-from ropeway.fmu.coupling import Connection, Coupling, Master, Scheme
+from ropeway.fmu.coupling import Coupling, Master, Scheme
 from ropeway.fmu.errors import FmuVariableError
+from ropeway.fmu.exchange import Connection
 from ropeway.fmu.exporting import export
 from ropeway.fmu.imported import Fmu, load
 from ropeway.fmu.instance import require_kind
-from ropeway.fmu.slave import Slave, require_causality
+from ropeway.fmu.recording import Recorder
+from ropeway.fmu.signals import Inputs, Signal, next_break, signals
+from ropeway.fmu.slave import OpenFmu, require_connectable
 from ropeway.fmu.stepping import StepControl, Stepper
+from ropeway.fmu.values import Value, fits
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.system import System
@@ -35,7 +40,7 @@ class _Participant:
 
     fmu: Fmu
     kind: str
-    start: Mapping[str, float]
+    start: Mapping[str, Value]
     open: tuple[str, ...]
 
 
@@ -80,12 +85,14 @@ class CoSimulation:
         participant: System | Model | Equilibrium | Fmu | str | Path,
         *,
         kind: Literal["CoSimulation", "ModelExchange"] | None = None,
-        start: Mapping[str, float] | None = None,
+        start: Mapping[str, object] | None = None,
     ) -> Fmu:
         """Adds an FMU, or a system, which is exported first; returns the FMU. kind: how it is moved on, "ModelExchange"
-        by an integrator here; by default "CoSimulation" where the FMU is for it. start: values of its parameters and
-        inputs, 0 or 1 for Booleans. What a system leaves open must be connected or have a value here. Raises
-        InputError, FmuImportError, FmuVariableError."""
+        by an integrator here; by default "CoSimulation" where the FMU is for it.
+
+        start: values of its parameters, structural ones too, and inputs: numbers, Booleans, texts, bytes, names or
+        values of an enumeration's items; of an array one element ("u[1]") or all ("u"). What a system leaves open must
+        be connected, driven or have a value here. Raises InputError, FmuImportError, FmuVariableError."""
         check.name(name, "slave")
         if name in self._participants:
             raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
@@ -97,86 +104,155 @@ class CoSimulation:
             left = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
             participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
-        values = dict(start or {})
-        for key, value in values.items():
-            row = fmu.variable(key)
-            if row["causality"] == "output" and pd.isna(row["start"]):
-                raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
-            check.number(value, f"Slave {name!r}", key)
-        if kind is not None:
-            require_kind(fmu, kind)
-        else:
-            kind = "CoSimulation" if "CoSimulation" in fmu.kinds else "ModelExchange"
+        if kind is None:
+            kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
+        require_kind(fmu, kind)
+        fmu, values = _started(fmu, name, start or {})
         self._participants[name] = _Participant(fmu, kind, values, left)
         return fmu
 
     def connect(self, source: str, target: str) -> Connection:
-        """Lets an output drive an input, "slave.variable" each; units are converted. Raises InputError for a slave that
-        is not there, FmuVariableError for a variable that is not, or does not fit."""
+        """Lets an output drive an input, "slave.variable" each: numbers with their units converted, Booleans, integers,
+        enumerations, texts; a Boolean or an integer may drive a number too. Raises InputError for a slave that is not
+        there, FmuVariableError for a variable that is not, or does not fit."""
         ends = []
         for end, causality in ((source, "output"), (target, "input")):
             slave, _, variable = end.partition(".")
             if slave not in self._participants:
                 raise InputError(f"{end!r}: no slave is named {slave!r}", f"Slaves are {', '.join(self._participants)}")
             fmu = self._participants[slave].fmu
-            require_causality(fmu, variable, causality)
+            require_connectable(fmu, variable, causality)
             ends.append((fmu, variable))
         if any(c.target == target for c in self._connections):
             raise InputError(f"{target!r} is driven already", "An input takes one connection")
-        connection = Connection(source, target, *_conversion(*ends[0], *ends[1]))
+        one, other = (fmu.entry(variable) for fmu, variable in ends)
+        if not fits(one, other):
+            raise FmuVariableError(
+                f"{source!r} is of type {one.type}, {target!r} of type {other.type}: it cannot drive it",
+                "Connect variables of one kind, or an enumeration to one with the same items",
+                ends[1][1],
+            )
+        conversion = _conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
+        held = one.kind != "Real" or not other.continuous
+        connection = Connection(source, target, *conversion, held)
         self._connections.append(connection)
         return connection
 
-    def run(self, until: float, *, progress: bool | None = None) -> pd.DataFrame:
-        """Runs from 0 to `until` [s]. Returns all outputs over time, columns "slave.variable", the real ones first; in
-        `attrs` their "units", and with a step control how many steps were "repeated" and the "inexact" times, where the
-        least step missed the tolerance. progress: show a bar (by default only on a terminal). Raises InputError,
-        FmuImportError, FmuRunError."""
-        check.positive(until, "run", "until", "s")
+    @interruptible
+    def run(
+        self,
+        until: float,
+        *,
+        start_time: float = 0.0,
+        inputs: Inputs | None = None,
+        progress: bool | None = None,
+    ) -> pd.DataFrame:
+        """Runs from `start_time` to `until` [s].
+
+        inputs: values over time of inputs that nothing drives, and of tunable parameters, in their own units, as
+        `{"slave.variable": ...}`: a Schedule, a pandas Series with times [s] as its index, or a constant; or a table as
+        a DataFrame or its path, with a column for each and one `time`. Values are linear between rows where the
+        variable is continuous, two rows of one time being a jump; else each holds until the next. Communication points
+        are added where inputs bend or jump if all slaves can take steps of any length.
+
+        Returns all outputs over time, columns "slave.variable", the real ones first; in `attrs` their "units"; "ended",
+        why an FMU has ended the run itself, else None; "left_out", outputs that cannot be shown, with reasons; with a
+        step control how many steps were "repeated" and the "inexact" times, where the least step missed the tolerance.
+        progress: show a bar (by default only on a terminal). Raises InputError, FmuImportError, FmuVariableError, and
+        FmuRunError or Interrupted, which have the rows so far as `result`."""
+        check.number(until, "run", "until", "s")
+        check.number(start_time, "run", "start_time", "s")
+        if until <= start_time:
+            raise InputError(f"run: until is {until!r} s", f"It must be above the start time, {start_time:g} s")
+        check.count((until - start_time) / self.step, "run", "steps")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
-        driven = {c.target for c in self._connections}
-        for name, participant in self._participants.items():
-            for entry in participant.open:
-                if entry not in participant.start and f"{name}.{entry}" not in driven:
-                    raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
+        given = signals(
+            {} if inputs is None else inputs, {name: p.fmu for name, p in self._participants.items()}, until
+        )
+        self._require_driven(given)
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
-            slaves = {name: stack.enter_context(Slave(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            coupling = Coupling(slaves, self._connections, self._scheme)
+            slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
+            coupling = Coupling(slaves, self._connections, self._scheme, given, start_time)
             if self._scheme.iterated:
                 _require_rollback(slaves)
             stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
-            for name, slave in slaves.items():
-                slave.enter(0.0, self._participants[name].start)
-            coupling.initialise()
-            for slave in slaves.values():
-                slave.leave()
-            times, rows, discrete = [0.0], [coupling.outputs()], [coupling.discrete()]
-            while times[-1] < until:
-                if stepper is None:
-                    times.append(self._take_fixed(coupling, len(times) - 1, until))
-                else:
-                    times.append(stepper.step(times[-1], until))
-                rows.append(coupling.outputs())
-                discrete.append(coupling.discrete())
-                advance(times[-1])
-        index = pd.Index(times, name="time")
-        frame = pd.DataFrame(rows, index, coupling.names).join(pd.DataFrame(discrete, index))
-        units = [str(s.fmu.variables.loc[v, "unit"]) for s in slaves.values() for v in s.fmu.names("output")]
-        frame.attrs["units"] = dict.fromkeys(frame.columns, "1") | dict(zip(coupling.names, units, strict=True))
+            record = Recorder(coupling)
+            with record.kept():
+                self._begin(coupling, until)
+                record.add(start_time)
+                while record.times[-1] < until and coupling.ended is None:
+                    time = self._take(coupling, stepper, given, len(record.times), start_time, until)
+                    if not coupling.aligned:
+                        break
+                    record.add(time)
+                    advance(time)
+            frame = record.frame()
         if stepper is not None:
             frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
         return frame
 
-    def _take_fixed(self, coupling: Coupling, i: int, until: float) -> float:
-        """Step i of those with a fixed length, of which the last ends at `until`; the time reached."""
-        end = until if i + 1 >= until / self.step - 1e-9 else (i + 1) * self.step
-        coupling.step(end - i * self.step)
-        return end
+    def _require_driven(self, given: Mapping[str, Signal]) -> None:
+        """Raises InputError where an input is left open or driven twice."""
+        driven = {c.target for c in self._connections}
+        if twice := driven & given.keys():
+            raise InputError(f"{min(twice)!r} is driven already", "An input takes a connection or values over time")
+        for name, participant in self._participants.items():
+            for entry in participant.open:
+                if entry not in participant.start and f"{name}.{entry}" not in driven | given.keys():
+                    raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
+
+    def _begin(self, coupling: Coupling, until: float) -> None:
+        """Initialises all slaves. Raises FmuRunError."""
+        for name, slave in coupling.slaves.items():
+            slave.enter(coupling.time, self._participants[name].start, until)
+        coupling.initialise()
+        for slave in coupling.slaves.values():
+            slave.leave()
+        coupling.exchange()
+
+    def _take(
+        self,
+        coupling: Coupling,
+        stepper: Stepper | None,
+        given: Mapping[str, Signal],
+        i: int,
+        start: float,
+        until: float,
+    ) -> float:
+        """The step to point i, or to where an FMU ends the run; the time reached."""
+        if stepper is not None:
+            return stepper.step(coupling.time, next_break(given, coupling.time, until))
+        end = until if i >= (until - start) / self.step - 1e-9 else start + i * self.step
+        cuts = all(slave.varies_steps for slave in coupling.slaves.values())
+        while coupling.ended is None and coupling.time < end - 1e-9 * self.step:
+            stop = next_break(given, coupling.time, end) if cuts else end
+            coupling.step(stop - coupling.time)
+            if coupling.ended is None:
+                coupling.time = stop
+        return coupling.time
 
 
-def _require_rollback(slaves: Mapping[str, Slave]) -> None:
+def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dict[str, Value]]:
+    """The FMU in the sizes that structural parameters among its start values give it, and the other start values.
+    Raises InputError, FmuVariableError."""
+    structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
+    if structural:
+        fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
+    for key, value in start.items():
+        if key in fmu.entries and fmu.entry(key).kind == "Real":
+            check.number(value, f"Slave {name!r}", key)
+    values = fmu.values(start)
+    for key in start:
+        for entry in fmu.arrays.get(key, (key,)):
+            row = fmu.variable(entry)
+            if row["causality"] == "output" and pd.isna(row["start"]):
+                raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
+    return fmu, {key: value for key, value in values.items() if key not in structural}
+
+
+def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
     for name, slave in slaves.items():
         if not slave.can_restore:
             raise InputError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,19 +11,11 @@ from typing import Any, Literal
 import numpy as np
 
 from ropeway.fmu.errors import FmuRunError
-from ropeway.fmu.slave import Slave
+from ropeway.fmu.exchange import Connection, Exchange
+from ropeway.fmu.signals import Signal
+from ropeway.fmu.slave import OpenFmu
 
 Master = Literal["Jacobi", "Gauss-Seidel"]
-
-
-@dataclass(frozen=True)
-class Connection:
-    """An output that drives an input: names as "slave.variable"; the input is factor times the output plus offset."""
-
-    source: str
-    target: str
-    factor: float = 1.0
-    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -43,12 +36,26 @@ class Scheme:
 
 
 class Coupling:
-    """Slaves between two communication points. `values` is what the connections carry, `missed` by how much the values
-    at the end of the last step differ from those that the slaves were given for it: held ones, or, when iterated, those
-    that the step before foretold."""
+    """Slaves between two communication points, at `time` [s]. `values` is what the continuous connections carry,
+    `missed` by how much the values at the end of the last step differ from those that the slaves were given for it:
+    held ones, or, when iterated, those that the step before predicted. `aligned`: all slaves stand at `time`; they do
+    not where an FMU ends the run within a step after others have gone further."""
 
-    def __init__(self, slaves: Mapping[str, Slave], connections: Sequence[Connection], scheme: Scheme) -> None:
-        self.slaves, self.connections, self.scheme = slaves, connections, scheme
+    def __init__(
+        self,
+        slaves: Mapping[str, OpenFmu],
+        connections: Sequence[Connection],
+        scheme: Scheme,
+        signals: Mapping[str, Signal] | None = None,
+        time: float = 0.0,
+    ) -> None:
+        self.slaves, self.scheme, self.time, self.aligned = slaves, scheme, time, True
+        held = [c for c in connections if c.held]
+        self.connections = connections = [c for c in connections if not c.held]
+        loose = {t: s for t, s in (signals or {}).items() if s.linear}
+        self._signals = {name: _owned(loose, name) for name in slaves}
+        jumps = {t: s for t, s in (signals or {}).items() if not s.linear}
+        self._exchange = Exchange(slaves, held, jumps, scheme.iterations)
         self._sources = {name: _ends([c.source for c in connections], name) for name in slaves}
         self._targets = {name: _ends([c.target for c in connections], name) for name in slaves}
         self._factors = np.array([c.factor for c in connections])
@@ -56,15 +63,9 @@ class Coupling:
         self.values = np.zeros(len(connections))
         self.missed = np.zeros(len(connections))
         self._slopes = np.zeros(len(connections))
-        variables = {name: slave.fmu.names("output") for name, slave in slaves.items()}
-        self._outputs = variables
-        self._discrete = [
-            (name, slave.fmu.names("output", kind), read)
-            for name, slave in slaves.items()
-            for kind, read in (("Boolean", bool), ("Integer", int))
-        ]
-        self.names = [f"{name}.{v}" for name, outputs in variables.items() for v in outputs]
-        self.nominals = np.concatenate([_nominals(slaves[name], outputs) for name, outputs in variables.items()])
+        self._outputs = {name: slave.fmu.outputs() for name, slave in slaves.items()}
+        self.names = [f"{name}.{v}" for name, outputs in self._outputs.items() for v in outputs]
+        self.nominals = np.concatenate([_nominals(slaves[name], outputs) for name, outputs in self._outputs.items()])
         self.input_nominals = np.array([1.0] * len(connections))
         for name, ends in self._targets.items():
             for i, nominal in zip(ends, _nominals(slaves[name], list(ends.values())), strict=True):
@@ -79,22 +80,14 @@ class Coupling:
         """All real outputs, as in `names`. Raises FmuRunError."""
         return np.concatenate([self.slaves[name].get(outputs) for name, outputs in self._outputs.items()])
 
-    def discrete(self) -> dict[str, bool | int]:
-        """All Boolean and integer outputs, by name. Raises FmuRunError."""
-        found: dict[str, bool | int] = {}
-        for name, variables, read in self._discrete:
-            values = self.slaves[name].get(variables)
-            found.update((f"{name}.{v}", read(x)) for v, x in zip(variables, values, strict=True))
-        return found
-
     def _read(self, name: str, values: np.ndarray) -> None:
         """Writes what a slave gives to its connections into `values`."""
-        ends = self._sources[name]
-        found = self.slaves[name].get(list(ends.values()))
-        for (i, variable), value in zip(ends.items(), found, strict=True):
-            if not np.isfinite(value):
-                slave = self.slaves[name]
-                raise FmuRunError(f"{name}.{variable} is {value} at t = {slave.time:.9g} s", "Look at its inputs there")
+        ends, slave = self._sources[name], self.slaves[name]
+        found = slave.get(list(ends.values()))
+        for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
+            if not math.isfinite(value):
+                cause = f"{name}.{variable} is {value} at t = {slave.time:.9g} s"
+                raise FmuRunError(cause, "Look at its inputs there", time=slave.time)
             values[i] = self._factors[i] * value + self._offsets[i]
 
     def _read_all(self) -> np.ndarray:
@@ -106,14 +99,38 @@ class Coupling:
     def _inputs(self, name: str, values: np.ndarray) -> dict[str, float]:
         return {variable: float(values[i]) for i, variable in self._targets[name].items()}
 
+    def _now(self, name: str) -> dict[str, float]:
+        """What signals give a slave from now on."""
+        return {variable: float(signal.after(self.time)) for variable, signal in self._signals[name].items()}
+
     def _miss(self, values: np.ndarray) -> np.ndarray:
         """What the slaves answer to values, less these."""
         for name, slave in self.slaves.items():
-            slave.set(self._inputs(name, values))
+            slave.set(self._inputs(name, values) | self._now(name))
         return self._read_all() - values
 
+    def exchange(self) -> None:
+        """Passes all values on, with outputs that follow inputs at once. Raises FmuRunError."""
+        for _ in range(self.scheme.iterations):
+            values = self._read_all()
+            self.values = values + self._miss(values)
+            if not self._exchange.settle(self.time):
+                return
+        raise FmuRunError(
+            f"Values of the connections keep changing at t = {self.time:.9g} s",
+            "Discrete and real connections are a loop: cut it",
+            time=self.time,
+        )
+
     def initialise(self) -> None:
-        """Consistent values of the connections by a damped Newton's method. Raises FmuRunError."""
+        """Consistent values of the connections. Raises FmuRunError."""
+        self._exchange.settle(self.time)
+        self._solve()
+        if self._exchange.settle(self.time):
+            self._solve()
+
+    def _solve(self) -> None:
+        """Consistent values of the continuous connections by a damped Newton's method. Raises FmuRunError."""
         values = self._read_all()
         miss = self._miss(values)
         for _ in range(self.scheme.iterations):
@@ -154,40 +171,61 @@ class Coupling:
                 matrix[np.ix_(list(rows), list(columns))] += self._factors[list(rows), None] * direct
         return matrix
 
+    @property
+    def ended(self) -> str | None:
+        """Why an FMU has ended the run itself; None while none has."""
+        return next((slave.ended for slave in self.slaves.values() if slave.ended is not None), None)
+
     def step(self, size: float) -> None:
-        """Moves all slaves on by `size` seconds. When it fails they stand anywhere. Raises FmuRunError."""
+        """Moves all slaves on by `size` seconds, or until an FMU ends the run. When it fails they stand anywhere.
+        Raises FmuRunError."""
         if self.scheme.iterated:
             self._iterate(size)
         else:
             self._once(size)
 
+    def _advance(self, size: float, start: np.ndarray, end: np.ndarray, sent: np.ndarray) -> float:
+        """Moves all slaves on, with connections that go from `start` to `end`, which newest values are written into by
+        Gauss-Seidel; what each slave was given at its end goes into `sent`. Returns how far all come: less than `size`
+        where an FMU ends the run."""
+        for name, slave in self.slaves.items():
+            places = list(self._targets[name])
+            sent[places] = end[places]
+            if size > 0.0:
+                given = {v: float(s.before(self.time + size)) for v, s in self._signals[name].items()}
+                slave.step(size, self._inputs(name, start) | self._now(name), self._inputs(name, end) | given)
+            if slave.ended is not None:
+                size = min(size, slave.time - self.time)
+            if self.scheme.master == "Gauss-Seidel":
+                self._read(name, end)
+        return size
+
+    def _arrive(self, size: float) -> None:
+        self.time += size
+        self.aligned = all(abs(slave.time - self.time) <= 1e-9 * (1.0 + size) for slave in self.slaves.values())
+
     def _once(self, size: float) -> None:
         values, given = self.values.copy(), self.values.copy()
-        for name, slave in self.slaves.items():
-            held = self._inputs(name, values)
-            for i in self._targets[name]:
-                given[i] = values[i]
-            slave.step(size, held, held)
-            if self.scheme.master == "Gauss-Seidel":
-                self._read(name, values)
-        values = self._read_all()
-        self.values = values + self._miss(values)  # outputs that follow inputs at once
-        self.missed = np.abs(self.values - given)
+        self._arrive(self._advance(size, values, values, given))
+        if self.aligned:
+            self.exchange()
+            self.missed = np.abs(self.values - given)
 
     def _iterate(self, size: float) -> None:
         foretold = self.values + size * self._slopes
-        end = foretold.copy()
+        end, sent = foretold.copy(), foretold.copy()
         with self.saved() as back:
             for turn in range(self.scheme.iterations):
                 before = end.copy()
                 if turn:
                     back()
-                for name, slave in self.slaves.items():
-                    slave.step(size, self._inputs(name, self.values), self._inputs(name, end))
-                    if self.scheme.master == "Gauss-Seidel":
-                        self._read(name, end)
+                reached = self._advance(size, self.values, end, sent)
+                if 0.0 < reached < (1.0 - 1e-9) * size:  # an FMU ends the run: nobody goes further
+                    size, foretold = reached, self.values + reached * self._slopes
+                    end = foretold.copy()
+                    continue
                 end = self._read_all()
-                if self._agree(end - before, end):
+                if reached == 0.0 or self._agree(end - before, end):
                     break
             else:
                 worst = self.connections[int(np.argmax(np.abs(end - before) / (1.0 + np.abs(end))))]
@@ -195,21 +233,26 @@ class Coupling:
                     f"The values at the end of the step of {size:g} s do not agree after {self.scheme.iterations} "
                     f"iterations, worst is {worst.source}",
                     "Make the step smaller",
+                    time=self.time,
                 )
         self._slopes = (end - self.values) / size
         self.missed = np.abs(end - foretold)
         self.values = end
+        self._arrive(reached)
+        if self.aligned and self._exchange.settle(self.time):
+            self.exchange()
 
     @contextmanager
     def saved(self) -> Iterator[Callable[[], None]]:
         """Keeps the present point; gives a function that goes back to it. Raises FmuRunError, InputError."""
-        values, slopes = self.values, self._slopes
+        values, slopes, time, given = self.values, self._slopes, self.time, dict(self._exchange.given)
         states: dict[str, Any] = {}
 
         def back() -> None:
             for name, slave in self.slaves.items():
                 slave.restore(states[name])
-            self.values, self._slopes = values, slopes
+            self.values, self._slopes, self.time, self.aligned = values, slopes, time, True
+            self._exchange.given = dict(given)
 
         try:
             for name, slave in self.slaves.items():
@@ -226,6 +269,12 @@ def _ends(ends: Sequence[str], slave: str) -> dict[int, str]:
     return {i: variable for i, owner, variable in found if owner == slave}
 
 
-def _nominals(slave: Slave, names: Sequence[str]) -> np.ndarray:
+def _owned(signals: Mapping[str, Signal], slave: str) -> dict[str, Signal]:
+    """Signals of a slave by variable."""
+    ends = ((*target.partition(".")[::2], signal) for target, signal in signals.items())
+    return {variable: signal for owner, variable, signal in ends if owner == slave}
+
+
+def _nominals(slave: OpenFmu, names: Sequence[str]) -> np.ndarray:
     nominals = slave.fmu.variables.loc[list(names), "nominal"]
     return np.array([1.0 if n is None or not np.isfinite(n) or n == 0.0 else abs(n) for n in nominals])

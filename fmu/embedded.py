@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import tempfile
 import weakref
+import zipfile
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,10 +19,12 @@ import pandas as pd
 from ropeway.components import check, units
 from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
-from ropeway.fmu.errors import FmuError, FmuImportError
+from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
 from ropeway.fmu.imported import Fmu, load
-from ropeway.fmu.instance import require_kind
-from ropeway.fmu.slave import Slave, require_causality
+from ropeway.fmu.instance import Instance, require_kind
+from ropeway.fmu.integration import Integrator
+from ropeway.fmu.readable import make_readable
+from ropeway.fmu.slave import OpenFmu, require_causality
 
 
 @checked
@@ -74,9 +77,10 @@ def component(
     """A Model Exchange FMU of version 2.0 or 3.0 as a component. Connect its `input`s and `output`s (its real inputs,
     outputs and states); an input that nothing drives keeps its start value. All are in SI units.
 
-    parameters: values of its parameters; those that it lets be tuned are parameters of the model besides. The states
-    start where the FMU's own initialisation puts them. Its Jacobians are exact where it has directional derivatives,
-    else differences that CasADi takes of it; its explicit dependence on time enters no Jacobian.
+    parameters: values of its parameters; those that it lets be tuned at any time are parameters of the model besides.
+    Discrete inputs, and variables other than real scalars, keep their start values. The states start where the FMU's
+    own initialisation puts them. Its Jacobians are exact where it has directional derivatives, else differences that
+    CasADi takes of it; its explicit dependence on time enters no Jacobian.
 
     CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
     ignore_events says that its equations are the same on both sides of them (those that this library exports for a
@@ -95,12 +99,18 @@ def component(
     count = int(file.description.numberOfEventIndicators or 0)
     if count and not ignore_events:
         raise _has_events(file, f"{count} event indicators")
+    if any(v.variable.dimensions for v in file.description.derivatives):
+        raise FmuImportError(
+            f"{file.path.name} has arrays of states: CasADi, which calls it in a component, reads single ones only",
+            "Couple it by CoSimulation",
+        )
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
         fmpy.extract(str(file.path), unzipdir=folder)
+        make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
         # CasADi reads all outputs as real numbers, and knows no dependencies of others.
-        dae.set_y([n for n in file.names("output") if n not in dae.x()])
+        dae.set_y([n for n in file.outputs() if dae.has(n) and n not in dae.x()])
         groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
         starts = _starts(file, name, values, groups, ignore_events)  # the FMU tells what it refuses
         for key, value in values.items():
@@ -114,12 +124,44 @@ def component(
         raise
     except RuntimeError as error:
         shutil.rmtree(folder, ignore_errors=True)
-        reason = str(error).strip().splitlines()[-1]
-        raise FmuImportError(f"CasADi cannot use {file.path.name}: {reason}", "Couple it by CoSimulation") from error
+        raise FmuImportError(
+            f"CasADi, which calls FMUs in components, cannot use {file.path.name}: {_reason(file, error)}",
+            "Couple it by CoSimulation",
+        ) from error
     owned, scales = _variables(file, groups, starts)
     made = FmuComponent(name, file, function, owned, scales)
     weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
     return made
+
+
+def _reason(fmu: Fmu, error: RuntimeError) -> str:
+    reason = str(error).strip().splitlines()[-1]
+    if fmu.fmi == "2.0" or "memory object" not in reason:
+        return reason
+    with zipfile.ZipFile(fmu.path) as archive:
+        if any(name.startswith("resources/") and not name.endswith("/") for name in archive.namelist()):
+            return "it reads files of its own, and CasADi names their folder without the last slash"
+    return reason
+
+
+def _tunes(fmu: Fmu, name: str, values: Mapping[str, float]) -> bool:
+    """Whether tunable parameters can be set at any time, as CasADi does; the standard allows it at events only."""
+    tunable = [n for n in fmu.names("parameter") if fmu.entries[n].variability == "tunable"]
+    if not tunable:
+        return True
+    instance = Instance(fmu, name, "ModelExchange")
+    try:
+        instance.enter(0.0, values)
+        instance.leave()
+        Integrator(instance, 1e-6).begin()
+        present = instance.read(tunable)
+        try:
+            instance.set(dict(zip(tunable, present, strict=True)))
+        except FmuRunError:
+            return False
+        return True
+    finally:
+        instance.close()
 
 
 def _has_events(fmu: Fmu, what: str) -> FmuImportError:
@@ -133,7 +175,7 @@ def _starts(
     fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
 ) -> dict[Kind, np.ndarray]:
     """Values after the FMU's own initialisation. Raises FmuImportError where it announces an event."""
-    with Slave(fmu, name, "ModelExchange") as slave:
+    with OpenFmu(fmu, name, "ModelExchange") as slave:
         slave.enter(0.0, values)
         slave.leave()
         moment = slave.save()

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ropeway.components.errors import RopewayError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class FmuError(RopewayError):
@@ -30,10 +35,17 @@ class FmuVariableError(FmuError, KeyError):
 
 class FmuRunError(FmuError):
     """An FMU refused a call while it ran; the cause ends with what it logged. `time` [s] is when; `fatal`: it can
-    never be used again."""
+    never be used again; `result`: the rows of a co-simulation so far, None where there are none."""
 
     def __init__(
-        self, cause: str, remedy: str = "", variable: str | None = None, *, time: float = 0.0, fatal: bool = False
+        self,
+        cause: str,
+        remedy: str = "",
+        variable: str | None = None,
+        *,
+        time: float = 0.0,
+        fatal: bool = False,
+        result: pd.DataFrame | None = None,
     ) -> None:
-        self.time, self.fatal = time, fatal
+        self.time, self.fatal, self.result = time, fatal, result
         super().__init__(cause, remedy, variable)

@@ -93,22 +93,30 @@ def export(
     if rest.model.external:
         raise FmuExportError(f"A part of {rest.model.name!r} is an FMU itself", "Export the rest, use CoSimulation")
     interface = Interface(equations, inputs, outputs, parameters)
+    with whole(target) as file:  # what is short of room on the way, as a folder for the compiler, counts too
+        content = _content(interface, rest, fmi, tolerance, names)
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, data in content.items():
+                archive.writestr(name, data)
+    return target
+
+
+def _content(
+    interface: Interface, rest: Equilibrium, fmi: str, tolerance: float, platforms: Sequence[str]
+) -> dict[str, bytes]:
+    """All files of an FMU, by their place in the archive."""
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))
     place, seen = ("model.png", "../model.png") if fmi == "2.0" else ("documentation/diagram.png", "diagram.png")
-    content: dict[str, bytes] = {
+    return {
         "modelDescription.xml": description.model_description(fmi, about, interface, compiled),
         **({place: documentation.picture(rest)} if rest.runs else {}),
         "documentation/index.html": documentation.page(about, interface, seen if rest.runs else None).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         "sources/buildDescription.xml": description.build_description(about, compiled),
-        **_binaries(sources, compiled, fmi, about.identifier, names),
+        **_binaries(sources, compiled, fmi, about.identifier, platforms),
     }
-    with whole(target) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in content.items():
-            archive.writestr(name, data)
-    return target
 
 
 def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:

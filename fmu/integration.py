@@ -38,20 +38,40 @@ class Integrator:
     """
 
     def __init__(self, instance: Instance, tolerance: float) -> None:
-        description = instance.fmu.description
-        three = description.fmiVersion != "2.0"
         self._instance, self._tolerance = instance, tolerance
-        self._n = description.numberOfContinuousStates
-        self._indicators = np.zeros(len(description.eventIndicators) if three else description.numberOfEventIndicators)
-        self._values = np.zeros(max(self._n, 1))  # without states one that stays: time passes all the same
-        self._nominals = np.ones(len(self._values))
+        self._size(0, 0)
         self._positive = self._indicators > 0.0
         self._next_event = np.inf
         self._events = 0
         self._step: float | None = None
+        self._continuous = False
+
+    def _size(self, states: int, indicators: int) -> None:
+        self._n = states
+        self._indicators = np.zeros(indicators)
+        self._values = np.zeros(max(states, 1))  # without states one that stays: time passes all the same
+        self._nominals = np.ones(len(self._values))
 
     def begin(self) -> None:
         """After the initialisation: the first update of the discrete states. Raises FmuRunError."""
+        self._size(*self._instance.sizes())
+        self._update()
+
+    def set(self, values: Mapping[str, object]) -> None:
+        """Sets variables; those that are not continuous only at an event, as FMI wants it. Raises FmuRunError,
+        FmuVariableError."""
+        entries = self._instance.fmu.entries
+        now = {n: v for n, v in values.items() if not self._continuous or (n in entries and entries[n].continuous)}
+        self._instance.set(now)
+        if len(now) < len(values):
+            self._event({n: v for n, v in values.items() if n not in now})
+
+    def _event(self, values: Mapping[str, object]) -> None:
+        """An event, with values that change there. Raises FmuRunError, FmuVariableError."""
+        self._events += 1
+        self._instance.call("an event", "enterEventMode")
+        self._continuous = False
+        self._instance.set(values)
         self._update()
 
     def _vector(self, what: str, method: str, values: np.ndarray) -> np.ndarray:
@@ -76,18 +96,21 @@ class Integrator:
         for _ in range(_ENDLESS):
             again, end, _, _, defined, time = self._instance.call("an event", "newDiscreteStates")
             if end:
-                raise self._instance.error("wants to end", "End the run before")
+                self._instance.end()
+                return
             if not again:
                 break
         else:
             raise self._instance.error("has events without end", "Look at its inputs there")
         self._instance.call("continuous time", "enterContinuousTimeMode")
+        self._continuous = True
         self._vector("nominals", "getNominalsOfContinuousStates", self._nominals[: self._n])
         self._next_event = time if defined else np.inf
         self._positive = self._signs()
 
     def advance(self, size: float, start: Mapping[str, float], end: Mapping[str, float]) -> None:
-        """Moves on by `size` seconds with inputs that go from `start` to `end`. Raises FmuRunError."""
+        """Moves on by `size` seconds, or until the FMU ends the run, with continuous inputs that go from `start` to
+        `end`. Raises FmuRunError."""
         begin = self._instance.time
         stop = begin + size
 
@@ -106,13 +129,15 @@ class Integrator:
                 last = time
                 if count > _ENDLESS:
                     raise self._instance.error("has events without end", "Look at its inputs there")
-                self._events += 1
-                self._instance.call("an event", "enterEventMode")
-                self._update()
+                self._event({})
+                if self._instance.ended is not None:
+                    return
                 states = self._states()
             if time >= stop:
                 return
             states, due = self._until(min(stop, self._next_event), states, put)
+            if self._instance.ended is not None:
+                return
 
     def _until(
         self, goal: float, states: np.ndarray, put: Callable[[float, np.ndarray], None]
@@ -190,7 +215,8 @@ class Integrator:
                 f"cannot go back to t = {moment.time:.9g} s: it has had an event since and cannot save its state,",
                 "Couple it with iterated=False and without step control",
             )
-        self._instance.time = moment.time
+        self._instance.time, self._instance.ended = moment.time, None
+        self._continuous = True
         self._positive, self._next_event = moment.positive.copy(), moment.next_event
         self._events, self._step = moment.events, moment.step
         self._put(moment.time, moment.states)

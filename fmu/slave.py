@@ -4,7 +4,7 @@ here."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from ropeway.fmu.errors import FmuRunError, FmuVariableError
 from ropeway.fmu.imported import Fmu
 from ropeway.fmu.instance import Instance
 from ropeway.fmu.integration import Integrator
+from ropeway.fmu.values import Value
 
 
-@checked
-class Slave:
+class OpenFmu:
     """An open FMU. Close it, or use it with `with`. kind: "CoSimulation" or "ModelExchange"; tolerance: of the
     integrator of the latter. `can_restore`: it can go back in time; `can_interpolate`: its inputs may change linearly
     within a step. Raises FmuImportError."""
@@ -29,19 +29,32 @@ class Slave:
         self.can_restore = self._integrator is not None or self._instance.keeps_states
         self.can_interpolate = self._integrator is not None or self._instance.interpolates
 
+        self._continuous = frozenset(n for n, entry in fmu.entries.items() if entry.continuous)
+
     @property
     def time(self) -> float:
         """Where it is [s]."""
         return self._instance.time
 
     @property
+    def ended(self) -> str | None:
+        """Why the FMU has ended the run itself; None while it has not."""
+        return self._instance.ended
+
+    @property
+    def varies_steps(self) -> bool:
+        """Whether its steps may have different lengths."""
+        return self._integrator is not None or self._instance.varies_steps
+
+    @property
     def log(self) -> list[str]:
         """Its warnings and errors so far."""
         return self._instance.log
 
-    def enter(self, start: float, values: Mapping[str, float]) -> None:
-        """Sets start values and begins the initialisation. Raises FmuRunError, FmuVariableError."""
-        self._instance.enter(start, values)
+    def enter(self, start: float, values: Mapping[str, object], stop: float | None = None) -> None:
+        """Sets start values and begins the initialisation at a time [s]; stop: when the run is to end. Raises
+        FmuRunError, FmuVariableError."""
+        self._instance.enter(start, values, stop)
 
     def leave(self) -> None:
         """Ends the initialisation. Raises FmuRunError."""
@@ -49,12 +62,22 @@ class Slave:
         if self._integrator is not None:
             self._integrator.begin()
 
-    def set(self, values: Mapping[str, float]) -> None:
-        """Sets variables, Booleans by 0 and 1. Raises FmuRunError, FmuVariableError."""
-        self._instance.set(values)
+    def set(self, values: Mapping[str, object]) -> None:
+        """Sets variables; in Model Exchange what is not continuous makes an event. An FMU that has ended the run keeps
+        what it has. Raises FmuRunError, FmuVariableError."""
+        if self.ended is not None:
+            return
+        if self._integrator is not None:
+            self._integrator.set(values)
+        else:
+            self._instance.set(values)
+
+    def read(self, names: Sequence[str]) -> list[Value]:
+        """Values of variables of any kind. Raises FmuRunError, FmuVariableError."""
+        return self._instance.read(names)
 
     def get(self, names: Sequence[str]) -> np.ndarray:
-        """Values of variables, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
+        """Values of numbers, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
         return self._instance.get(names)
 
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:
@@ -76,7 +99,13 @@ class Slave:
 
     def step(self, size: float, start: Mapping[str, float], end: Mapping[str, float]) -> None:
         """Moves on by `size` seconds with inputs that go from `start` to `end`: linearly where the FMU can, else held
-        at their mean. Raises FmuRunError."""
+        at their mean; discrete ones keep their start. Where the FMU ends the run it stops earlier, and says so in
+        `ended`. Raises FmuRunError."""
+        if not start.keys() <= self._continuous:
+            self.set({n: v for n, v in start.items() if n not in self._continuous})
+            start = {n: v for n, v in start.items() if n in self._continuous}
+        if self.ended is not None:
+            return
         if self._integrator is not None:
             self._integrator.advance(size, start, end)
             return
@@ -87,7 +116,7 @@ class Slave:
         else:
             self.set({n: (v + end[n]) / 2.0 for n, v in start.items()})
         self._instance.do_step(size)
-        self.set(end)
+        self.set({n: end[n] for n in start})
 
     def save(self) -> Any:
         """The state, for `restore`; free it with `forget`. Raises InputError, FmuRunError."""
@@ -101,6 +130,7 @@ class Slave:
             self._integrator.restore(state)
         else:
             self._instance.time, kept = state
+            self._instance.ended = None
             self._instance.restore(kept)
 
     def forget(self, state: Any) -> None:
@@ -114,19 +144,41 @@ class Slave:
         """Ends the instance."""
         self._instance.close()
 
-    def __enter__(self) -> Slave:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
 
 
+@checked
+class Slave(OpenFmu):
+    """An open FMU whose calls check their arguments; a co-simulation spares that, at every step."""
+
+    __init__ = OpenFmu.__init__
+    enter, set, read, get = OpenFmu.enter, OpenFmu.set, OpenFmu.read, OpenFmu.get
+    derivatives, step = OpenFmu.derivatives, OpenFmu.step
+
+
 def require_causality(fmu: Fmu, name: str, causality: str) -> None:
     """Raises FmuVariableError unless a variable is a real one of this causality."""
-    row = fmu.variable(name)
-    if row["causality"] != causality or row["kind"] != "Real":
+    require_connectable(fmu, name, causality, ("Real",))
+
+
+def require_connectable(
+    fmu: Fmu,
+    name: str,
+    causality: str,
+    kinds: Sequence[str] = ("Real", "Boolean", "Integer", "Enumeration", "String", "Binary"),
+) -> None:
+    """Raises FmuVariableError unless a variable is of this causality, of one of these kinds and of no clock."""
+    entry = fmu.entry(name)
+    if entry.causality != causality or entry.kind not in kinds or entry.clocked:
+        what = f"{'clocked ' if entry.clocked else ''}{entry.kind}"
+        choice = [n for n in fmu.names(causality, *kinds) if not fmu.entries[n].clocked]
+        wanted = f"a Real {causality}" if len(kinds) == 1 else f"an {causality} that can be connected"
         raise FmuVariableError(
-            f"{name!r} of {fmu.path.name} is a {row['kind']} of causality {row['causality']!r}, not a Real {causality}",
-            f"Choose from {', '.join(fmu.names(causality)[:12]) or 'nothing: it has none'}",
+            f"{name!r} of {fmu.path.name} is a {what} of causality {entry.causality!r}, not {wanted}",
+            f"Choose from {', '.join(choice[:12]) or 'nothing: it has none'}",
             name,
         )

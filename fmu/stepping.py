@@ -64,14 +64,15 @@ class Stepper:
         self.size = min(max(self.size, self.control.least), self.control.most)
 
     def step(self, time: float, until: float) -> float:
-        """One step from a time towards the end; returns the time reached. Raises FmuRunError."""
+        """One step from a time towards the end, shorter where an FMU ends the run; returns the time reached. Raises
+        FmuRunError."""
         left = until - time
         size = left if left <= 1.001 * self.size else min(self.size, 0.5 * left)  # no sliver at the end
         if not self.coupling.can_restore:
             self.coupling.step(size)
             error = self._missed()
             self._adapt(size, error, 2.0)
-            return self._reached(time, size, until, error)
+            return self._reached(until, error)
         limit = 2.0
         with self.coupling.saved() as back:
             while True:
@@ -83,13 +84,15 @@ class Stepper:
                     error = math.inf
                 self._adapt(size, error, limit)
                 if error <= 1.0 or size <= self.control.least:
-                    return self._reached(time, size, until, error)
+                    return self._reached(until, error)
                 back()
                 self.repeated += 1
                 size, limit = self.size, 1.0
 
-    def _reached(self, time: float, size: float, until: float, error: float) -> float:
-        reached = until if abs(until - time - size) <= 1e-9 * size else time + size
+    def _reached(self, until: float, error: float) -> float:
+        reached = self.coupling.time
+        if abs(until - reached) <= 1e-9 * self.size:
+            reached = self.coupling.time = until
         if error > 1.0:
             self.inexact.append(reached)
         return reached
@@ -112,7 +115,8 @@ class Stepper:
         whole = coupling.outputs()
         back()
         for half in (0.5 * size, 0.5 * size):
-            coupling.step(half)
+            if coupling.ended is None:
+                coupling.step(half)
         halves = coupling.outputs()
         return self._relative(np.abs(whole - halves), halves, coupling.nominals) / (2**coupling.scheme.order - 1)
 

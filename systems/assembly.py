@@ -32,10 +32,10 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     slots: least number of load slots of each span of each run; by default what the loads need.
     Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
     """
-    if not isinstance(system, System):
-        raise InputError(f"{system!r:.60} is no system", "Give a System, or what assemble(system) has made of it")
     system.require_complete()
     runs = find_runs(system)
+    if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
+        raise InputError("slots does not fit the system", "Give a number of slots for each span of each run")
     starts = [run_start(run, system.gravity) for run in runs]
     sites = _sites(system, runs, starts, slots)
     variables = with_links(system, {c.name: c.variables(sites[c.name]) for c in system.components.values()})
@@ -321,5 +321,5 @@ def _check_structure(model: Model, system: System) -> None:
         owner = component_of(lone[0])
         raise UnbalancedSystemError(
             f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}",
-            f"Look at {owner!r}, added at {system.origin(owner)}",
+            f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
         )

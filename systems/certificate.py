@@ -17,13 +17,13 @@ import pandas as pd
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.certificate_layout import CertificateLayout, layout_of
+from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, SpanPlaces, layout_of
 from ropeway.systems.certificate_spans import Hung, Shape, Spans, hung, pulls, read_spans, shape
 from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Buffered, Point, dense, outputs_of
 from ropeway.systems.run import Run
-from ropeway.systems.stability import free_balances, least_pivot
+from ropeway.systems.stability import free_balances, has_free_nodes, least_pivot
 from ropeway.systems.state import find
 
 CLOSURE = 1e-9
@@ -33,6 +33,9 @@ PLACE = 1e-9
 """How far a load may hang from its place on the rope, over the mean span."""
 INSIDE = 1e-8
 """How far a load that stands on a support may hang beyond it, over the mean span."""
+IN_RUN = 1e-4
+"""The same for records of a run: a section without an event of its own is solved afterwards, its loads standing where
+their rates took them."""
 ROPE = 1e-9
 """How much of a rope may be missing or too much, over its length."""
 LAW = 1e-8
@@ -70,9 +73,11 @@ class Check:
 
 @dataclass(frozen=True)
 class Certificate:
-    """The checks of a state, or the worst of each over many records."""
+    """The checks of a state, or the worst of each over many records. `utilisation`: the highest tension over its
+    minimum breaking load, which is no check: such a state is an equilibrium, if a rope bears it."""
 
     checks: tuple[Check, ...]
+    utilisation: Check | None = None
 
     @property
     def failed(self) -> Check | None:
@@ -121,10 +126,10 @@ class Certificate:
         """Of each check the worst, or the first that failed."""
         found: dict[str, Check] = {}
         for certificate in certificates:
-            for check in certificate.checks:
+            for check in (*certificate.checks, *([certificate.utilisation] if certificate.utilisation else [])):
                 if check.name not in found or check.worse_than(found[check.name]):
                     found[check.name] = check
-        return cls(tuple(found.values()))
+        return cls(tuple(c for name, c in found.items() if name != UTILISATION), found.get(UTILISATION))
 
 
 SPANS_END = "distance of a span's end from its support over its chord"
@@ -134,6 +139,7 @@ IN_SPAN = "distance of a load beyond its span over the mean span"
 ROPE_SUM = "rope missing from a run over its length"
 STABLE = "least pivot of the stiffness of free travels"
 EQUATIONS = "other equations over their nominals"
+UTILISATION = "highest tension over minimum breaking load"
 VALUES = "distance from a given value over its size"
 
 
@@ -173,26 +179,28 @@ def certify(
         It raises nothing: `certificate.require(model)` does.
     """
     values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
-    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
+    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held, INSIDE)
     if given:
         checks.append(_given(model, point, runs, passed, given))
-    return Certificate(tuple(checks))
+    return Certificate.worst([Certificate(tuple(checks))])
 
 
 def certify_records(
-    model: Model, points: Sequence[Point], runs: Sequence[Run], passed: Sequence[Sequence[np.ndarray]]
+    model: Model, runs: Sequence[Run], states: Iterable[tuple[Point, Sequence[np.ndarray]]]
 ) -> Certificate:
-    """The worst of each check over many solved points of one model, in order of time; passed: for each point as in
-    `certify`. A check that fails is that of the first record in which it does."""
-    layout = layout_of(model)
+    """The worst of each check over many states of one model in order of time, each a solved point and the loads
+    `passed` as in `certify`. A check that fails is that of the first state in which it does."""
+    layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
-    found = []
-    for first in range(0, len(points), size):
-        chunk = points[first : first + size]
-        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in chunk])
-        beyond = [np.array([p[r] for p in passed[first : first + size]]) for r in range(len(runs))]
-        for check in _checks(model, values, chunk, runs, beyond, (), ()):
-            found.append(Certificate((_later(check, first),)))
+    found, first = [], 0
+    while chunk := list(itertools.islice(states, size)):
+        points = [point for point, _ in chunk]
+        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+        beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
+        found.append(
+            Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), (), IN_RUN)))
+        )
+        first += len(chunk)
     return Certificate.worst(found)
 
 
@@ -213,6 +221,7 @@ def _checks(
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
     held: Collection[str],
+    inside: float,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
@@ -223,7 +232,7 @@ def _checks(
             spans = read_spans(places, values, gravity)
             loads = hung(places, values, spans, runs, passed)
             found = shape(spans, loads, gravity)
-            checks += _span_checks(layout, values, spans, loads, found, rope)
+            checks += _span_checks(layout, values, spans, loads, found, rope, inside)
             pull = pulls(spans, found)
         else:
             pull = np.zeros((3, len(values), 1))
@@ -231,7 +240,8 @@ def _checks(
         if len(layout.others):
             checks.append(_other_equations(model, layout, points))
         quick = None
-        if places.names and layout.plain and not held:
+        # Where ropes move a node, as a wheel on its slide, this is a part of what a state needs: it serves for runs.
+        if places.names and not held and (layout.plain or (len(points) > 1 and not has_free_nodes(model))):
             quick = least_pivots(layout, values, spans, found)
     checks += _stability(model, layout, points, quick, held)
     return checks
@@ -279,6 +289,7 @@ def _span_checks(
     loads: Hung | None,
     found: Shape,
     rope: Sequence[float],
+    inside: float,
 ) -> list[Check]:
     places = layout.spans
     off = found.reach - spans.way
@@ -287,23 +298,34 @@ def _span_checks(
     checks = [
         _worst(SPANS_END, miss / size, CLOSURE, places.names),
         _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
+        _worst(UTILISATION, np.maximum(found.t0[:, :, 0], found.t1[:, :, -1]) / spans.breaking_load, 1.0, places.names),
     ]
     if loads is not None:
-        mean = spans.chord.mean(axis=1)[:, None]
-        mass, at, ride, empty = values[:, places.slots].transpose(1, 0, 2, 3)
-        read = at + ride * spans.travel_a[:, :, None] + empty * spans.length[:, :, None]
-        away = np.abs(np.where(loads.there | (mass != 0.0), read - loads.distance, 0.0))
-        away = np.where(mass == loads.mass, away, np.inf).max(axis=2)
-        checks.append(_worst(ON_ROPE, np.where(loads.lost, np.inf, away / mean), PLACE, places.names))
-        beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None])
-        beyond = np.where(loads.there, beyond, 0.0).max(axis=2)
-        checks.append(_worst(IN_SPAN, beyond / mean, INSIDE, places.names))
+        checks += _load_checks(places, values, spans, loads, inside)
     if rope:
         ends = places.runs
-        totals = np.array([spans.length[0, a:b].sum() for a, b in itertools.pairwise(ends)])
+        read = values[0, places.read]
+        own = read[SPAN.index("length_start")] + read[len(SPAN)] - read[len(SPAN) + len(ENDS)]
+        totals = np.array([own[a:b].sum() for a, b in itertools.pairwise(ends)])  # rope on shoes counts
         missing = np.abs(totals - np.asarray(rope)) / np.asarray(rope)
         checks.append(_worst(ROPE_SUM, missing[None], ROPE, [places.names[a] for a in ends[:-1]]))
     return checks
+
+
+def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung, inside: float) -> list[Check]:
+    """The slots of the model hold the loads of the runs, and these hang within their spans."""
+    used = loads.distance.shape[2]
+    slots, mean = values[:, places.slots[:, :, :used]], spans.chord.sum(axis=1)[:, None] / len(places.names)
+    read = slots[:, 1] + slots[:, 2] * spans.travel_a[:, :, None] + slots[:, 3] * spans.length[:, :, None]
+    away = np.where(loads.there, np.abs(read - loads.distance), 0.0)
+    away[slots[:, 0] != loads.mass] = np.inf
+    away = away.max(axis=2) / mean
+    away[loads.lost | (values[:, places.slots[0, :, used:]] != 0.0).any(axis=2)] = np.inf
+    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None]) * loads.there
+    return [
+        _worst(ON_ROPE, away, PLACE, places.names),
+        _worst(IN_SPAN, beyond.max(axis=2) / mean, inside, places.names),
+    ]
 
 
 def _law_checks(model: Model, layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:

@@ -15,14 +15,23 @@ from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import VECTORS
 from ropeway.systems.run import Run, drive_speeds
 
-SPAN = ("force_x", "force_y", "force_z", "length_start", "mass_per_length", "compliance", "construction")
+SPAN = (
+    "force_x",
+    "force_y",
+    "force_z",
+    "length_start",
+    "mass_per_length",
+    "compliance",
+    "construction",
+    "breaking_load",
+)
 """Variables of a span, in the order of the rows of `SpanPlaces.read`; behind them, for ends a and b, `ENDS`."""
 ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
 
 
 @dataclass(frozen=True, eq=False)
 class SpanPlaces:
-    """Places of all spans, run after run. `read` (21, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
+    """Places of all spans, run after run. `read` (22, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
     (4, spans, slots): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
     behind; `shoes`: whether a rope leaves a node beside its place anywhere."""
 

@@ -19,14 +19,15 @@ from ropeway.systems.run import Run
 
 class Spans(NamedTuple):
     """What is known of spans: tension vector at the start (records, 3, spans), horizontal tension squared, weight per
-    metre, strain coefficients, unstretched length, chord vector (records, 3, spans) and its length, the coordinates'
-    largest size, and the travels at both ends with the rope beside them."""
+    metre, strain coefficients, minimum breaking load, unstretched length, chord vector (records, 3, spans) and its
+    length, the coordinates' largest size, and the travel at end a with the rope beside it."""
 
     force: np.ndarray
     horizontal2: np.ndarray
     weight: np.ndarray
     c1: np.ndarray
     c2: np.ndarray
+    breaking_load: np.ndarray
     length: np.ndarray
     way: np.ndarray
     chord: np.ndarray
@@ -53,6 +54,7 @@ def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray) -> S
         weight=found[:, 4] * gravity,
         c1=found[:, 5],
         c2=found[:, 6],
+        breaking_load=found[:, 7],
         length=found[:, 3] + travel_a - travel_b,
         way=way,
         chord=np.sqrt(way[:, 0] ** 2 + way[:, 1] ** 2 + way[:, 2] ** 2),
@@ -80,24 +82,24 @@ def hung(
     passed: Sequence[np.ndarray],
 ) -> Hung | None:
     """Loads of `runs` where their own places on the rope put them; `passed`: for each run the loads beyond each
-    support, (records, supports). None where there is none."""
-    most = places.slots.shape[2]
-    if most == 0 or not any(len(run.loads.place) for run in runs):
+    support, (records, supports). As many slots as the fullest span needs; None where there is no load."""
+    counts = [beyond[:, :-1] - beyond[:, 1:] for beyond in passed]
+    most = max((int(count.max()) for count in counts), default=0)
+    if most == 0:
         return None
     shape = (*spans.length.shape, most)
-    distance, mass = np.broadcast_to(spans.length[:, :, None], shape).copy(), np.zeros(shape)
+    distance, mass = np.empty(shape), np.zeros(shape)
+    distance[:] = spans.length[:, :, None]
     there, lost = np.zeros(shape, dtype=bool), np.zeros(spans.length.shape, dtype=bool)
     slot = np.arange(most)
     for r, run in enumerate(runs):
         loads = run.loads
         if len(loads.place) == 0:
             continue
-        own, beyond = slice(places.runs[r], places.runs[r + 1]), passed[r]
-        last = beyond[:, :-1]
-        lost[:, own] = last - beyond[:, 1:] > places.slot_counts[own]
-        load = last[:, :, None] - 1 - slot
-        full = load >= beyond[:, 1:, None]
-        load = np.where(full, load, 0)
+        own = slice(places.runs[r], places.runs[r + 1])
+        lost[:, own] = counts[r] > places.slot_counts[own]
+        full = slot < counts[r][:, :, None]
+        load = np.where(full, passed[r][:, :-1, None] - 1 - slot, 0)
         starts = np.zeros((len(values), own.stop - own.start))
         np.cumsum(values[:, places.read[3, own][:-1]], axis=1, out=starts[:, 1:])
         at = loads.place[load] + (spans.travel_a[:, own] - starts)[:, :, None]
@@ -105,8 +107,8 @@ def hung(
             pinned = loads.pinned[load]
             at = np.where(pinned >= 0, loads.at[load], at)
             lost[:, own] |= (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start)[:, None])).any(axis=2)
-        distance[:, own] = np.where(full, at, distance[:, own])
-        mass[:, own] = np.where(full, loads.mass[load], 0.0)
+        np.copyto(distance[:, own], at, where=full)
+        np.copyto(mass[:, own], loads.mass[load], where=full)
         there[:, own] = full
     return Hung(distance, mass, there, lost)
 
@@ -141,21 +143,22 @@ def shape(spans: Spans, loads: Hung | None, gravity: np.ndarray) -> Shape:
         gain = weight * piece
         v0 = weight * cuts[:, :, :-1]
         v0 += spans.force[:, 2, :, None]
-        v0[:, :, 1:] += np.cumsum(loads.mass, axis=2) * gravity[:, :, None]
+        v0[:, :, 1:] += loads.mass.cumsum(axis=2) * gravity[:, :, None]
     v1 = v0 + gain
     t0, t1 = np.sqrt(h2 + v0 * v0), np.sqrt(h2 + v1 * v1)
     steep0, steep1 = t0 + np.abs(v0), t1 + np.abs(v1)
     brackets = np.where(v0 >= 0.0, steep0, h2 / steep0) + np.where(v1 <= 0.0, steep1, h2 / steep1)
     angle = np.log1p(2.0 * gain / brackets) / weight
+    both = v0 + v1
     across, lift = angle + c1 * piece, 1.0 / (t0 + t1) + 0.5 * c1
     if spans.c2.any():
-        c2, both = spans.c2[:, :, None], v0 + v1
+        c2 = spans.c2[:, :, None]
         across = across + c2 * (piece / 4.0 * (t0 + t1 + both * both / (t0 + t1)) + h2 * angle / 2.0)
         lift = lift + c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3.0 * (t0 + t1))
     total = across.sum(axis=2)
     reach = np.empty_like(spans.force)
-    reach[:, 0], reach[:, 1] = spans.force[:, 0] * total, spans.force[:, 1] * total
-    reach[:, 2] = (piece * (v0 + v1) * lift).sum(axis=2)
+    reach[:, :2] = spans.force[:, :2] * total[:, None]
+    reach[:, 2] = (piece * both * lift).sum(axis=2)
     return Shape(reach, v1[:, :, -1], v0, v1, t0, t1, piece, angle)
 
 

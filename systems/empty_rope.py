@@ -104,7 +104,10 @@ def _taut_for_total(
         if abs(miss) <= 1e-13 * total:
             return reference, taut
         reference -= miss / taut.slope.sum()
-    raise SlackRopeError(f"The empty rope {names[0]} ... has no taut branch", "Shorten it or raise the tension")
+    raise SlackRopeError(
+        f"The empty rope {names[0]} ... is too long to hang taut between its supports",
+        "Shorten it or raise the tension",
+    )
 
 
 def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:

@@ -2,28 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
 
-from ropeway.components import catenary
+from ropeway.components import catenary, check
 from ropeway.components.checked import checked
 from ropeway.components.component import Kind
-from ropeway.components.errors import EquilibriumError, InputError, UnbalancedSystemError, UnknownNameError
+from ropeway.components.errors import (
+    EquilibriumError,
+    InputError,
+    RopewayWarning,
+    UnbalancedSystemError,
+    UnknownNameError,
+)
 from ropeway.systems.assembly import assemble
+from ropeway.systems.at_rest import keep_taut_root, let_out, settle, share_lengths, too_heavy
 from ropeway.systems.carrying import carried_over, declared_alike, undriven
-from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.certificate import Certificate, certify
+from ropeway.systems.given_values import solve_swapped
 from ropeway.systems.interrupts import interruptible
-from ropeway.systems.model import Model, component_of
-from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
+from ropeway.systems.model import Model
+from ropeway.systems.newton import Point, outputs_of
 from ropeway.systems.pending import Pending
 from ropeway.systems.run import Run
-from ropeway.systems.stability import require_stable, slack
 from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
-from ropeway.systems.system import System
+from ropeway.systems.system import System, caller
 
 
 @checked
@@ -33,7 +41,7 @@ class Equilibrium:
 
     `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
     supports on which a load stands that could pass neither way. `pending`: what a run goes on with that starts
-    here, where this is the line in the course of another run.
+    here, where this is the line in the course of another run. `given`: values that it was solved for.
     """
 
     model: Model
@@ -42,6 +50,7 @@ class Equilibrium:
     passed: tuple[np.ndarray, ...]
     held: tuple[str, ...]
     pending: Pending = field(default_factory=Pending)
+    given: tuple[tuple[str, float], ...] = ()
 
     def __repr__(self) -> str:
         return f"<Equilibrium of {self.model.name!r}: {len(self.model.y)} outputs>"
@@ -54,6 +63,16 @@ class Equilibrium:
     def __getitem__(self, name: str) -> float:
         kind, k = find(self.model, self.runs, self.passed, name)
         return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
+
+    @cached_property
+    def checks(self) -> Certificate:
+        """The certificate: an independent check, made afresh, that this is an equilibrium."""
+        return certify(self.model, self.point, self.runs, self.passed, given=dict(self.given))
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """The certificate as a frame: index check; columns value, limit, holds, component where it is worst."""
+        return self.checks.frame
 
     @cached_property
     def frame(self) -> pd.DataFrame:
@@ -98,11 +117,14 @@ class Equilibrium:
 
     def points(self, r: int) -> np.ndarray:
         """Places of the supports of a run, shape (supports, 3) [m]."""
+        check.index(r, len(self.runs), "Equilibrium.points", "r")
         return support_points(self.model, r, self.point)
 
     def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
         """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
         loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
+        if isinstance(stations, int):
+            check.index(stations, check.MOST, "Equilibrium.profile", "stations")
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             for k, candidate in enumerate(run.spans):
                 if candidate.name == span:
@@ -161,197 +183,101 @@ def equilibrium(
     those that all spans have at rest. start: a nearby equilibrium of the same
     declarations, for a warm start; of a line in the course of a run too, without its brakes and responses.
 
-    After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Raises
-    InputError, UnknownNameError, UnbalancedSystemError before, EquilibriumError after a failed solve.
+    After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Every result carries
+    a `certificate`; a solution that fails its check is solved again from another start. Warns by RopewayWarning where
+    a tension is above the rope's minimum breaking load. Raises InputError, UnknownNameError, UnbalancedSystemError
+    before, EquilibriumError after a failed solve.
     """
-    freed_names = [solve_for] if isinstance(solve_for, str) else list(solve_for)
+    freed = [solve_for] if isinstance(solve_for, str) else list(solve_for)
     wanted = dict(given or {})
-    if len(wanted) != len(freed_names):
+    if len(wanted) != len(freed):
         raise UnbalancedSystemError(
-            f"{len(wanted)} values are given and {len(freed_names)} are solved for", "Free one for each one given"
+            f"{len(wanted)} values are given and {len(freed)} are solved for", "Free one for each one given"
         )
     for name, value in wanted.items():
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
-    if start is None:
-        state = LineState.cold(model)
-    else:
-        rest = start if declared_alike(start, model.system) else carried_over(start, model)
-        state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
-        for r, k, _ in state.standing():
-            state.release(r, k)
-        undriven(state)
-    if parameters:
-        if start is None:
-            _share_lengths(state, parameters)
-        state.set(parameters)
-        state.restart() if start is None else state.write_slots()
-    if wanted:
-        _solve_swapped(state, wanted, [model.swaps.get(n, n) for n in freed_names])
-    else:
-        solve(state)
-        if start is None:
-            _let_out(state)
-    state.rezero()
-    return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
-
-
-def _share_lengths(state: LineState, names: Iterable[str]) -> None:
-    """Where the length of a span over idlers is among the names: gives all spans those they have at rest, as the
-    user knows them, instead of those of the first guess."""
-    spans = {name.rpartition(".length")[0] for name in names}
-    runs = [run for run in state.model.runs if any(node.balance is not None for node in run.nodes)]
-    if spans.isdisjoint(span.name for run in runs for span in run.spans):
-        return
-    rest = LineState.cold(state.model)
-    solve(rest)
-    rest.rezero()
-    for layout in state.model.layouts:
-        state.point.p[layout.length_start] = rest.point.p[layout.length_start]
-
-
-def solve(state: LineState) -> None:
-    """Brings a state to rest: every load in its span, the idlers balanced, the balance stable.
-
-    Raises EquilibriumError.
-    """
-    seen: set[bytes] = set()
-    for _ in range(200):
-        solve_algebraic(state)
-        before = [p.copy() for p in state.passed]
-        if state.settle():
-            _check(state)
-            return
-        key = b"".join(p.tobytes() for p in state.passed)
-        if key in seen:  # a load that neither of two spans keeps stands on the support between them
-            for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
-                for k in np.flatnonzero(was != now):
-                    state.hold(r, int(k), int(min(was[k], now[k])))
-        seen.add(key)
-    raise EquilibriumError(
-        f"The loads of system {state.model.name!r} find no place on the rope",
-        "Loads stand close to a support: move them a little",
-    )
-
-
-def _let_out(state: LineState) -> None:
-    """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
-
-    Where that cannot be followed, the equilibrium found stays.
-    """
-    if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
-        return
-    trial = LineState.cold(state.model)
-    trial.point.p[:] = state.point.p
-    lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
-    places = [run.loads.place for run in state.runs]
-    try:
-        for share in np.linspace(0.0, 1.0, 41):
-            for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
-                chord = np.linalg.norm(np.diff(state.points(r), axis=0), axis=1)
-                taut = np.minimum(chord.sum() * (1.0 + 1e-4) / lengths[r].sum(), 1.0)
-                part = taut + share * (1.0 - taut)
-                trial.point.p[layout.length_start] = part * lengths[r]
-                trial.runs[r] = replace(run, loads=replace(run.loads, place=part * places[r]))
-            if share == 0.0:
-                trial.restart()
-            trial.write_slots()
-            solve(trial)
-    except EquilibriumError:
-        return
-    if not trial.standing() and any(np.any(a != b) for a, b in zip(trial.passed, state.passed, strict=True)):
-        state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
-
-
-def _check(state: LineState) -> None:
-    """Raises EquilibriumError for a root that no rope can have: a piece of no length, or an unstable balance."""
-    state.require_rope("Give the run more rope")
-    require_stable(state)
-
-
-def _solve_swapped(state: LineState, given: Mapping[str, float], solve_for: Sequence[str]) -> None:
-    """Brings a state to rest with values given and as many quantities freed."""
-    lengths = {int(k) for layout in state.model.layouts for k in layout.length_start}
-    freed = [state.find(name) for name in solve_for]
-    for name, (kind, _) in zip(solve_for, freed, strict=True):
-        if kind not in (Kind.PARAMETER, Kind.STATE, Kind.INPUT, Kind.DISCRETE):
-            raise InputError(f"{name} is a result and cannot be freed", "Free a parameter, a length or a mass")
-    stretched = [k for kind, k in freed if kind is Kind.PARAMETER and k in lengths]
-    if stretched:
-        _pull_straight(state, stretched, given)
-    else:
-        solve(state)
-    for _ in range(20):
-        wanted = [state.find(name) for name in given]
-        freed = [state.find(name) for name in solve_for]
-        _approach(state, Newton(state.model, freed, wanted), wanted, np.array(list(given.values()), float))
-        _read_masses(state)
-        if state.settle():
-            break
-    else:
-        raise EquilibriumError(
-            f"The loads of system {state.model.name!r} find no place on the rope with the values given",
-            "Ask for values nearer to an equilibrium that you know",
-        )
-    for name, (kind, k) in zip(solve_for, freed, strict=True):
-        value = state.point.vector(kind)[k]
-        if value < 0.0 and (name.endswith(".mass") or k in stretched):
-            raise EquilibriumError(f"The values given need {name} = {value:.6g}", "Ask for less", component_of(name))
-    _check(state)
-
-
-def _pull_straight(state: LineState, lengths: Sequence[int], given: Mapping[str, float]) -> None:
-    """Starts from a taut rope at its chord: for a given tension a very slack one may exist too."""
-    for run, layout in zip(state.runs, state.model.layouts, strict=True):
-        for k, span in enumerate(run.spans):
-            if int(layout.length_start[k]) in lengths:
-                a, b = run.nodes[k], run.nodes[k + 1]
-                near = [
-                    v
-                    for name, v in given.items()
-                    if "tension" in name and component_of(name) in (span.name, a.name, b.name)
-                ]
-                tension = max(near, default=0.1 * run.rope.breaking_load)
-                chord = float(np.linalg.norm(np.subtract(a.at, b.at)))
-                state.point.p[layout.length_start[k]] = chord / (1.0 + run.rope.strain.at(tension))
-                if run.rope.strain == (0.0, 0.0):
-                    sag = run.rope.mass_per_length * state.point.p[0] * chord / tension
-                    state.point.p[layout.length_start[k]] *= 1.0 + sag**2 / 24.0
-    state.restart()
-
-
-def _approach(state: LineState, newton: Newton, wanted: Sequence[Slot], target: np.ndarray) -> None:
-    """Newton's method towards the target, by smaller steps where the whole way is too far."""
-    try:
-        newton.solve(state.point, target=target)
-        return
-    except EquilibriumError:
-        plain = newton_of(state.model)
-        plain.solve(state.point)
-    outputs = state.outputs()
-    origin = np.array([outputs[k] if kind is Kind.OUTPUT else state.point.vector(kind)[k] for kind, k in wanted])
-    done, share = 0.0, 0.25
-    while done < 1.0:
-        share = min(share, 1.0 - done)
+    freed = [model.swaps.get(name, name) for name in freed]
+    first: EquilibriumError | None = None
+    for way in ("near", "from geometry", "let out") if start is not None else ("from geometry", "let out"):
+        state = _near(model, start, parameters) if way == "near" and start else _cold(model, parameters)
         try:
-            newton.solve(state.point, target=origin + (done + share) * (target - origin))
-            done, share = done + share, 2.0 * share
+            found, certificate = _at_rest(state, wanted, freed, way)
         except EquilibriumError as error:
-            share /= 2.0
-            if share < 1e-3:
-                raise EquilibriumError(
-                    f"No equilibrium of {state.model.name!r} has the values given",
-                    "Ask for values nearer to an equilibrium that you know",
-                    error.component,
-                ) from error
+            first = first or error
+            continue
+        _warn(certificate)
+        return found
+    heavy = None if wanted else too_heavy(_cold(model, parameters))
+    raise heavy or first or EquilibriumError(f"{model.name!r} has no equilibrium")
 
 
-def _read_masses(state: LineState) -> None:
-    """Takes masses that were solved for out of the slots."""
-    for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
-        beyond, mass = state.passed[r], run.loads.mass.copy()
-        for k in range(len(run.spans)):
-            for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
-                mass[i] = state.point.d[layout.slots.mass[k] + slot]
-        state.runs[r] = replace(run, loads=replace(run.loads, mass=mass))
+def _cold(model: Model, parameters: Mapping[str, float] | None) -> LineState:
+    """A state from geometry."""
+    state = LineState.cold(model)
+    if parameters:
+        share_lengths(state, parameters)
+        state.set(parameters)
+        state.restart()
+    return state
+
+
+def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | None) -> LineState:
+    """A state from a nearby equilibrium."""
+    rest = start if declared_alike(start, model.system) else carried_over(start, model)
+    state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
+    for r, k, _ in state.standing():
+        state.release(r, k)
+    undriven(state)
+    if parameters:
+        state.set(parameters)
+        state.write_slots()
+    return state
+
+
+def _at_rest(
+    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str
+) -> tuple[Equilibrium, Certificate]:
+    """The equilibrium of a state with values `wanted` and others `freed` in exchange, and its certificate. The way
+    "let out" comes from a taut rope. Raises EquilibriumError."""
+    declared = state.point.p.copy()
+    if way == "let out":
+        state = let_out(state)
+    if wanted:
+        solve_swapped(state, wanted, freed, from_chord=way != "let out")
+    elif way != "let out":
+        settle(state)
+        if way == "from geometry":
+            keep_taut_root(state)
+    for name in freed:
+        kind, k = state.find(name)
+        if kind is Kind.PARAMETER:
+            declared[k] = state.point.p[k]
+    rope = [_rope(state, r, declared) for r in range(len(state.runs))]
+    state.rezero()
+    certificate = certify(state.model, state.point, state.runs, state.passed, given=wanted, rope=rope)
+    certificate.require(state.model)
+    runs, passed = tuple(state.runs), tuple(state.passed)
+    return Equilibrium(state.model, state.point, runs, passed, state.held, given=tuple(wanted.items())), certificate
+
+
+def _rope(state: LineState, r: int, declared: np.ndarray) -> float:
+    """Unstretched rope of a run [m]: what was declared, and what its ends have let in."""
+    layout = state.model.layouts[r]
+    travel = layout.travel.read(state.point.x, state.point.z)
+    return float(declared[layout.length_start].sum() + travel[0] - travel[-1])
+
+
+def _warn(certificate: Certificate) -> None:
+    """Warns of a rope that cannot bear its tension, in the name of the user's line of code."""
+    used = certificate.utilisation
+    if used is not None and not used.holds:
+        path, _, line = caller().rpartition(":")
+        warnings.warn_explicit(
+            f"The highest tension in span {used.component!r} at rest is {used.value:.3g} times the rope's minimum "
+            "breaking load. Take lighter loads, more sag or a stronger rope",
+            RopewayWarning,
+            path or "?",
+            int(line) if line.isdigit() else 1,
+        )

@@ -26,17 +26,20 @@ WAIT = 0.1
 
 
 class _Watch:
-    """Of the main thread while an interruptible call runs: `noted` is the signal that has come, if any."""
+    """Of the main thread while an interruptible call runs: the `handler` that was there before, the signal that has
+    been `noted`, if any, and whether a signal acts `at_once` now."""
 
     def __init__(self) -> None:
         self.handler: Callable[[int, FrameType | None], Any] | None = None
         self.noted: tuple[int, FrameType | None] | None = None
+        self.at_once = False
 
     def note(self, number: int, frame: FrameType | None) -> None:
-        """The signal handler. A second signal does not wait."""
-        again, self.noted = self.noted is not None, (number, frame)
-        if again and self.handler is not None:
+        """The signal handler. A second signal does not wait; it stays noted, as CasADi may drop what is raised."""
+        if self.handler is not None and (self.at_once or self.noted is not None):
             self.handler(number, frame)
+        else:
+            self.noted = (number, frame)
 
     def act(self) -> None:
         """Does what the handler that was there before does, now that it is safe. Raises Interrupted."""
@@ -45,8 +48,11 @@ class _Watch:
             return
         try:
             self.handler(*noted)
-        except KeyboardInterrupt as error:
-            raise Interrupted from error
+        except KeyboardInterrupt:
+            pass
+        else:
+            return
+        raise Interrupted
 
 
 _watch = _Watch()
@@ -76,6 +82,8 @@ def _watched() -> Iterator[None]:
         yield
     except Interrupted:
         raise
+    except KeyboardInterrupt as error:
+        raise Interrupted from error
     except BaseException:
         stop_if_interrupted()  # what the call stopped with is then the context of the interrupt
         raise
@@ -92,8 +100,11 @@ def interruptible(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @wraps(function)
     def watched(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        if _watch.handler is not None or threading.current_thread() is not threading.main_thread():
+        if threading.current_thread() is not threading.main_thread():
             return function(*args, **kwargs)
+        if _watch.handler is not None:
+            with _acting(at_once=False):
+                return function(*args, **kwargs)
         with _watched():
             found = function(*args, **kwargs)
             with keeping(lambda: found):  # a signal in the very last step
@@ -104,13 +115,37 @@ def interruptible(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
 
 @contextmanager
+def _acting(*, at_once: bool) -> Iterator[None]:
+    before, _watch.at_once = _watch.at_once, at_once
+    try:
+        yield
+    finally:
+        _watch.at_once = before
+    if before:
+        stop_if_interrupted()
+
+
+@contextmanager
+def users_code() -> Iterator[None]:
+    """Around a function of the user's own: it knows no place to stop, so that Ctrl-C ends it at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    stop_if_interrupted()
+    with _acting(at_once=True):
+        yield
+
+
+@contextmanager
 def keeping(result: Callable[[], object]) -> Iterator[None]:
     """Gives an interrupt on its way out what the call has found so far."""
     try:
         yield
-    except Interrupted as interrupted:
-        interrupted.result = result()
+    except Interrupted as stop:
+        stop.result = result()
         raise
+    except KeyboardInterrupt as error:
+        raise Interrupted(result=result()) from error
 
 
 def next_of(queue: SimpleQueue[_R]) -> _R:

@@ -246,8 +246,9 @@ class Moving(LineStepper):
                 loads.require_all(self.state, before, events)
                 self.record(exact)
                 return motion
+        place = self.state.runs[crossings[0].r].nodes[crossings[0].k].name
         raise SimulationError(
-            f"Loads are thrown to and fro at {self.state.runs[crossings[0].r].nodes[crossings[0].k].name!r}",
+            f"Loads cross forwards and backwards without end at {place!r}",
             "Move supports or loads there",
             self.state.point.t,
         )

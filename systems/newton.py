@@ -21,6 +21,8 @@ from ropeway.systems.model import Model, component_of
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
 
+_SMALL = 1e-11
+"""Scaled residual of a root."""
 VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 
 
@@ -94,6 +96,8 @@ class Newton:
             entries = ca.vertsplit(full[kind])
             entries[k] = v[i] * self.scale[i]
             full[kind] = ca.vertcat(*entries)
+            if kind is Kind.PARAMETER:
+                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
         target, damping = sym("target", len(given)), sym("damping")
@@ -244,6 +248,8 @@ def damped(
             now, sides = step(v)
             after = float(np.linalg.norm(now))
             if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+                if last < 1e-6 and _rounded(v, now, value):
+                    return v - sides[:n], sides
                 v = _shortened(v, move, before, value, residual, names)
                 last = np.inf
                 now, sides = step(v)
@@ -255,11 +261,23 @@ def damped(
         if not np.isfinite(size):
             raise _failure(residual, "The equations are singular", names)
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
-        coming = size * (size / last) ** 2 if np.isfinite(last) else 100.0 * size**2
+        coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            return v - move, sides
+            # That is foreseen, not seen: only a small residual makes it a root.
+            left = value(v - move).copy()
+            if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
+                return v - move, sides
         v, before, last = v - move, after, size
     raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+
+
+def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether a residual is no more than what rounding of the unknowns makes of it, as at a stiff spring far from the
+    origin."""
+    left, least = np.abs(residual), np.full(len(v), _SMALL)
+    for signs in (1.0, np.where(np.arange(len(v)) % 2, 1.0, -1.0)):
+        least = np.maximum(least, 4.0 * np.abs(value(v * (1.0 + 4.0 * np.finfo(float).eps * signs)) - residual))
+    return bool((left <= least).all())
 
 
 def _shortened(
@@ -328,6 +346,19 @@ def _drag(model: Model, v: Any, anchor: Any) -> Any:
     for balance in model.balances:
         drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
     return ca.densify(drag)
+
+
+def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
+    """How much nearer to their spans' ends a loads come to be by a metre more of a span's starting length: those that
+    ride beyond that span by all of it, as they keep their places along the rope. One entry for each discrete
+    variable."""
+    nearer = type(discrete)(discrete.shape[0], 1)
+    for layout in model.layouts:
+        for span in np.flatnonzero(layout.length_start == parameter):
+            for k in range(int(span) + 1, len(layout.length_start)):
+                for slot in range(int(layout.slots.count[k])):
+                    nearer[int(layout.slots.at[k]) + slot] = discrete[int(layout.slots.ride[k]) + slot]
+    return nearer
 
 
 @lru_cache(maxsize=16)

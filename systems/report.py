@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -13,6 +14,8 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
+from ropeway.components.rounding import at_least, at_most
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import component_of
 
 if TYPE_CHECKING:
@@ -34,23 +37,36 @@ class Summary:
         return self.text
 
 
+@interruptible
 def summary(result: Result) -> Summary:
     """The safety report; forces in N, times in s, from both sides of every event."""
-    frame = result.full_frame
-    spans = pd.DataFrame([_span_row(result, run, k) for run in result.runs for k in range(len(run.spans))])
-    nodes = {node.name: node for run in result.runs for node in run.nodes}
-    supports = pd.DataFrame([_support_row(result, frame, node) for node in nodes.values()])
+    spans = pd.DataFrame(_span_rows(result))
+    happened = result.events
+    held = Counter(happened.loc[happened["event"] == "load held", "component"])
+    supports = pd.DataFrame([_support_row(result.full_frame, node, held[node.name]) for node in _each(result.runs)])
     return Summary(supports.set_index("support"), spans.set_index("span"), _text(result, supports, spans))
 
 
-def _span_row(result: Result, run: Run, k: int) -> dict[str, object]:
-    frame, name, rope = result.full_frame, run.spans[k].name, run.rope
-    ends = frame[[f"{name}.tension_a", f"{name}.tension_b"]].to_numpy()
-    high, low = int(ends.max(axis=1).argmax()), int(frame[f"{name}.horizontal"].to_numpy().argmin())
-    curve = result.record(low).profile(name, 201)
-    a, b = curve.iloc[0], curve.iloc[-1]
-    along = np.hypot(curve["x"] - a["x"], curve["y"] - a["y"])
-    chord = a["z"] + along / along.iloc[-1] * (b["z"] - a["z"]) if along.iloc[-1] > 0.0 else curve["z"]
+def _span_rows(result: Result) -> list[dict[str, object]]:
+    """A row a span; each record in which a span sags most is made once for all spans."""
+    frame = result.full_frame
+    every = [(run, span.name) for run in result.runs for span in run.spans]
+    slackest = [int(frame[f"{name}.horizontal"].to_numpy().argmin()) for _, name in every]
+    rows: dict[str, dict[str, object]] = {}
+    for low in sorted(set(slackest)):
+        line = result.record(low)
+        for (run, name), own in zip(every, slackest, strict=True):
+            if own == low:
+                rows[name] = _span_row(frame, run, low, line.profile(name, 201), name)
+    return [rows[name] for _, name in every]
+
+
+def _span_row(frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name: str) -> dict[str, object]:
+    ends, rope = frame[[f"{name}.tension_a", f"{name}.tension_b"]].to_numpy(), run.rope
+    high = int(ends.max(axis=1).argmax())
+    x, y, z = (curve[axis].to_numpy() for axis in "xyz")
+    along = np.hypot(x - x[0], y - y[0])
+    chord = z[0] + along / along[-1] * (z[-1] - z[0]) if along[-1] > 0.0 else z
     return {
         "span": name,
         "highest_tension": ends[high].max(),
@@ -58,12 +74,12 @@ def _span_row(result: Result, run: Run, k: int) -> dict[str, object]:
         "over_SWL": ends[high].max() / rope.safe_working_load,
         "over_MBL": ends[high].max() / rope.breaking_load,
         "lowest_tension": ends.min(),
-        "largest_sag": float((chord - curve["z"]).max()),
+        "largest_sag": float((chord - z).max()),
         "sag_at": frame.index[low],
     }
 
 
-def _support_row(result: Result, frame: pd.DataFrame, node: Node) -> dict[str, object]:
+def _support_row(frame: pd.DataFrame, node: Node, held: int) -> dict[str, object]:
     sides = [
         c for c in (f"{node.name}.{q}" for q in ("tension_in", "tension_out", "rope_tension", "tension")) if c in frame
     ]
@@ -85,8 +101,7 @@ def _support_row(result: Result, frame: pd.DataFrame, node: Node) -> dict[str, o
     if isinstance(response, ThresholdResponse):
         outside = ((tension > response.high) | (tension < response.low)).any(axis=1)
         row["time_outside_range"] = np.trapezoid(outside.astype(float), time)
-    held = result.events.query("event == 'load held'")
-    row["loads_held"] = int((held["component"] == node.name).sum())
+    row["loads_held"] = held
     return row
 
 
@@ -96,23 +111,23 @@ def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
     low = spans.loc[spans["lowest_tension"].idxmin()]
     lines = [
         f"{result.model.name}: {len(spans)} spans, {result.times[-1]:g} s",
-        f"Highest tension {top['highest_tension'] / 1e3:.1f} kN in {top['span']} at {top['at']:.1f} s: "
-        f"{top['over_SWL']:.0%} of SWL {rope.safe_working_load / 1e3:.1f} kN, "
-        f"{top['over_MBL']:.0%} of MBL {rope.breaking_load / 1e3:.1f} kN",
-        f"Lowest tension {low['lowest_tension'] / 1e3:.1f} kN in {low['span']}; "
+        f"Highest tension {at_least(top['highest_tension'] / 1e3, 1)} kN in {top['span']} at {top['at']:.1f} s: "
+        f"{at_least(100.0 * top['over_SWL'])} % of SWL {at_most(rope.safe_working_load / 1e3, 1)} kN, "
+        f"{at_least(100.0 * top['over_MBL'])} % of MBL {at_most(rope.breaking_load / 1e3, 1)} kN",
+        f"Lowest tension {at_most(low['lowest_tension'] / 1e3, 1)} kN in {low['span']}; "
         f"largest sag {sag['largest_sag']:.2f} m in {sag['span']} at {sag['sag_at']:.1f} s",
     ]
     for column, sign, words in (
-        ("least_support_force", -1.0, "rope lifts off [N]"),
-        ("least_grip_margin", -1.0, "grip lost"),
-        ("relief_open_time", 1.0, "relief valve open [s]"),
-        ("loads_held", 1.0, "loads held at a hold-down"),
-        ("time_outside_range", 1.0, "outside its tension range [s]"),
+        ("least_support_force", -1.0, "Supports from which the rope lifts off (least support force [N])"),
+        ("least_grip_margin", -1.0, "Drives on which the rope slips (least grip margin)"),
+        ("relief_open_time", 1.0, "Drives with an open relief valve (time [s])"),
+        ("loads_held", 1.0, "Hold-down supports that a load could not pass (number of loads)"),
+        ("time_outside_range", 1.0, "Control sheaves outside their tension range (time [s])"),
     ):
         if column in supports:
             found = supports[sign * supports[column].fillna(0.0) > 0.0]
             values = ", ".join(f"{r['support']} ({r[column]:.4g})" for _, r in found.iterrows())
-            lines.append(f"{words}: {values or 'nowhere'}")
+            lines.append(f"{words}: {values or 'none'}")
     return "\n".join(lines)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
+from ropeway.components import check
 from ropeway.components.checked import checked
-from ropeway.components.errors import InputError
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.files import whole
 from ropeway.components.schedule import Schedule
+from ropeway.components.spar import Ground
+from ropeway.systems.certificate import Certificate, certify_records
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.moving import Moving
 from ropeway.systems.newton import newton_of
@@ -65,13 +70,53 @@ class Result:
         return np.array([r.time for r in self.records])
 
     @cached_property
+    @interruptible
     def _solved(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
-        for i in range(len(self.records)):
-            state = self._state(i)
-            y[i], z[i] = state.outputs(), state.point.z
+
+        def states() -> Iterator[LineState]:
+            for i in range(len(self.records)):
+                state = self._state(i)
+                y[i], z[i] = state.outputs(), state.point.z
+                yield state
+
+        self.__dict__["checks"] = self._certified(range(len(self.records)), states())
         return y, z
+
+    @cached_property
+    def checks(self) -> Certificate:
+        """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
+        return self._certified(range(len(self.records)), (self._state(i) for i in range(len(self.records))))
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """The worst of each check over all records: index check; columns value, limit, holds, component, time [s]."""
+        times = self.times
+        return self.checks.frame.assign(time=[times[c.record] for c in self.checks.checks])
+
+    def require_certified(self) -> None:
+        """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
+        that fails."""
+        solved: list[int] = np.flatnonzero(self.exact).tolist()
+        self._certified(solved, (self._state(i) for i in solved))
+
+    def _certified(self, which: Sequence[int], states: Iterable[LineState]) -> Certificate:
+        """The certificate of records `which`, whose states they are. Raises SimulationError."""
+        found = certify_records(self.model, self.runs, ((state.point, state.passed) for state in states))
+        try:
+            found.require(self.model)
+        except EquilibriumError as error:
+            i = int(which[found.failed.record if found.failed else 0])
+            before = replace(
+                self,
+                records=self.records[:i],
+                on_grid=self.on_grid[:i],
+                exact=self.exact[:i],
+                noted=tuple(event for event in self.noted if event.time <= self.records[i].time),
+            )
+            raise SimulationError(error.cause, error.remedy, self.records[i].time, before) from error
+        return found
 
     @property
     def outputs(self) -> np.ndarray:
@@ -100,10 +145,10 @@ class Result:
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
-        frame.attrs["units"] = {table.names[i]: table.units[i] for table, chosen in tables for i in chosen}
-        frame.attrs["descriptions"] = {
-            table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen
-        }
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
+        frame.attrs["descriptions"] = Labels(
+            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
+        )
         return frame
 
     @cached_property
@@ -159,6 +204,7 @@ class Result:
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its place in `full_frame`."""
+        check.index(i, len(self.records), "Result.record", "i")
         return self._line(self._state(i), i)
 
     def _line(self, state: LineState, i: int) -> Equilibrium:
@@ -210,9 +256,12 @@ class Result:
 
         return power_over_time(self)
 
-    def plot_line(self, time: float | None = None) -> Figure:
-        """The line at a time [s], by default the last: profile, loads, supports, tensions."""
-        from ropeway.systems.plot import line_profile
+    def plot_line(self, time: float | None = None, *, ground: Ground | None = None) -> Figure:
+        """The line at a time [s], by default the last: profile, loads, supports, tensions.
+
+        ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
+        without a rope, and for a ground that ends before the line."""
+        from ropeway.systems.line_plot import line_profile
 
         self._require_rope()
-        return line_profile(self.at(self.times[-1] if time is None else time))
+        return line_profile(self.at(self.times[-1] if time is None else time), ground)

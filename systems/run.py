@@ -34,8 +34,11 @@ class Loads:
     first: int = 0
 
     def sorted(self, material: np.ndarray) -> Loads:
-        """With pinned loads placed where the rope is: `material` (supports,) is the rope at each support."""
-        place = np.where(self.pinned >= 0, material[np.maximum(self.pinned, 0)] + self.at, self.place)
+        """With pinned loads placed where the rope is, in their spans: `material` (supports,) is the rope at each
+        support."""
+        span = np.maximum(self.pinned, 0)
+        inside = np.minimum(material[span] + self.at, np.maximum(material[span], material[span + 1]))
+        place = np.where(self.pinned >= 0, inside, self.place)
         order = np.argsort(-place, kind="stable")
         return Loads(
             tuple(self.names[i] for i in order),
@@ -191,7 +194,7 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
             raise InputError(f"Load {hung[0].load.name!r} hangs on an endless rope", "Use feed there")
         names = tuple(h.load.name for h in hung)
         first = np.array([index[h.spans[0].name] for h in hung], dtype=int)
-        single = np.array([len(h.spans) == 1 and len(spans) > 1 for h in hung], dtype=bool)
+        single = np.array([len(h.spans) == 1 for h in hung], dtype=bool)
         at = np.array([h.at for h in hung])
         loads = Loads(
             names,
@@ -250,8 +253,16 @@ def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, beh
 
 
 def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
-    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line."""
+    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line, pinned ones in their
+    spans."""
     beyond = passed(run.loads.place, rope)
+    pinned = np.flatnonzero(run.loads.pinned >= 0)
+    if len(pinned):
+        span = run.loads.pinned[pinned]
+        least, most = np.zeros_like(beyond), np.full_like(beyond, len(run.loads.place))
+        np.maximum.at(least, span, pinned + 1)
+        np.minimum.at(most, span + 1, pinned)
+        beyond = np.clip(beyond, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
     if run.feed is None:
         beyond[0], beyond[-1] = len(run.loads.place), 0
     return beyond

@@ -59,6 +59,7 @@ def simulate(
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
+    check.count(until / every, "simulate", "records")
     model = system if isinstance(system, Model) else assemble(system)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
@@ -82,7 +83,9 @@ def simulate(
             raise
         except RopewayError as error:
             raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
-    return run.result()
+    result = run.result()
+    result.require_certified()
+    return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
@@ -184,10 +187,10 @@ class _Simulation:
             self.line.tolerance,
         )
 
-    def result_so_far(self) -> Result:
+    def result_so_far(self) -> Result | None:
         """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
         self.drop()
-        return self.result()
+        return self.result() if self.records else None
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end."""

@@ -12,6 +12,7 @@ from scipy.sparse.linalg import splu
 
 from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError
+from ropeway.systems.certificate_layout import layout_of
 from ropeway.systems.model import Balance, Model, component_of
 from ropeway.systems.newton import Point, newton_of
 from ropeway.systems.state import LineState
@@ -118,7 +119,7 @@ class _Condensed:
     def __init__(self, model: Model, free: tuple[Balance, ...]) -> None:
         rows, columns = condensed_last(model, free)
         self.signs, self.count = np.array([b.sign for b in free]), len(free)
-        self.whole = not has_free_nodes(model)
+        self.whole = layout_of(model).plain
         pattern = newton_of(model).matrix_places()
         if self.whole:
             self._all = _Block(pattern[rows][:, columns])

@@ -127,7 +127,8 @@ class LineState:
         for r, run in enumerate(self.runs):
             rope = self.rope(r)
             if np.any(run.loads.pinned >= 0):
-                run = self.runs[r] = replace(run, loads=run.loads.sorted(rope))
+                before, run = run.loads.names, replace(run, loads=run.loads.sorted(rope))
+                self.runs[r], moved = run, moved or run.loads.names != before
             if run.around:
                 self._wind(r, rope)
             elif run.feed is not None and run.loads.place[-1] > rope[0]:
@@ -248,6 +249,20 @@ class LineState:
             if np.any(length <= 0.0):
                 name = run.spans[int(np.argmin(length))].name
                 raise EquilibriumError(f"No rope is left in span {name!r}", remedy, name)
+
+    def require_pinned(self) -> None:
+        """Raises EquilibriumError where a span has not rope enough for a load that hangs at a distance on it."""
+        for r, run in enumerate(self.runs):
+            loads, room = run.loads, np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
+            for i in np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0)):
+                span = run.spans[loads.pinned[i]].name
+                if loads.at[i] > room[loads.pinned[i]] * (1.0 + 1e-9):
+                    raise EquilibriumError(
+                        f"Load {loads.names[i]!r} hangs {loads.at[i]:.6g} m along span {span!r}, which has "
+                        f"{room[loads.pinned[i]]:.6g} m of rope at rest",
+                        "Hang it nearer to the span's end a, or on all spans of the rope at its distance along them",
+                        span,
+                    )
 
     def unpin(self) -> None:
         """Clamps pinned loads to the rope where they hang, so that they travel with it."""

@@ -33,7 +33,11 @@ from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
 
+MOST_LOADS = 10_000
+"""More loads than this on one rope are a mistake of units."""
+
 _Added = TypeVar("_Added", bound=Component)
+_COMMAND_LINE = ("typer", "click")
 _PACKAGE = str(Path(__file__).parents[1])
 
 
@@ -78,6 +82,7 @@ class System:
         self.hung: list[Hung] = []
         self.feeds: list[Feed] = []
         self._origins: dict[str, str] = {}
+        self._seated: set[tuple[str, str]] = set()  # the seats in `connections`
 
     def add(self, component: _Added) -> _Added:
         """Add a component and return it. Raises InputError when its name is taken by another."""
@@ -85,12 +90,12 @@ class System:
         if known is component:
             return component
         if known is not None or component.name in self._load_names():
+            first = self.origin(component.name, "; the first was added at {}")
             raise InputError(
-                f"Two components are named {component.name!r}: the first was added at {self.origin(component.name)}",
-                "Give each component a name of its own",
+                f"Two components are named {component.name!r}{first}", "Give each component a name of its own"
             )
         self.components[component.name] = component
-        self._origins[component.name] = _caller()
+        self._origins[component.name] = caller()
         return component
 
     def connect(self, one: Port, other: Port) -> None:
@@ -112,10 +117,11 @@ class System:
         for port in (end, seat):
             self._require_part(port.owner)
         ends = self.connections
-        if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in ends.values():
+        if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in self._seated:
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
+        self._seated.add((seat.owner.name, seat.name))
 
     def _connect_signal(self, one: Port, other: Port) -> None:
         source, target = (one, other) if isinstance(one, SignalOutput) else (other, one)
@@ -166,10 +172,10 @@ class System:
             raise InputError("string needs either length or tension", "Give one of them")
         for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
             if node.through(seat) is None:
-                raise InputError(f"{node.label} stands inside the rope", "A rope can end there, not run over it")
+                raise InputError(f"{node.described} stands inside the rope", "A rope can end there, not run over it")
         for before, after in pairwise(nodes):
             if before.at == after.at:
-                raise InputError(f"{before.label} and {after.label} stand at one place", "Move one of them")
+                raise InputError(f"{before.described} and {after.described} stand at one place", "Move one of them")
         points = [node.at for node in nodes]
         prefix = "" if name is None else f"{name}_"
         names = [f"{prefix}{a.name}_{b.name}" for a, b in pairwise(nodes)]
@@ -191,6 +197,7 @@ class System:
             trial.connect(span.a, a)
             trial.connect(span.b, b)
         self.components, self.connections, self._origins = trial.components, trial.connections, trial._origins
+        self._seated = trial._seated
         return spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
@@ -230,6 +237,7 @@ class System:
         on = tuple(spans)
         self._check_spans(on, "feed")
         check.positive(spacing, "feed", "spacing", "m")
+        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads")
         values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
         if not values:
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")
@@ -239,11 +247,17 @@ class System:
             raise InputError("feed has no load with a mass", "A mass of 0 is a missing load; give some that are not")
         if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
             raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
+        count = math.fsum(span.length for span in on) / spacing
+        if count > MOST_LOADS:
+            raise InputError(
+                f"Loads every {spacing:g} m are {count:.3g} on this rope", f"It takes {MOST_LOADS}. Give metres of rope"
+            )
         self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
 
-    def origin(self, name: str) -> str:
-        """File and line of the user's code that added a component."""
-        return self._origins.get(name, "?")
+    def origin(self, name: str, text: str = "{}") -> str:
+        """File and line of the user's code that added a component, in a text; empty where there is no such code."""
+        origin = self._origins.get(name)
+        return text.format(origin) if origin else ""
 
     def copy(self) -> System:
         """The same declarations, so that later ones do not change a model made before."""
@@ -251,6 +265,7 @@ class System:
         other.components, other.connections = dict(self.components), dict(self.connections)
         other.supplies, other.links = dict(self.supplies), dict(self.links)
         other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
+        other._seated = set(self._seated)
         return other
 
     def _require_part(self, component: Component) -> None:
@@ -285,7 +300,7 @@ class System:
             raise UnbalancedSystemError(f"System {self.name!r} is empty", "Add components, or string a rope")
         joined = {*self.connections, *self.connections.values()}
         lone = [
-            f"{port} (added at {self.origin(c.name)})"
+            f"{port}{self.origin(c.name, ' (added at {})')}"
             for c in self.components.values()
             for port in c.ports
             if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
@@ -302,10 +317,12 @@ def _node_of(seat: Seat) -> Node:
     return node
 
 
-def _caller() -> str:
-    """File and line of the first frame outside this package."""
+def caller() -> str:
+    """File and line of the first frame outside this package; none on the command line, where no user's code is."""
     frame = inspect.currentframe()
     while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).split(".")[0] in _COMMAND_LINE:
+            return ""
         path = frame.f_code.co_filename
         inside = path.startswith(_PACKAGE) and not path.startswith(
             tuple(f"{_PACKAGE}/{d}/" for d in ("tests", "examples", "benchmarks"))
@@ -313,4 +330,4 @@ def _caller() -> str:
         if not inside:
             return f"{path}:{frame.f_lineno}"
         frame = frame.f_back
-    return "?"
+    return ""

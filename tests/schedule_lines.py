@@ -27,11 +27,12 @@ def line(
     *,
     drive: rw.HydraulicDrive | None = None,
     response: rw.ThresholdResponse | None = None,
+    tension: float = 40e3,
     **given: object,
 ) -> rw.System:
     """A line full of loads of 100 to 500 kg."""
     masses = np.random.default_rng(7).uniform(100.0, 500.0, 60).round().tolist()
     return rw.monocable(
-        ROPE, supports(spans, every), tension=40e3, load_mass=masses, load_spacing=51.0, drive=drive, response=response,
-        **given,
+        ROPE, supports(spans, every), tension=tension, load_mass=masses, load_spacing=51.0, drive=drive,
+        response=response, **given,
     )  # fmt: skip

@@ -1,12 +1,24 @@
 """The command line as a user meets it."""
 
+import os
+import signal
 import subprocess
 import sys
+import time
+import warnings
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
+import typer
+from typer.testing import CliRunner
 
+from ropeway.__main__ import app
+from ropeway.fmu.terminal import errors_on_one_line
+
+Command = Callable[..., Any]
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 
 
@@ -86,7 +98,9 @@ def test_optimise(tmp_path: Path) -> None:
     line = str(EXAMPLES / "line.csv")
     done = ropeway("optimise", line, "--until", "12", "--intervals", "6", "--settle", "4", "--out", "o", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert "From 4 s on" in done.stdout
+    words = " ".join(done.stdout.split())
+    assert "tensions from 4 s on, energy from 0 to 12 s" in words
+    assert "constant speed" in words
     assert "optimised" in done.stdout
     assert "masses +10 %" in done.stdout
     table = pd.read_csv(tmp_path / "o" / "schedule.csv", index_col=0)
@@ -95,3 +109,109 @@ def test_optimise(tmp_path: Path) -> None:
     wrong = ropeway("optimise", line, "--minimise", "comfort", cwd=tmp_path)
     assert wrong.returncode == 1
     assert "peak tension" in wrong.stderr
+
+
+LINE = """name,x,y,z,kind
+lower,0,0,0,drum
+t1,85,0,6,idler
+pull,170,0,9,control
+t2,255,0,13,idler
+upper,340,0,18,drum
+"""
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> str:
+    path = tmp_path / "way.csv"
+    path.write_text(LINE)
+    return str(path)
+
+
+def test_files_are_written_before_a_closed_pipe_ends_the_command(line: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "ropeway", "simulate", line, "--until", "6", "--out", "o"]
+    read, write = os.pipe()
+    os.close(read)  # as `| head` does when it has enough
+    with open(write, "wb") as closed:
+        run = subprocess.run(command, stdout=closed, stderr=subprocess.PIPE, cwd=tmp_path, check=False)
+    errors = run.stderr.decode()
+    assert "Traceback" not in errors
+    assert "Broken pipe" not in errors
+    assert len(pd.read_csv(tmp_path / "o" / "tensions.csv")) == 7
+    assert (tmp_path / "o" / "line.png").stat().st_size > 5000
+
+
+def test_an_interrupt_leaves_what_has_run(line: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "ropeway", "simulate", line, "--until", "200000", "--out", "o"]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path)
+    for _ in range(600):
+        if (tmp_path / "o").is_dir():
+            break
+        time.sleep(0.05)
+    time.sleep(1.5)
+    run.send_signal(signal.SIGINT)
+    _, errors = run.communicate(timeout=60)
+    assert run.returncode == 130
+    assert "Traceback" not in errors.decode()
+    assert errors.decode().rstrip().endswith("ropeway: interrupted")
+    table = pd.read_csv(tmp_path / "o" / "tensions.csv", index_col=0)
+    assert 1 < len(table) < 200000
+    assert f"the first {table.index[-1]:g}" in errors.decode()
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Runs the command line in this process, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(app, list(arguments))
+
+
+def test_a_tension_above_the_breaking_load_is_a_warning(line: str, command: Command) -> None:
+    done = command("simulate", line, "--tension", "620e3", "--until", "2", "--out", "o")
+    assert done.exit_code == 0
+    assert "warning: the highest tension is above the minimum breaking load" in done.stderr
+    calm = command("simulate", line, "--until", "2", "--out", "o")
+    assert calm.stderr == ""
+
+
+def test_folders_and_files_taken_for_each_other_are_told(line: str, command: Command) -> None:
+    Path("maps").mkdir()
+    for arguments, words in (
+        (("simulate", "maps"), "maps"),
+        (("payload", "maps"), "maps"),
+        (("simulate", line, "--until", "2", "--out", line), "it is a file"),
+        (("fmu", "run", "x.fmu", "--until", "1", "-o", "maps"), "maps is a folder"),
+    ):
+        done = command(*arguments)
+        assert done.exit_code == 1
+        assert words in done.stderr
+        assert "Errno" not in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_name_used_twice_does_not_lead_into_the_command_lines_own_code(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "twice.csv").write_text(LINE.replace("t2", "t1"))
+    done = command("simulate", "twice.csv")
+    assert done.exit_code == 1
+    assert "'t1'" in done.stderr
+    assert "typer" not in done.stderr
+    assert ".py" not in done.stderr
+
+
+def test_warnings_and_interrupts_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with errors_on_one_line():
+        warnings.warn("The rope is above its\nbreaking load", UserWarning, stacklevel=1)
+    assert capsys.readouterr().err == "ropeway: warning: The rope is above its breaking load\n"
+    with pytest.raises(typer.Exit) as ended, errors_on_one_line():
+        raise KeyboardInterrupt
+    assert ended.value.exit_code == 130
+    assert capsys.readouterr().err == "ropeway: interrupted\n"
+
+
+def test_printed_limits_are_on_the_safe_side(tmp_path: Path, command: Command) -> None:
+    """The payload printed is not above that of the table, the highest tension not below it."""
+    corridor = str(EXAMPLES / "corridor.csv")
+    done = command("payload", corridor, "--tail", "260", "--tail-height", "9", "--spacing", "65")
+    table = pd.read_csv(tmp_path / "ropeway-payload" / "payload.csv")
+    least = table["payload"].min()
+    (printed,) = [int(line.split()[2]) for line in done.stdout.splitlines() if line.startswith("Largest payload")]
+    assert printed <= least < printed + 1

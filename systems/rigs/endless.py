@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,19 +14,21 @@ from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Positive
 from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
+from ropeway.components.table import Source
 from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.rigs.supports import read_supports
+from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
 
 
 @checked
 def endless(
     rope: Rope,
-    supports: str | Path | pd.DataFrame,
+    supports: Source,
     *,
     tension: float,
     speed: Speed = 1.0,
@@ -35,7 +37,7 @@ def endless(
     take_up: float | None = None,
     drive: Drive | None = None,
     name: str = "endless line",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> System:
     """An endless line with loads both ways.
 
@@ -54,7 +56,8 @@ def endless(
     if len(returns) != 1:
         raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
     if take_up is None:
-        empty, _ = _line(rope, table, tension, 0.0, None, None, name, gravity)
+        bare = table[[column for column in table if "." not in column]]  # at rest an ideal drive does
+        empty, _ = _line(rope, bare, tension, 0.0, None, None, name, gravity)
         take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
     line, spans = _line(rope, table, tension, speed, drive, take_up, name, gravity)
     if load_mass is not None and load_spacing is not None:
@@ -75,17 +78,22 @@ def _line(
     """The line with its return wheel drawn by `take_up`, or in its place for None."""
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     nodes: list[Node] = []
-    for i, row in enumerate(table.itertuples(index=False)):
-        label, at = str(row.name), tuple(points[i])
-        if row.kind == "control":
+    for i, row in enumerate(table.to_dict("records")):
+        about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
+        if row["kind"] == "control":
+            own: Drive = drive or IdealDrive()
+            own = replace(own, **own_values(own, row, "drive"))
+            own_values(None, row, "response")  # no sheave of an endless line has one
             # The drive's wheel lies flat: it holds the rope in height from either side.
-            nodes.append(ControlSheave(label, at=at, hold_down=i == 0, speed=speed, drive=drive or IdealDrive()))
-        elif row.kind == "return" and take_up is not None:
+            nodes.append(ControlSheave(**about, at=at, hold_down=i == 0, speed=speed, drive=own))
+        elif row["kind"] == "return" and take_up is not None:
             # It slides in the middle between its ropes, away from them.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
             way = before / np.linalg.norm(before) + after / np.linalg.norm(after)
-            nodes.append(TensionedReturn(label, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up))
+            nodes.append(
+                TensionedReturn(**about, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up)
+            )
         else:
-            nodes.append(Sheave(label, at=at))
+            nodes.append(Sheave(**about, at=at))
     line = System(name, gravity=gravity)
     return line, line.string(rope, *nodes, nodes[0], tension=tension)

@@ -14,6 +14,7 @@ from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.hints import Positive
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, Ground, HeadSpar, TailSpar
@@ -40,7 +41,7 @@ class SkylineParts(TypedDict, total=False):
     holding: Holding
     turn: Turn | None
     name: str
-    gravity: float
+    gravity: Positive
 
 
 def joined(
@@ -84,7 +85,8 @@ def joined(
     for before, after in pairwise(stands):
         if not before.at[0] < after.at[0]:
             raise InputError(
-                f"{after.label} stands at station {after.at[0]:g} m, {before.label} before it at {before.at[0]:g} m",
+                f"{after.described} stands at station {after.at[0]:g} m, "
+                f"{before.described} before it at {before.at[0]:g} m",
                 "Name headspar, supports and tailspar in the order of their stations",
             )
     if (haulback is None) != (haulback_tension is None):
@@ -97,11 +99,11 @@ def joined(
         raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
     if haulback is not None and haulback_block is None and isinstance(tail, GuyedSpar) and not carriage.clamped:
         raise InputError(
-            f"{name}: the ideal drum of a haulback would not pull at {tail.label}, which gives way",
+            f"{name}: the ideal drum of a haulback would not pull at {tail.described}, which gives way",
             "Give a haulback_block",
         )
     if kind is Kind.RUNNING and tail.tailhold is not None:
-        raise InputError(f"{name} has no skyline for {tail.tailhold.label}", "Leave the tailhold out")
+        raise InputError(f"{name} has no skyline for {tail.tailhold.described}", "Leave the tailhold out")
     if turn is not None and (terrain is None or kind is Kind.RUNNING):
         raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
     ideal = mainline is None and not carriage.clamped
@@ -174,9 +176,9 @@ def _shod(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
             continue
         if support.radius > 0.0:
             if support.friction > 0.0:
-                raise InputError(f"{support.label} has a radius and friction", "Leave one of them out")
+                raise InputError(f"{support.described} has a radius and friction", "Leave one of them out")
             if len({node.at[1] for node in stands}) > 1:
-                raise InputError(f"{support.label}: a shoe lies in the plane of the line", "Leave its radius out")
+                raise InputError(f"{support.described}: a shoe lies in the plane of the line", "Leave its radius out")
             if support.slope is None:
                 ways = np.diff([before.at, support.at, after.at], axis=0)
                 x, _, z = (ways / np.linalg.norm(ways, axis=1)[:, None]).sum(axis=0)

@@ -7,6 +7,7 @@ from typing import Unpack
 from ropeway.components.carriage import Carriage
 from ropeway.components.checked import checked
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
 from ropeway.systems.rigs.joining import SkylineParts, joined
@@ -35,7 +36,7 @@ def gravity_skyline(
     tension: float | None = None,
     length: float | None = None,
     name: str = "gravity skyline",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> SkylineRig:
     """A live skyline without a haulback (shotgun): the empty carriage runs out by its weight, the mainline
     brings it in. `payload` gives 0 where the empty carriage does not run out. Raises InputError,

@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import TypeVar
-
-import pandas as pd
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
 from ropeway.components.checked import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
-from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
+from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
-from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
+from ropeway.components.hints import Positive
+from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
+from ropeway.components.table import Source
 from ropeway.systems.empty_rope import support_tensions
-from ropeway.systems.rigs.supports import read_supports, with_own
+from ropeway.systems.rigs.supports import own_values, read_supports
 from ropeway.systems.system import GRAVITY, System
 
 _Part = TypeVar("_Part", Drive, Response)
@@ -29,7 +29,7 @@ _Part = TypeVar("_Part", Drive, Response)
 @checked
 def monocable(
     rope: Rope,
-    supports: str | Path | pd.DataFrame,
+    supports: Source,
     *,
     tension: float,
     speed: Speed = 1.0,
@@ -39,15 +39,15 @@ def monocable(
     drive: Drive | Mapping[str, Drive] | None = None,
     response: Response | Mapping[str, Response] | None = None,
     precedence: str = "all at once",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> System:
     """A mono-cable line, from drum to drum.
 
-    supports: a CSV or DataFrame with columns name, x, y, z [m], kind (anchor, drum, idler, control, return)
-    in the order of the rope. tension: of the empty rope at rest at the first support [N]; it sets how much
-    rope there is between the control sheaves. Drums at the ends keep the tension that the empty rope has
-    there. speed [m/s, from the first support to the last, or a Schedule]: of the rope at all control sheaves;
-    on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
+    supports: a table (CSV, Excel or DataFrame) with columns name, x, y, z [m], kind (anchor, drum, idler, control,
+    return) in the order of the rope, see `docs/files.md`. tension: of the empty rope at rest at the first support
+    [N]; it sets how much rope there is between the control sheaves. Drums at the ends keep the tension that the
+    empty rope has there. speed [m/s, from the first support to the last, or a Schedule]: of the rope at all control
+    sheaves; on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
     load_spacing [m of rope]: the rope starts full of loads, more are put on at the first support at the same
     spacing, and all are taken off at the last; a mass of 0 is a missing load. drive and response: of the
     control sheaves, one for all or one for each name (ideal drives and no response otherwise); columns of
@@ -64,26 +64,26 @@ def monocable(
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     kept = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
     nodes: list[Node] = []
-    for i, row in enumerate(table.itertuples(index=False)):
-        label, at = str(row.name), tuple(points[i])
-        if row.kind == "anchor":
-            nodes.append(Anchor(label, at=at))
-        elif row.kind == "control":
-            own: Drive | None = _of(drive, label)
-            rule: Response | None = _of(response, label)
-            if isinstance(own, HydraulicDrive):
-                own = with_own(own, table.loc[i], "drive")
-            if isinstance(rule, (ThresholdResponse, ProportionalResponse)):
-                rule = with_own(rule, table.loc[i], "response")
-            nodes.append(ControlSheave(label, at=at, speed=speed, drive=own or IdealDrive(), response=rule))
-        elif row.kind == "drum" and i == 0 and not controlled:
-            nodes.append(Drum(label, at=at, speed=speed))
-        elif row.kind == "drum":
-            nodes.append(Drum(label, at=at, tension=float(kept[i])))
+    for i, row in enumerate(table.to_dict("records")):
+        about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
+        if row["kind"] == "anchor":
+            nodes.append(Anchor(**about, at=at))
+        elif row["kind"] == "control":
+            own: Drive = _of(drive, row) or IdealDrive()
+            own = replace(own, **own_values(own, row, "drive"))
+            rule: Response | None = _of(response, row)
+            changes = own_values(rule, row, "response")
+            rule = None if rule is None else replace(rule, **changes)
+            nodes.append(ControlSheave(**about, at=at, speed=speed, drive=own, response=rule))
+        elif row["kind"] == "drum" and i == 0 and not controlled:
+            nodes.append(Drum(**about, at=at, speed=speed))
+        elif row["kind"] == "drum":
+            nodes.append(Drum(**about, at=at, tension=float(kept[i])))
         else:
-            nodes.append(Sheave(label, at=at))
+            nodes.append(Sheave(**about, at=at))
+    controls = table[table["kind"] == "control"]
     for each in (drive, response):
-        if isinstance(each, Mapping) and (unknown := set(each) - set(table.loc[table["kind"] == "control", "name"])):
+        if isinstance(each, Mapping) and (unknown := set(each) - {*controls["name"], *controls["label"]}):
             raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
     line = System(name, gravity=gravity, precedence=precedence)
     spans = line.string(rope, *nodes, tension=tension)
@@ -92,6 +92,6 @@ def monocable(
     return line
 
 
-def _of(parts: _Part | Mapping[str, _Part] | None, name: str) -> _Part | None:
-    """The part of one support: its own, or the one for all."""
-    return parts.get(name) if isinstance(parts, Mapping) else parts
+def _of(parts: _Part | Mapping[str, _Part] | None, row: Mapping[Any, Any]) -> _Part | None:
+    """The part of one support: its own, by its name or label, or the one for all."""
+    return parts.get(row["label"], parts.get(row["name"])) if isinstance(parts, Mapping) else parts

@@ -7,6 +7,7 @@ from ropeway.components.carriage import Carriage
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Ground, HeadSpar, TailSpar
 from ropeway.systems.rigs.joining import joined
@@ -25,7 +26,7 @@ def running_skyline(
     carriage: Carriage,
     tension: float,
     name: str = "running skyline",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> SkylineRig:
     """A running skyline. tension: of the haulback at its drum, which the yarder keeps [N]; the mainline holds
     the carriage. `payload(..., clearance=)` and `load_path(..., height=)` set the tension at each station
@@ -33,7 +34,7 @@ def running_skyline(
     """
     check.positive(tension, name, "tension", "N")
     if carriage.clamped:
-        raise InputError(f"{carriage.label} is clamped", "A running skyline's carriage rolls on the haulback")
+        raise InputError(f"{carriage.described} is clamped", "A running skyline's carriage rolls on the haulback")
     return joined(
         Kind.RUNNING,
         terrain,

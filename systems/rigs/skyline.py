@@ -168,6 +168,7 @@ class SkylineRig:
 
     def chord(self, span: int, station: float) -> float:
         """Height z of the chord of a span at a station [m]."""
+        check.index(span, self.spans, self.name, "span")
         a, b = self.stands[span].at, self.stands[span + 1].at
         return a[2] + (b[2] - a[2]) * (station - a[0]) / (b[0] - a[0])
 
@@ -178,6 +179,9 @@ class SkylineRig:
 
     def start(self, span: int, station: float, payload: float, height: float | None = None) -> carriage_start.Start:
         """Where the carriage is about: the ellipse of its span [or at a given `height` z]."""
+        check.index(span, self.spans, self.name, "span")
+        if not self.stands[0].at[0] <= station <= self.stands[-1].at[0]:
+            raise InputError(f"Station {station:g} m is outside the skyline", "Choose one between its spars")
         load = (self.carriage.mass + payload) * self.gravity
         weight, strain = self.skyline.mass_per_length * self.gravity, self.skyline.strain
         ends = self.points[span : span + 2]
@@ -265,6 +269,7 @@ class SkylineRig:
 
     def on_shoe_start(self, on: int, station: float, payload: float) -> carriage_start.Start:
         """Where the carriage is on a support's shoe, the skyline's tension about, and the pull along the shoe."""
+        check.index(on, len(self.supports), self.name, "on")
         support = self.supports[on]
         x = station - support.centre[0]
         if abs(x) > STEEPEST * support.radius:

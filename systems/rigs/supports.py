@@ -2,76 +2,148 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
-from pathlib import Path
-from typing import TypeVar
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
 
 import pandas as pd
 
-from ropeway.components.drive import HydraulicDrive
+from ropeway.components import table
+from ropeway.components.drive import Drive, HydraulicDrive
 from ropeway.components.errors import InputError
-from ropeway.components.response import ProportionalResponse, ThresholdResponse
-
-_Part = TypeVar("_Part", bound=HydraulicDrive | ThresholdResponse | ProportionalResponse)
+from ropeway.components.identifier import identifier
+from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
 
 KINDS = ("anchor", "drum", "idler", "control", "return")
 """Kinds of support of a mono-cable line. A return is the wheel at which the rope turns back."""
 
-_COLUMNS = ("name", "x", "y", "z", "kind")
+MOST = 10_000
+"""More supports than this are no line, but perhaps a terrain."""
+
+_LAYOUT = table.Layout(
+    {"name": None, "x": "m", "y": "m", "z": "m", "kind": None},
+    "name,x,y,z,kind\nvalley,0,0,0,drum\ns1,108.3,0,11.5,idler\nmountain,204.9,0,19.6,drum",
+)
+_PARTS: Mapping[str, tuple[type, ...]] = {
+    "drive": (HydraulicDrive,),
+    "response": (ThresholdResponse, ProportionalResponse),
+}
+"""Parts of a control sheave whose values a table may give, each in a column such as drive.relief_pressure."""
+_WORDS = {"true": 1.0, "yes": 1.0, "false": 0.0, "no": 0.0}
 
 
-def read_supports(source: str | Path | pd.DataFrame, *, endless: bool = False) -> pd.DataFrame:
-    """The table of supports, checked: name, x, y, z [m], kind, in the order of the rope; an endless rope begins
-    and ends at the first one, a control sheave. Columns drive.* and response.* are kept.
+def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFrame:
+    """The table of supports, checked, in the order of the rope.
 
-    Raises InputError that names file and line.
+    Parameters
+    ----------
+    source : str, Path or DataFrame
+        Columns name, x, y, z [m], kind, see `docs/files.md`.
+    endless : bool, default False
+        Whether the rope is endless: it begins and ends at the first support, a control sheave.
+
+    Returns
+    -------
+    DataFrame
+        Columns name (an identifier), label (the name as given), x, y, z [m], kind, place (in the source, for errors),
+        and those of drive.* and response.*, NaN where they are blank.
+
+    Raises
+    ------
+    InputError
+        With file, line and column.
     """
-    if isinstance(source, pd.DataFrame):
-        table, where, first = source.reset_index(drop=True), "supports", 0
-    else:
-        where, first = str(source), 2
-        try:
-            table = pd.read_csv(source, skipinitialspace=True, comment="#")
-        except FileNotFoundError as error:
-            raise InputError(f"There is no file {where}", "Give the path of a CSV with name,x,y,z,kind") from error
-        except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-            raise InputError(f"{where} is not a CSV table: {error}", "Its first line is name,x,y,z,kind") from error
-    if missing := [c for c in _COLUMNS if c not in table.columns]:
-        raise InputError(
-            f"{where}, line 1: column {', '.join(missing)} is missing", f"The columns are {', '.join(_COLUMNS)}"
-        )
-    if len(table) < 2:
-        raise InputError(f"{where} has {len(table)} supports", "A line has at least two")
-    for i, row in enumerate(table.itertuples(index=False)):
-        line = f"{where}, line {first + i}" if first else f"{where}, row {i}"
-        for axis in "xyz":
-            value = pd.to_numeric(getattr(row, axis), errors="coerce")
-            if not pd.notna(value) or abs(value) == float("inf"):
-                raise InputError(f"{line}: {axis} of {row.name!r} is {getattr(row, axis)!r}", "Give metres")
-        if row.kind not in KINDS:
-            raise InputError(f"{line}: kind of {row.name!r} is {row.kind!r}", f"Kinds are {', '.join(KINDS)}")
-        end = i in (0, len(table) - 1) and not endless
-        wrong = end != (row.kind in ("anchor", "drum")) or (endless and i == 0 and row.kind != "control")
-        if wrong:
+    read = table.read(source, _LAYOUT)
+    if len(read) < 2:
+        raise read.error("it has 1 support", "A line has at least two")
+    if len(read) > MOST:
+        raise read.error(f"it has {len(read)} supports", f"A line has at most {MOST}. Is it a table of the terrain?")
+    own = [key for key in read.keys if key.startswith(tuple(f"{part}." for part in _PARTS))]
+    _check_fields(read, own)
+    labels, kinds = read.texts("name"), [kind.casefold() for kind in read.texts("kind")]
+    found = pd.DataFrame({"name": _names(read, labels), "label": labels})
+    words = [key for key in own if _holds_words(read, key)]
+    held = [key for key in own if key not in words]
+    found[["x", "y", "z", *held]] = read.numbers("x", "y", "z", optional=held)
+    for key in words:
+        found[key] = [_WORDS.get(text.casefold(), math.nan) for text in read.texts(key)]
+    found["kind"] = kinds
+    found["place"] = [f"{read.source}, {line}" for line in read.lines]
+    _check_kinds(read, labels, kinds, endless)
+    for key in own:
+        unused = found.index[found[key].notna() & (found["kind"] != "control")]
+        if len(unused):
+            i = int(unused[0])
+            raise read.error(f"{labels[i]!r} is no control sheave", "Leave its cell blank", i, key)
+    return found
+
+
+def _holds_words(read: table.Table, key: str) -> bool:
+    """Whether a column holds yes and no."""
+    texts = [text.casefold() for text in read.texts(key) if text]
+    return bool(texts) and all(text in _WORDS for text in texts)
+
+
+def _names(read: table.Table, labels: list[str]) -> list[str]:
+    """Identifiers of the labels. Raises InputError for a blank one, and for two that become one."""
+    names: dict[str, int] = {}
+    for i, label in enumerate(labels):
+        if not label:
+            raise read.error("a support has no name", "Give each its name", i, "name")
+        name = identifier(label)
+        if name in names:
+            first = labels[names[name]]
+            cause = f"{label!r} is the name of {read.lines[names[name]]} too"
+            if first != label:
+                cause = f"{label!r} and {first!r} ({read.lines[names[name]]}) both become the name {name!r}"
+            raise read.error(cause, "Give each support a name of its own", i, "name")
+        names[name] = i
+    return list(names)
+
+
+def _check_kinds(read: table.Table, labels: list[str], kinds: list[str], endless: bool) -> None:
+    """Raises InputError for an unknown kind, or one at a place where it cannot be."""
+    for i, kind in enumerate(kinds):
+        if kind not in KINDS:
+            raise read.error(f"kind of {labels[i]!r} is {read.texts('kind')[i]!r}", f"Kinds are {', '.join(KINDS)}", i)
+        end = i in (0, len(kinds) - 1) and not endless
+        if end != (kind in ("anchor", "drum")) or (endless and i == 0 and kind != "control"):
             remedy = "The first and the last are an anchor or a drum, those between an idler, a control or a return"
             if endless:
                 remedy = "An endless rope begins at a control, the others are idlers, controls or returns"
-            raise InputError(f"{line}: {row.name!r} is {row.kind} at place {i + 1} of {len(table)}", remedy)
-    own = [c for c in table.columns if str(c).startswith(("drive.", "response."))]
-    return table[[*_COLUMNS, *own]]
+            raise read.error(f"{labels[i]!r} is {kind} at place {i + 1} of {len(kinds)}", remedy, i)
 
 
-def with_own(part: _Part, row: pd.Series, prefix: str) -> _Part:
-    """A drive or response with the values that the row of its support gives in columns `prefix.field`; blank
-    ones leave it as it is. Raises InputError for a field that it does not have."""
+def _check_fields(read: table.Table, own: list[str]) -> None:
+    """Raises InputError for a column of a drive or response that no drive or response has."""
+    for key in own:
+        part, _, field = key.partition(".")
+        known = sorted({f.name for kind in _PARTS[part] for f in fields(kind)})
+        if field not in known:
+            near = difflib.get_close_matches(field, known, n=1)
+            remedy = f"Is {part}.{near[0]} meant?" if near else f"It has {', '.join(known)}"
+            raise read.error(f"a {part} has no {field!r}", remedy, table.HEADER, key)
+
+
+def own_values(part: Drive | Response | None, row: Mapping[Any, Any], prefix: str) -> dict[str, Any]:
+    """Fields of a drive or response that the row of its support gives in columns `prefix.field`; blank ones leave it as
+    it is. Raises InputError for a value that it does not use."""
     given = {
         str(column).removeprefix(f"{prefix}."): value
         for column, value in row.items()
-        if str(column).startswith(f"{prefix}.") and pd.notna(value)
+        if str(column).startswith(f"{prefix}.") and not math.isnan(value)
     }
-    known = {f.name for f in fields(part)}
-    if unknown := sorted(set(given) - known):
-        raise InputError(
-            f"Support {row['name']!r}: a {prefix} has no {unknown[0]!r}", f"It has {', '.join(sorted(known))}"
-        )
-    return replace(part, **given)
+    known: dict[str, Any] = {}
+    if part is not None and isinstance(part, _PARTS[prefix]):
+        known = {f.name: f.type for f in fields(part)}
+    for field in given:
+        if field not in known:
+            owner = f"the {prefix} of {row['label']!r}"
+            has = f"no {field}" if known else "no values of its own" if part is None else f"no {field}: it is ideal"
+            raise InputError(
+                f"{row['place']}, column {prefix}.{field}: {owner} has {has}",
+                f"Give {prefix}= as a {' or '.join(kind.__name__ for kind in _PARTS[prefix])}, or leave the column out",
+            )
+    return {n: bool(v) if known[n] == "bool" else float(v) for n, v in given.items()}

@@ -10,7 +10,7 @@ Numbers or arrays alike. The dimensionless forms are in `cable_stretch_cases`.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,8 +19,9 @@ from ropeway.components import catenary
 from ropeway.components.catenary import Strain
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.hints import Positive
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope
-from ropeway.systems.studies.catenary_fundamentals import require
+from ropeway.systems.studies.catenary_fundamentals import alike, require
 from ropeway.systems.studies.vector_root import Array, Numbers, complex_step, newton
 from ropeway.systems.system import GRAVITY
 
@@ -62,7 +63,7 @@ def unstretched_length(
     horizontal: Numbers,
     vertical: Numbers,
     method: StretchMethod = "elastic",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> UnstretchedLength:
     """Unstretched length of a rope that hangs at rest, from its stretched length.
 
@@ -78,8 +79,7 @@ def unstretched_length(
 
     Raises InputError.
     """
-    if method not in get_args(StretchMethod):
-        raise InputError(f"No method {method!r}", f"Known are {', '.join(map(repr, get_args(StretchMethod)))}")
+    alike(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     h, v = _force(horizontal, vertical)
     total = np.asarray(length, dtype=float)
@@ -114,10 +114,11 @@ def stretched_position(
     horizontal: Numbers,
     vertical: Numbers,
     method: StretchMethod = "elastic",
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> Array:
     """Distance p(s) along the stretched rope [m] of `stations` s along the unstretched rope [m], from support A
     (eq. 10, and eq. 18 with construction stretch). Forces as in `unstretched_length`. Raises InputError."""
+    alike(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
         raise InputError("The average tension says nothing of points inside the rope", 'Use "elastic"')

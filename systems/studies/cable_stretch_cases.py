@@ -122,7 +122,7 @@ def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
     Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
     cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
     """
-    values = np.atleast_1d(np.asarray(phi, dtype=float))
+    values = np.asarray(phi, dtype=float).ravel()
     tables = []
     for case in CASES:
         chi = values / case.slope

@@ -50,6 +50,7 @@ class CatenaryCurve:
             object.__setattr__(self, field, np.asarray(getattr(self, field), dtype=float))
         require(self.span, "span [m]", lambda v: v > 0.0, "above zero")
         require(self.rise, "rise [m]", np.isfinite, "finite")
+        alike(self.span, self.rise, self.parameter)
         require(self.parameter, "catenary parameter H/w [m]", lambda v: v > 0.0, "above zero")
 
     @property
@@ -72,15 +73,15 @@ class CatenaryCurve:
 
     def height(self, x: Numbers) -> Array:
         """z over the start [m] at x [m]."""
-        return np.asarray(_height(self._u, self.span, self.rise, np.asarray(x)))
+        return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
     def slope(self, x: Numbers) -> Array:
         """Rise over run at x [m]."""
-        return np.asarray(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta))
+        return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
         """x [m] where the rope has a slope; it may lie outside the span."""
-        return np.asarray(self.lowest + self.parameter * np.arcsinh(slope))
+        return finite(self.lowest + self.parameter * np.arcsinh(slope), "station")
 
     def sag(self, x: Numbers) -> Array:
         """Vertical distance from the chord down to the rope at x [m]."""
@@ -102,6 +103,7 @@ class CatenaryCurve:
 @checked
 def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, weight: Numbers) -> CatenaryCurve:
     """For a horizontal tension and a weight per metre. Raises InputError."""
+    alike(span, rise, horizontal, weight)
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
     return CatenaryCurve(span, rise, np.asarray(horizontal) / np.asarray(weight))
@@ -113,6 +115,7 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 
     Raises InputError when the rope is not longer than its chord; Harvey's code returns the chord then.
     """
+    alike(span, rise, length)
     d, h, s = (np.asarray(v, dtype=float) for v in (span, rise, length))
     require(d, "span [m]", lambda v: v > 0.0, "above zero")
     chord = np.hypot(d, h)
@@ -128,6 +131,7 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 @checked
 def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0.5) -> CatenaryCurve:
     """For a sag [m] below the chord at a share `at` of the span, 0 < at < 1. Raises InputError."""
+    alike(span, rise, sag, at)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(sag, "sag [m]", lambda v: v > 0.0, "above zero")
     require(at, "station of the sag, share of the span,", lambda v: (v > 0.0) & (v < 1.0), "between 0 and 1")
@@ -145,6 +149,7 @@ def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight:
 
     Raises InputError, and SlackRopeError where the tension is less than the rope's own weight needs.
     """
+    alike(span, rise, tension, weight)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(tension, "tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
@@ -211,6 +216,23 @@ def require(value: ArrayLike, what: str, test: Any, words: str) -> None:
     bad = ~(np.isfinite(array) & test(array))
     if bad.any():
         raise InputError(f"{what} is {float(array[bad].flat[0])!r}", f"It must be {words}")
+
+
+def alike(*values: ArrayLike) -> None:
+    """Raises InputError unless arrays stand side by side: of one shape, or shapes that broadcast."""
+    try:
+        np.broadcast_shapes(*(np.shape(v) for v in values))
+    except ValueError:
+        shapes = " and ".join(dict.fromkeys(str(np.shape(v)) for v in values if np.ndim(v)))
+        raise InputError(f"Arrays of shapes {shapes} do not stand side by side", "Give arrays of one length") from None
+
+
+def finite(value: ArrayLike, what: str) -> Array:
+    """A result as an array. Raises InputError where it is none."""
+    array = np.asarray(value, dtype=float)
+    if not np.isfinite(array).all():
+        raise InputError(f"The {what} is beyond all numbers", "Check the units: a value is far too large or too small")
+    return array
 
 
 def _start_tension(u: Any, span: Numbers, drop: Numbers) -> Any:

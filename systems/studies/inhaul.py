@@ -57,7 +57,7 @@ class Inhaul:
 
     def plot(self) -> Figure:
         """Place, tensions and powers over time."""
-        from ropeway.systems.studies.skyline_plot import inhaul_figure
+        from ropeway.systems.studies.inhaul_plot import inhaul_figure
 
         return inhaul_figure(self)
 
@@ -81,16 +81,17 @@ def inhaul(
     payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
     rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
     the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
-    mainline's length allows; on a support with a radius it rolls over the shoe, unless a long mainline stretches by
-    more than the shoe is wide and lets it run over at once. Raises InputError; SimulationError that holds what has
-    run so far.
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long
+    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
+    SimulationError that holds what has run so far.
     """
     check.positive(speed, rig.name, "speed", "m/s")
     check.positive(every, rig.name, "every", "s")
+    check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
-        raise InputError(f"{rig.turn.log.label} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")

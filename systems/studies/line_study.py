@@ -10,7 +10,8 @@ from functools import lru_cache
 
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.equilibrium import Equilibrium, equilibrium, solve
+from ropeway.systems.at_rest import solve
+from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.stability import slack
 from ropeway.systems.state import LineState

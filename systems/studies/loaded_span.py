@@ -8,7 +8,7 @@ import numpy as np
 
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
-from ropeway.systems.studies.catenary_fundamentals import require
+from ropeway.systems.studies.catenary_fundamentals import alike, require
 from ropeway.systems.studies.vector_root import Array, Numbers
 
 
@@ -41,6 +41,13 @@ class LoadedSpan:
             )
         require(self.chord_slope, "chord_slope", lambda v: v <= 5.0, "at most 5 (write 0.2 for 20 %)")
         require(self.carriage, "carriage, share of the span,", lambda v: (v > 0.0) & (v < 1.0), "between 0 and 1")
+
+        alike(*self.parts)
+
+    @property
+    def parts(self) -> tuple[Numbers, ...]:
+        """Its four numbers, or arrays."""
+        return self.span, self.deflection, self.chord_slope, self.carriage
 
     @property
     def run_upper(self) -> Array:

@@ -7,7 +7,6 @@ its vertices and, where it runs parallel to a piece of terrain, inside that piec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,8 +46,8 @@ class LongestRope:
 def longest_rope(
     stations: ArrayLike,
     elevations: ArrayLike,
-    headspar: Sequence[float],
-    tailspar: Sequence[float],
+    headspar: tuple[float, float],
+    tailspar: tuple[float, float],
     *,
     clearance: float = 0.0,
 ) -> LongestRope:

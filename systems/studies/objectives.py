@@ -14,13 +14,16 @@ from ropeway.systems.studies.responses import control_sheaves
 
 OBJECTIVES = ("peak tension", "tension deviation", "energy")
 """Highest tension of all spans [N]; root mean square of the control sheaves' tensions, on both sides, from a target
-[N]; energy that the control sheaves' drives give, not less what they recover [J]."""
+[N]; energy that the control sheaves' drives give, not less what they recover [J], always over the whole run: what a
+drive puts into the rope before the tensions count would be free otherwise."""
 
 
 @checked
 def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
-    """What `optimise_schedule` and `tune_response` minimise, of any run from `settle` [s] on: all of `OBJECTIVES` by
-    name. target: tension that the deviation counts from [N], by default the mean. Raises InputError."""
+    """What `optimise_schedule` and `tune_response` minimise, of any run: all of `OBJECTIVES` by name.
+
+    settle: from when the two objectives of tension count [s]; the energy counts over the whole run. target: tension
+    that the deviation counts from [N], by default the mean. Raises InputError."""
     check.not_negative(settle, "objectives", "settle", "s")
     frame, names = result.full_frame, control_sheaves(result.model.system)
     if settle >= result.times[-1]:
@@ -36,11 +39,12 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
     sides = [frame[f"{n}.tension_{side}"].to_numpy()[counts] for n in names for side in ("in", "out")]
     aim = np.mean([np.trapezoid(t, times) / span for t in sides]) if target is None else target
     square = np.mean([np.trapezoid((t - aim) ** 2, times) / span for t in sides])
-    power = [np.maximum(frame[f"{n}.power"].to_numpy()[counts], 0.0) for n in names]
+    whole = frame.index.to_numpy()
+    power = [np.maximum(frame[f"{n}.power"].to_numpy(), 0.0) for n in names]
     return {
         "peak tension": float(ends.max()),
         "tension deviation": float(np.sqrt(square)),
-        "energy": float(sum(np.trapezoid(p, times) for p in power)),
+        "energy": float(sum(np.trapezoid(p, whole) for p in power)),
     }
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
+from ropeway.components.hints import Undefined
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
@@ -56,7 +57,7 @@ class SupportPlan:
     supports: tuple[IntermediateSupport, ...]
     feasible: bool
     limited_by: str
-    station: float
+    station: Undefined
     tried: int
 
     @property
@@ -72,6 +73,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     check.positive(spacing, "support_range", "spacing", "m")
     if not start <= end:
         raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
+    check.count((end - start) / spacing, "support_range", "candidates")
     stations = np.arange(start, end + 1e-9 * spacing, spacing)
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 

@@ -18,6 +18,7 @@ from ropeway.components.errors import EquilibriumError, InputError, OutOfReachEr
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
+from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
@@ -59,7 +60,7 @@ class PayloadStudy:
     def __repr__(self) -> str:
         worst = self.limiting
         return (
-            f"<PayloadStudy of {self.rig.name!r}: {self.payload:.0f} kg, limited at {worst['station']:g} m by "
+            f"<PayloadStudy of {self.rig.name!r}: {at_most(self.payload)} kg, limited at {worst['station']:g} m by "
             f"{worst['limited_by']}>"
         )
 

@@ -9,12 +9,13 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from ropeway.components.checked import checked
-from ropeway.components.errors import InputError
+from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
 from ropeway.systems.studies.catenary_fundamentals import require
 from ropeway.systems.studies.harvey_as_printed import SLOPES, TABLE_2
 from ropeway.systems.studies.loaded_span import LoadedSpan
-from ropeway.systems.studies.payload_exact import Joint, catenary_clamped, catenary_rolling, elastic_load
+from ropeway.systems.studies.payload_exact import Joint, catenary_clamped, catenary_rolling, elastic_state
 from ropeway.systems.studies.payload_methods import METHODS, Method, payload_for_tension
 from ropeway.systems.studies.vector_root import Array, Numbers
 from ropeway.systems.system import GRAVITY
@@ -34,7 +35,7 @@ def compare_payload_methods(
     carriage_mass: float = 0.0,
     carriage: float = 0.5,
     as_printed: bool = False,
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
     """Payload of every method on one span at several chord slopes.
 
@@ -88,7 +89,7 @@ def method_errors(
     deflections: ArrayLike,
     carriages: ArrayLike,
     methods: Sequence[str] | None = None,
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
     """Error of each method's gross load against the exact one, over a grid of chord slopes, deflections (share of
     the span, at the carriage) and carriage places (share of the span).
@@ -104,6 +105,8 @@ def method_errors(
     def gross(method: Method) -> Array:
         return payload_for_tension(method, line, rope, tension, gravity=gravity)
 
+    if unknown := set(methods or ()) - set(METHODS):
+        raise UnknownNameError(f"No method {min(unknown)!r}", f"Known are {', '.join(METHODS)}")
     exact = {"clamped": gross(catenary_clamped), "rolling": gross(catenary_rolling)}
     rows = []
     for name in METHODS if methods is None else methods:
@@ -118,7 +121,7 @@ def method_errors(
 def _elastic(rope: Rope, joint: str) -> Method:
     def method(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
         how: Joint = "rolling" if joint == "rolling" else "clamped"
-        return elastic_load(line, weight, tension, rope.strain, how).gross
+        return elastic_state(line, weight, tension, rope.strain, how).gross
 
     return method
 

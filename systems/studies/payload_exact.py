@@ -13,7 +13,9 @@ import numpy as np
 
 from ropeway.components.catenary import Strain
 from ropeway.components.checked import checked
-from ropeway.systems.studies.catenary_fundamentals import length_between, taut_u, vertical_at
+from ropeway.components.errors import SlackRopeError
+from ropeway.components.hints import PositiveNumbers
+from ropeway.systems.studies.catenary_fundamentals import alike, length_between, taut_u, vertical_at
 from ropeway.systems.studies.elastic_piece import ElasticPiece
 from ropeway.systems.studies.loaded_span import LoadedSpan
 from ropeway.systems.studies.vector_root import Array, Numbers
@@ -42,24 +44,62 @@ def catenary_clamped(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Arr
 
     Exact. NaN where the tension is too little for the rope's own weight.
     """
-    return exact_load(line, weight, tension, "clamped").gross
+    return exact_state(line, weight, tension, "clamped").gross
 
 
 def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
     """Gross load for the tension at the upper support: inextensible catenaries with equal tension at the
     carriage, which a horizontal mainline holds. Exact. NaN where the tension is too little."""
-    return exact_load(line, weight, tension, "rolling").gross
+    return exact_state(line, weight, tension, "rolling").gross
 
 
 @checked
 def exact_load(
-    line: LoadedSpan, weight: Numbers, tension: Numbers, joint: Joint, *, pull_slope: Numbers = 0.0
+    line: LoadedSpan, weight: PositiveNumbers, tension: PositiveNumbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
     """The exact state for inextensible rope. weight: per metre; tension: at the upper support; pull_slope: rise
     over run of the mainline, from a rolling carriage towards the upper support (0: horizontal).
 
-    NaN where the tension is too little for the rope's own weight.
+    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
     """
+    alike(*line.parts, weight, tension, pull_slope)
+    return _solved(exact_state(line, weight, tension, joint, pull_slope=pull_slope), tension)
+
+
+@checked
+def elastic_load(
+    line: LoadedSpan,
+    weight: PositiveNumbers,
+    tension: PositiveNumbers,
+    strain: Strain,
+    joint: Joint,
+    *,
+    pull_slope: Numbers = 0.0,
+) -> ExactLoad:
+    """The exact state for a rope that stretches; weight: per unstretched metre. As `exact_load` otherwise.
+
+    strain: coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
+    """
+    alike(*line.parts, weight, tension, pull_slope)
+    return _solved(elastic_state(line, weight, tension, strain, joint, pull_slope=pull_slope), tension)
+
+
+def _solved(state: ExactLoad, tension: Numbers) -> ExactLoad:
+    """The state. Raises SlackRopeError where there is none."""
+    bad = np.isnan(state.gross)
+    if bad.any():
+        given = float(np.broadcast_to(tension, bad.shape)[bad].flat[0])
+        raise SlackRopeError(
+            f"A tension of {given:.6g} is too little for the rope's own weight",
+            "Raise the tension, or allow less deflection",
+        )
+    return state
+
+
+def exact_state(
+    line: LoadedSpan, weight: Numbers, tension: Numbers, joint: Joint, *, pull_slope: Numbers = 0.0
+) -> ExactLoad:
+    """As `exact_load`, with NaN where the tension is too little for the rope's own weight."""
     w, t = np.asarray(weight, dtype=float), np.asarray(tension, dtype=float)
     d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower
     u1 = taut_u(d1, h1, t, w)
@@ -76,8 +116,7 @@ def exact_load(
     )
 
 
-@checked
-def elastic_load(
+def elastic_state(
     line: LoadedSpan,
     weight: Numbers,
     tension: Numbers,
@@ -86,12 +125,9 @@ def elastic_load(
     *,
     pull_slope: Numbers = 0.0,
 ) -> ExactLoad:
-    """The exact state for a rope that stretches; weight: per unstretched metre. As `exact_load` otherwise.
-
-    strain: coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
-    """
+    """As `elastic_load`, with NaN where the tension is too little for the rope's own weight."""
     w = np.asarray(weight, dtype=float)
-    stiff = exact_load(line, weight, tension, joint)
+    stiff = exact_state(line, weight, tension, joint)
     d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower
     upper = ElasticPiece.between(d1, -h1, w, strain, stiff.horizontal_upper, stiff.length_upper).solve(tension=tension)
     at_carriage = upper.end_tension

@@ -20,8 +20,9 @@ import numpy as np
 
 from ropeway.components.checked import checked
 from ropeway.components.errors import SlackRopeError
+from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
-from ropeway.systems.studies.catenary_fundamentals import catenary_for_sag, minimum_tension, require
+from ropeway.systems.studies.catenary_fundamentals import alike, catenary_for_sag, minimum_tension, require
 from ropeway.systems.studies.kendrick import Weighed, kendrick_iteration, weighed
 from ropeway.systems.studies.loaded_span import LoadedSpan
 from ropeway.systems.studies.payload_exact import catenary_clamped, catenary_rolling
@@ -156,13 +157,14 @@ def payload_for_tension(
     tension: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> Array:
     """Payload [kg] for a tension [N] at the upper support, after one of the methods, as `METHODS["rigid link"]`.
 
     Negative where the rope cannot even carry the carriage. Raises InputError, and SlackRopeError where the
     tension is less than the rope's own weight needs.
     """
+    alike(*line.parts, tension, carriage_mass)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
     weight = rope.mass_per_length * gravity
@@ -180,12 +182,13 @@ def tension_for_payload(
     payload: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
-    gravity: float = GRAVITY,
+    gravity: Positive = GRAVITY,
 ) -> Array:
     """Tension [N] at the upper support for a payload [kg], after one of the methods (`METHODS`); the taut rope.
 
     Raises InputError, and SlackRopeError where no taut rope through the carriage's place is loaded so little.
     """
+    alike(*line.parts, payload, carriage_mass)
     require(payload, "payload [kg]", lambda v: v >= 0.0, "zero or more")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
     weight, gross = rope.mass_per_length * gravity, (np.asarray(payload) + carriage_mass) * gravity

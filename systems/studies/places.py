@@ -30,8 +30,8 @@ class Places:
     payload: float
 
     def rolls(self, k: int) -> bool:
-        """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. A long mainline, which
-        stretches more than the shoe is wide, lets it run over at once."""
+        """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. Where the
+        stretch of a long mainline changes by more than the length of the shoe, it runs over at once."""
         return _rolls(self, k)
 
     def in_order(self) -> list[Place]:

@@ -3,59 +3,23 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-
-import numpy as np
+from collections.abc import Mapping
 
 from ropeway.components import check
 from ropeway.components.checked import checked
-from ropeway.components.component import Node
-from ropeway.components.control_sheave import ControlSheave
-from ropeway.components.errors import InfeasibleScheduleError, InputError, ScheduleError
-from ropeway.components.response import ProportionalResponse, Response
+from ropeway.components.errors import InputError
+from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
-from ropeway.systems.carrying import carried_over
-from ropeway.systems.equilibrium import Equilibrium, equilibrium
+from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.interrupts import interruptible, keeping
-from ropeway.systems.model import component_of
 from ropeway.systems.progress import bar
-from ropeway.systems.result import Result
-from ropeway.systems.simulation import simulate
-from ropeway.systems.studies.objectives import objective_weights, objectives
-from ropeway.systems.studies.responses import control_sheaves, with_responses
-from ropeway.systems.studies.scheduling.agreement import (
-    LEAST_DEVIATION,
-    PEAK_GAP,
-    Simulated,
-    agreed,
-    broken_limits,
-    gap_between,
-    peaks_beyond,
-    root_agrees,
-)
-from ropeway.systems.studies.scheduling.equations import LineEquations, Row, drive_parameters
-from ropeway.systems.studies.scheduling.limits import HYDRAULIC, UNITS, ScheduleLimits
-from ropeway.systems.studies.scheduling.moments import moments
-from ropeway.systems.studies.scheduling.parts import Parts, Task
-from ropeway.systems.studies.scheduling.plan import Report, Round, SchedulePlan, active_table
-from ropeway.systems.studies.scheduling.problem import ScheduleProblem
-from ropeway.systems.studies.scheduling.run import balancing, require_sheave, smoothed
-from ropeway.systems.studies.scheduling.solution import Planned
-from ropeway.systems.studies.scheduling.solution import planned as solved
+from ropeway.systems.studies.objectives import objective_weights
+from ropeway.systems.studies.scheduling.limits import ScheduleLimits
+from ropeway.systems.studies.scheduling.plan import SchedulePlan
+from ropeway.systems.studies.scheduling.study import Study
 from ropeway.systems.system import System
 
-_ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6
-_SIZE = 10.0
-"""What the objective is scaled to: with less the solver's barrier outweighs it."""
-_GIVE = 1e-4
-"""Share of a limit below which a relaxation is none."""
-_ALIKE = 1e-3
-"""Share of an objective in which two rounds are alike."""
-_REACH = 0.15
-"""Share of a line's highest speed by which a plan may leave the line's own, or m/s for a line that stands."""
-_SAMPLES = 4
-"""Records of a simulation in each interval of the schedule."""
+MOST_INTERVALS = 10_000
 
 
 @checked
@@ -79,14 +43,16 @@ def optimise_schedule(
 
     minimise: "peak tension", "tension deviation" or "energy" (`OBJECTIVES`), or a weight for each [per N, N, J].
     intervals: pieces on which speeds are linear. target: tension that the deviation counts from [N], by default the
-    mean at the control sheaves when they balance their tensions. settle: from when limits on tensions and drives, and
-    the objective, count [s], as a schedule cannot change what the line starts with; by default 10 s or a quarter of
-    the time. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
+    mean at the control sheaves when they balance their tensions. settle: from when the objectives of tension count [s],
+    as a schedule cannot change what the line starts with; by default 10 s or a quarter of the time. The energy counts
+    over the whole run, and limits hold from the beginning; before `settle` they are as much wider as a start out of
+    balance needs. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
     start: an equilibrium to start from; trim: how the sheaves of `SchedulePlan.trimmed` correct towards the plan, by
     default with a gain that suits the line; warm_start: an earlier plan, or schedules. A plan begins with the first
     speeds of its warm start, by default with the line's own.
 
-    The optimum is simulated, and planned anew around the simulation until both agree. Raises InputError,
+    The optimum is simulated, and planned anew around the simulation until both agree. Where the line's own speeds
+    keep the limits and serve the objective better, they are the plan. Raises InputError,
     InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
     """
     begin = clock.perf_counter()
@@ -104,285 +70,12 @@ def optimise_schedule(
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
     plans: list[SchedulePlan] = []
     with bar("optimise", 1.0, progress) as advance, keeping(lambda: plans[-1] if plans else None):
-        study = _Study(line, until, intervals, bounds, settled, target, lead, start, trim)
+        study = Study(line, until, intervals, bounds, settled, target, lead, start, trim)
         schedules = study.first(warm_start)
         return study.optimise(weights, schedules, plans, advance, begin)
 
 
 def check_intervals(intervals: int) -> None:
     """Raises InputError unless intervals are a whole number of at least 3."""
-    if not isinstance(intervals, int) or intervals < 3:
-        raise InputError(f"intervals is {intervals!r}", "Give a whole number of at least 3")
-
-
-class _Study:
-    """What all rounds share: the line, its limits, and the run that balances tensions."""
-
-    def __init__(
-        self,
-        line: System,
-        until: float,
-        intervals: int,
-        limits: ScheduleLimits,
-        settle: float,
-        target: float | None,
-        lead: str | None,
-        start: Equilibrium | None,
-        trim: ProportionalResponse | None,
-    ) -> None:
-        self.line, self.until, self.limits, self.settle = line, until, limits, settle
-        self.names = control_sheaves(line)
-        for name in limits.sheaves:
-            require_sheave(name, self.names)
-        self._parts: dict[tuple[LineEquations, bool], Parts] = {}
-        self.bare = with_responses(line, dict.fromkeys(self.names))
-        self.start = equilibrium(self.bare) if start is None else carried_over(start, self.bare)
-        self.grid = np.linspace(0.0, until, intervals + 1)
-        self.lead = self._lead(lead)
-        response = balancing(self.start, 1.0)
-        self.trim = balancing(self.start, 0.5) if trim is None else trim
-        rule = {name: None if name == self.lead else response for name in self.names}
-        self.balanced = self.run({}, rule)
-        frame = self.balanced.full_frame
-        counts = frame.index >= settle
-        sides = [f"{n}.tension_{s}" for n in self.names for s in ("in", "out")]
-        self.target = float(frame.loc[counts, sides].to_numpy().mean()) if target is None else target
-        check.positive(self.target, "optimise_schedule", "target", "N")
-        rope = self.balanced.runs[0].rope
-        low = frame.filter(regex=r"\.tension_[ab]$").to_numpy()[counts].min()
-        self.tension = (
-            # Below it by the gap allowed: some tensions, as beside a drum, no schedule can change.
-            float(low) - PEAK_GAP if limits.tension_low is None else limits.tension_low,
-            rope.safe_working_load if limits.tension_high is None else limits.tension_high,
-        )
-        if self.tension[0] >= self.tension[1]:
-            raise InputError(
-                f"Tensions are to stay above {self.tension[0]:g} N and below {self.tension[1]:g} N",
-                "Give limits with tension_low below tension_high",
-            )
-
-    def _lead(self, lead: str | None) -> str:
-        """The support whose speed is the line's. Raises InputError, UnknownNameError."""
-        driven = [component_of(name) for name in self.start.model.u.names]
-        drums = [name for name in driven if name not in self.names]
-        if lead is not None:
-            require_sheave(lead, self.names)
-        if len(driven) < 2 or not self.names:
-            raise InputError(
-                f"{self.line.name!r} has nothing to optimise", "A schedule needs a second driven support on the rope"
-            )
-        return lead or (drums or self.names)[0]
-
-    def own_speed(self, name: str) -> Schedule:
-        """The speed that a driven support has by itself. Raises InputError."""
-        signal = self.start.model.signals[self.start.model.u.index[f"{name}.speed"]]
-        if signal is None:
-            raise InputError(f"The speed of {name!r} is open", "Give it a speed, which its schedule starts from")
-        return signal if isinstance(signal, Schedule) else Schedule((0.0, self.until), (signal, signal))
-
-    def run(self, schedules: Mapping[str, Schedule], responses: Mapping[str, Response | None]) -> Result:
-        """The line under schedules and responses, with a record at every grid time."""
-        line = with_responses(self.line, {**dict.fromkeys(self.names), **responses})
-        start = carried_over(self.start, line)
-        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
-        every = float(self.grid[1]) / _SAMPLES
-        return simulate(start.model, self.until, every=every, inputs=inputs, start=start, progress=False)
-
-    def first(self, warm_start: SchedulePlan | Mapping[str, Schedule] | None) -> dict[str, Schedule]:
-        """The schedules to begin with: given ones on this grid, or those of the balanced run; the lead keeps its own
-        speed. Raises InputError."""
-        if warm_start is None:
-            found = smoothed(self.balanced, self.grid, self.names)
-        else:
-            given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
-            if not isinstance(given, Mapping):
-                raise InputError(f"warm_start is {given!r}", "Give an earlier plan, or a rw.Schedule by sheave")
-            if missing := [n for n in self.names if n not in given]:
-                raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
-            for name in self.names:
-                if not isinstance(given[name], Schedule):
-                    raise InputError(f"warm_start has {given[name]!r} for {name!r}", "Give a rw.Schedule")
-                given[name].require(self.until)
-            found = {name: given[name].on(self.grid.tolist()) for name in self.names}
-        if self.lead in found:
-            found[self.lead] = self.own_speed(self.lead).on(self.grid.tolist())
-        return found
-
-    def task(self, weights: Mapping[str, float], deviation: float, *, relaxed: bool = False) -> Task:
-        """What is asked of the problem."""
-        model, parameters = self.balanced.model, self.balanced.parameters
-        equations = LineEquations(model, parameters)
-        rows, fixed, speeds = [], [], []
-        for node in equations.nodes:
-            rows.append(self._rows(equations, node))
-            fixed.append(node.name == self.lead or node.name not in self.names)
-            speeds.append(self._speed_range(node.name))
-        return Task(
-            grid=self.grid,
-            weights=weights,
-            tension=self.tension,
-            rows=tuple(rows),
-            fixed=tuple(fixed),
-            speed=tuple(speeds),
-            acceleration=self.limits.acceleration,
-            target=self.target,
-            deviation=deviation,
-            settle=self.settle,
-            relaxed=relaxed,
-        )
-
-    def _rows(self, equations: LineEquations, node: Node) -> tuple[Row, ...]:
-        if not isinstance(node, ControlSheave):
-            return ()
-        hydraulic = drive_parameters(equations.model, node, equations.parameters, tuple(HYDRAULIC.values()))
-        rows = []
-        for output, (low, high, limit) in self.limits.outputs(node.name, hydraulic).items():
-            name = f"{node.name}.{output}"
-            if name not in equations.model.y.index:
-                raise InputError(f"{node.name!r} has no {output}: its drive is ideal", "Limit force and power instead")
-            unit = equations.y_unit[equations.model.y.index[name]]
-            rows.append(Row(name, low / unit, high / unit, limit))
-        return tuple(rows)
-
-    def _speed_range(self, name: str) -> tuple[float, float]:
-        if self.limits.speed is not None:
-            return self.limits.speed
-        speeds = self.own_speed(name).on(self.grid.tolist()).speeds
-        reach = _REACH * (max(map(abs, speeds)) or 1.0)
-        return min(speeds) - reach, max(speeds) + reach
-
-    def optimise(
-        self,
-        weights: Mapping[str, float],
-        schedules: dict[str, Schedule],
-        plans: list[SchedulePlan],
-        advance: Callable[[float], None],
-        begin: float,
-    ) -> SchedulePlan:
-        """Plans and simulates in turn until both agree; each plan is added to `plans`. Raises InfeasibleScheduleError,
-        ScheduleError."""
-        balanced = objectives(self.balanced, settle=self.settle, target=self.target)
-        # A line that stands takes no energy: then what its tension does over a metre.
-        size = sum(w * (balanced[name] or self.target) for name, w in weights.items()) / _SIZE
-        around = self.around(schedules)
-        rounds: list[Round] = []
-        # A mean over time wants more samples than a peak, which asks for its own where it needs them.
-        record = float(self.grid[1]) / _SAMPLES
-        between = (self.grid[1:] + self.grid[:-1]) / 2.0
-        more: set[float] = set() if list(weights) == ["peak tension"] else set(between.tolist())
-        for number in range(_ROUNDS):
-            deviation = max(around.objectives["tension deviation"], LEAST_DEVIATION)
-            task = self.task({name: w / size for name, w in weights.items()}, deviation)
-            problem = self.problem(task, around, sorted(more))
-            planned = solved(problem, _ITERATIONS, _TOLERANCE)
-            if not planned.solution.converged:
-                planned = self.relaxed(task, around, sorted(more), again=number < _ROUNDS // 2)
-            after = self.around(
-                {
-                    node.name: Schedule(self.grid.tolist(), planned.speeds[i].tolist())
-                    for i, node in enumerate(around.equations.nodes)
-                    if node.name in self.names
-                },
-                around.equations,
-            )
-            gap = gap_between(problem.moments, task, planned, after)
-            objective = sum(w * after.objectives[name] for name, w in weights.items())
-            told = planned.solution
-            expected = told.objective * size + weights.get("tension deviation", 0.0) * deviation / 2.0
-            rounds.append(Round(told.status, told.iterations, told.seconds, after.seconds, expected, objective, gap))
-            report = Report(tuple(rounds), len(told.variables), len(told.multipliers), clock.perf_counter() - begin)
-            plan = SchedulePlan(
-                schedules=after.schedules,
-                predicted=planned.frame,
-                result=after.result,
-                objectives=after.objectives,
-                balanced=balanced,
-                weights=weights,
-                limits=self.limits,
-                tension=self.tension,
-                target=self.target,
-                settle=self.settle,
-                gap=gap,
-                active=active_table(planned.active, size, objective),
-                report=report,
-                line=self.line,
-                start=self.start,
-                lead=self.lead,
-                trim=self.trim,
-            )
-            plans.append(plan)
-            advance(1.0 - 0.5 ** (number + 1))
-            broken = broken_limits(task, after)
-            # Where crossings can come at several times alike, rounds differ in them but not in what they reach.
-            near = gap.moved < float(self.grid[1]) / 8.0 or (
-                number > 0 and abs(objective - rounds[-2].simulated) < _ALIKE * abs(objective)
-            )
-            near = near and ("tension deviation" not in weights or root_agrees(expected, objective, around, after))
-            if told.converged and not planned.relaxation and agreed(gap) and near and not broken:
-                return plan
-            for times in (peaks_beyond(task, planned, after), *broken.values()):
-                more.update(np.round(np.array(times) / record) * record)
-            around = after
-        raise ScheduleError(
-            f"Plan and simulation have not come together in {_ROUNDS} rounds: crossings {gap.crossing_time:.3g} s and "
-            f"highest tension {gap.peak_tension:.3g} N apart, objective {expected:.6g} by plan, {objective:.6g} by "
-            "simulation",
-            f"Take more intervals, or a shorter time{_and(broken)}",
-            plan,
-        )
-
-    def around(self, schedules: Mapping[str, Schedule], equations: LineEquations | None = None) -> Simulated:
-        """The simulation of schedules, to plan around; equations: those of an earlier one, if they still hold."""
-        begin = clock.perf_counter()
-        result = self.run(schedules, {})
-        if equations is None or equations.model is not result.model:
-            equations = LineEquations(result.model, result.parameters)
-        reached = objectives(result, settle=self.settle, target=self.target)
-        return Simulated(schedules, result, reached, equations, clock.perf_counter() - begin)
-
-    def problem(self, task: Task, around: Simulated, more: Sequence[float]) -> ScheduleProblem:
-        """The problem around a simulation."""
-        key = (around.equations, task.relaxed)
-        if key not in self._parts:
-            self._parts[key] = Parts(around.equations, task)
-        places = moments(around.result, self.grid, more, around.equations.sections())
-        speeds = self.speeds(around.equations, around.schedules)
-        return ScheduleProblem(around.equations, self._parts[key], task, around.result, places, speeds)
-
-    def relaxed(self, task: Task, around: Simulated, more: Sequence[float], *, again: bool) -> Planned:
-        """The schedule that gives way least; again: another round may follow.
-
-        Raises InfeasibleScheduleError when it has to give way, ScheduleError."""
-        problem = self.problem(replace(task, relaxed=True), around, more)
-        planned = solved(problem, _ITERATIONS, _TOLERANCE)
-        if not planned.solution.converged:
-            raise ScheduleError(
-                f"IPOPT found no schedule: {planned.solution.status}", "Begin with other schedules in warm_start"
-            )
-        needed = {limit: give for limit, give in planned.relaxation.items() if give > _GIVE * problem.size(limit)}
-        # Where crossings come at other times, another round may need less.
-        far = again and any(
-            abs(t - m.time) > problem.step / 8.0 for m, t in zip(problem.moments, planned.times, strict=True)
-        )
-        if not needed or far:
-            return planned
-        table = active_table(planned.active, 1.0, planned.solution.objective)
-        names = sorted({*table.index.get_level_values("limit"), *needed})
-        relaxation = {limit: give * problem.unit(limit) for limit, give in needed.items()}
-        least = [f"{limit} by {give:.3g} {UNITS[limit]}".rstrip() for limit, give in relaxation.items()]
-        raise InfeasibleScheduleError(
-            f"No schedule keeps these limits together: {', '.join(names)}",
-            f"The least that would do: {', '.join(least)}",
-            relaxation,
-            table,
-        )
-
-    def speeds(self, equations: LineEquations, schedules: Mapping[str, Schedule]) -> np.ndarray:
-        """Speeds of the driven supports at grid times, shape (driven, grid)."""
-        speeds = [schedules.get(node.name, self.own_speed(node.name)) for node in equations.nodes]
-        return np.array([[speed.at(t) for t in self.grid.tolist()] for speed in speeds])
-
-
-def _and(broken: Mapping[str, Sequence[float]]) -> str:
-    places = [f"{name} at {times[0]:.1f} s" for name, times in broken.items()]
-    return f"; the simulation passes the limit of {', '.join(places)}" if places else ""
+    if not 3 <= intervals <= MOST_INTERVALS:
+        raise InputError(f"intervals is {intervals!r}", f"Give a whole number from 3 to {MOST_INTERVALS}")

@@ -15,6 +15,7 @@ from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.interrupts import interruptible
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.result import Result
 from ropeway.systems.state import find
@@ -50,8 +51,8 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
         _at_rest(solution, wanted, varied) if isinstance(solution, Equilibrium) else _in_time(solution, wanted, varied)
     )
     model = solution.model
-    frame.attrs["units"] = {name: _unit(model, name) for name in wanted}
-    frame.attrs["per"] = {name: _unit(model, name) for name in varied}
+    frame.attrs["units"] = Labels({name: _unit(model, name) for name in wanted})
+    frame.attrs["per"] = Labels({name: _unit(model, name) for name in varied})
     return frame
 
 

@@ -1,4 +1,4 @@
-"""Pictures of a skyline corridor: to scale, payloads and tensions below. matplotlib is imported when one is drawn."""
+"""Picture of a skyline's payloads: the corridor to scale, payloads and tensions below. matplotlib comes when drawn."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import pandas as pd
 
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.rounding import at_most
+from ropeway.systems.limit_lines import ABOVE, Limit, draw_limits
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import load_path, row
 from ropeway.systems.studies.span_model import Solved
@@ -20,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropeway.systems.studies.inhaul import Inhaul
     from ropeway.systems.studies.payload import PayloadStudy
 
 
@@ -65,7 +66,7 @@ def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | N
     axis.set_ylabel("elevation [m]")
     axis.grid(alpha=0.25)
     if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="best", fontsize="small", framealpha=0.9)
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=6, fontsize="small", frameon=False)
 
 
 def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -117,14 +118,11 @@ def payload_figure(study: PayloadStudy) -> Figure:
     ways = _ways(study)
     (x0, x1), (low, high) = _extent(rig, ways)
     needed = 10.7 * (high - low) / (x1 - x0)
-    figure = Figure(figsize=(11.0, needed + 6.6), layout="constrained")
+    figure = Figure(figsize=(11.0, needed + 7.2), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
     corridor(top, rig, ways, _shown(study))
-    worst = study.limiting
-    top.set_title(
-        f"{rig.name}: {study.payload / 1000.0:.2f} t can be brought along the corridor, "
-        f"limited at {worst['station']:.0f} m by {worst['limited_by']}"
-    )
+    figure.suptitle(_headline(study))
+    top.set_title(_given(study), fontsize="small")
     _payloads(middle, study)
     _tensions(bottom, study, ways[-1].path if ways else study.frame)
     for axis in (middle, bottom):
@@ -133,11 +131,36 @@ def payload_figure(study: PayloadStudy) -> Figure:
     return figure
 
 
+def _headline(study: PayloadStudy) -> str:
+    """What can be brought along the corridor, and what limits it."""
+    worst = study.limiting
+    what = f"{at_most(study.payload)} kg" if study.payload > 0.0 else "no payload"
+    return f"{study.rig.name}: {what}, limited at {worst['station']:.0f} m by {worst['limited_by']}"
+
+
+def _given(study: PayloadStudy) -> str:
+    """What the payloads hold for."""
+    rig, rope = study.rig, study.rig.skyline
+    name = "haulback" if rig.kind is Kind.RUNNING else "skyline"
+    given = [f"{name}: {rope.mass_per_length:g} kg/m, MBL {at_most(rope.breaking_load / 1e3, 1)} kN"]
+    if rig.tension is not None:
+        given.append(f"pretension {rig.tension / 1e3:g} kN")
+    elif rig.length is not None:
+        given.append(f"unstretched length {rig.length:.2f} m")
+    given.append(f"safety factor {study.safety_factor:g}")
+    if study.mainline_safety_factor != study.safety_factor:
+        given.append(f"other ropes {study.mainline_safety_factor:g}")
+    given.append("no clearance asked" if study.clearance is None else f"clearance {study.clearance:g} m")
+    given.append(f"carriage {rig.carriage.mass:g} kg")
+    return "; ".join(given)
+
+
 def _ways(study: PayloadStudy) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
     found = []
     masses = [] if study.lowered else [(0.0, "tab:cyan", "way of the empty carriage")]
-    masses.append((study.payload, "tab:blue", f"way of the carriage with {study.payload / 1000.0:.2f} t"))
+    if study.payload > 0.0 or study.lowered:
+        masses.append((study.payload, "tab:blue", f"way of the carriage with {at_most(study.payload)} kg"))
     for mass, colour, label in masses:
         try:
             path = _path(study, mass)
@@ -169,101 +192,62 @@ def _shown(study: PayloadStudy) -> Solved | None:
 
 
 def _payloads(axis: Axes, study: PayloadStudy) -> None:
+    """Payload over station, by what limits it. A payload above the panel stands at its top with an arrow; where there
+    is none the curve breaks off, and a cross on the axis says why."""
     frame = study.frame
-    x, mass = frame["station"].to_numpy(), frame["payload"].to_numpy() / 1000.0
-    axis.plot(x, mass, color="0.6", lw=0.8, zorder=1)
+    mass = frame["payload"] / 1000.0
+    top = max(1.25 * float(mass.quantile(0.9)), 1.5 * study.payload / 1000.0, 0.1)
+    axis.plot(frame["station"], mass.where((mass > 0.0) & (mass <= top)), color="0.6", lw=0.8, zorder=1)
     for i, (limit, part) in enumerate(frame.groupby("limited_by", sort=False)):
-        colour = _COLOURS[i % len(_COLOURS)]
-        axis.vlines(part["station"], 0.0, part["payload"] / 1000.0, color=colour, lw=1.0, alpha=0.35)
-        axis.plot(part["station"], part["payload"] / 1000.0, "o", ms=4, color=colour, label=f"limited by {limit}")
+        colour, x, own = _COLOURS[i % len(_COLOURS)], part["station"], part["payload"] / 1000.0
+        places = {"o": (own > 0.0) & (own <= top), "^": own > top, "x": own <= 0.0}
+        label = f"limited by {limit}" if (own > 0.0).any() else f"no payload: {limit}"
+        for mark, chosen in places.items():
+            if chosen.any():
+                axis.plot(x[chosen], own[chosen].clip(upper=0.97 * top), mark, ms=4 + (mark != "o"), color=colour,
+                          ls="", label=label, clip_on=False)  # fmt: skip
+                label = "_nolegend_"
     worst = study.limiting
     axis.axhline(study.payload / 1000.0, color="black", lw=0.8, ls="--")
     axis.annotate(
-        f"{study.payload:.0f} kg at {worst['station']:.0f} m",
+        f"{at_most(study.payload)} kg at {worst['station']:.0f} m",
         (worst["station"], study.payload / 1000.0),
-        xytext=(0, -13 if study.payload > 0.0 else 5),
+        xytext=(0, -13 if study.payload > 0.0 else 8),
         textcoords="offset points",
         ha="center",
         fontsize="small",
     )
-    axis.set_ylim(0.0, max(float(np.quantile(mass, 0.9)) * 1.25, study.payload / 1000.0 * 1.5, 0.1))
+    axis.set_ylim(0.0, top)
     axis.set_ylabel("largest payload [t]")
     axis.grid(alpha=0.3)
-    axis.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4, fontsize="small", frameon=False)
+    above = " (an arrow: above the panel)" if (mass > top).any() else ""
+    axis.legend(ncols=4, fontsize="small", title=f"largest payload by station{above}", title_fontsize="small", **ABOVE)
 
 
 def _tensions(axis: Axes, study: PayloadStudy, frame: pd.DataFrame) -> None:
+    """Highest tensions over station, against the safe working loads by the study's safety factors."""
     rig = study.rig
-    limit = rig.skyline.breaking_load / study.safety_factor / 1e3
     sky = "haulback" if rig.kind is Kind.RUNNING else "skyline"
-    rows = [("highest_tension", f"{sky}, highest", "black"), ("mainline_highest", "mainline, highest", "tab:red")]
-    for column, label, colour in rows:
+    shown = [(sky, "highest_tension", "black", rig.skyline, study.safety_factor)]
+    if rig.mainline is not None:
+        shown.append(("mainline", "mainline_highest", "tab:red", rig.mainline, study.mainline_safety_factor))
+    if rig.haulback is not None and rig.kind is not Kind.RUNNING:
+        shown.append(("haulback", "haulback_highest", "tab:blue", rig.haulback, study.mainline_safety_factor))
+    found: dict[tuple[float, float], tuple[float, str, str]] = {}
+    for name, column, colour, rope, factor in shown:
         if column in frame and float(frame[column].max()) > 0.0:
-            axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=label)
-    axis.axhline(limit, color="black", ls="--", lw=1.0)
-    same = rig.mainline is rig.skyline and study.safety_factor == study.mainline_safety_factor
-    axis.annotate(
-        f"SWL {sky}{' and mainline' if same else ''} {limit:.0f} kN (MBL / {study.safety_factor:g})",
-        (float(frame["station"].iloc[0]), limit),
-        xytext=(4, 3),
-        textcoords="offset points",
-        fontsize="small",
+            axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=f"{name}, highest")
+            highest, names, first = found.get((rope.breaking_load, factor), (0.0, "", colour))
+            names = f"{names} and {name}" if names else name
+            found[rope.breaking_load, factor] = (max(highest, float(frame[column].max())), names, first)
+    draw_limits(
+        axis,
+        [
+            (highest, [Limit(strength / factor, f"SWL {names} (MBL / {factor:g})", colour)])
+            for (strength, factor), (highest, names, colour) in found.items()
+        ],
     )
-    if rig.mainline is not None and not same:
-        main = rig.mainline.breaking_load / study.mainline_safety_factor / 1e3
-        axis.axhline(main, color="tab:red", ls="--", lw=1.0)
-        axis.annotate(
-            f"SWL mainline {main:.0f} kN",
-            (float(frame["station"].iloc[0]), main),
-            xytext=(4, 3),
-            textcoords="offset points",
-            color="tab:red",
-            fontsize="small",
-        )
-    axis.set_ylim(0.0, 1.32 * limit)
-    load = "the largest payload" if frame is study.frame else f"{study.payload / 1000.0:.2f} t"
-    axis.set_ylabel(f"tension with {load} [kN]")
+    load = "the largest payload" if frame is study.frame else f"{at_most(study.payload)} kg"
+    axis.set_ylabel(f"tension with\n{load} [kN]")
     axis.grid(alpha=0.3)
-    if axis.get_legend_handles_labels()[0]:
-        axis.legend(loc="upper right", ncols=2, fontsize="small", framealpha=0.9)
-
-
-def inhaul_figure(run: Inhaul) -> Figure:
-    """Station of the carriage, rope tensions and drum power over time."""
-    from matplotlib.figure import Figure
-
-    frame, time = run.frame, run.frame.index.to_numpy()
-    figure = Figure(figsize=(11.0, 8.0), layout="constrained")
-    top, middle, bottom = figure.subplots(3, 1, sharex=True)
-    top.plot(time, frame["carriage_x"], color="black", lw=1.3)
-    top.set_ylabel("station of the carriage [m]")
-    for support in run.rig.supports:
-        x, *_ = support.at
-        top.axhline(x, color="tab:brown", lw=0.9, ls="--")
-        top.annotate(support.name, (time[0], x), xytext=(3, 3), textcoords="offset points", fontsize="small")
-    lines = (("highest_tension", "skyline, highest", "black"), ("mainline_tension", "mainline at its drum", "tab:red"))
-    for column, label, colour in (*lines, ("haulback_tension", "haulback", "tab:blue")):
-        if float(frame[column].max()) > 0.0:
-            middle.plot(time, frame[column] / 1e3, color=colour, lw=1.2, label=label)
-    middle.set_ylabel("tension [kN]")
-    bottom.plot(time, frame["drum_power"] / 1e3, color="tab:red", lw=1.2, label="mainline drum")
-    if float(frame["haulback_power"].abs().max()) > 0.0:
-        bottom.plot(
-            time, frame["haulback_power"] / 1e3, color="tab:blue", lw=1.2, label="haulback drum (below 0: brakes)"
-        )
-    bottom.axhline(0.0, color="0.4", lw=0.8)
-    bottom.set_ylabel("power [kW]")
-    bottom.set_xlabel("time [s]")
-    for axis in (middle, bottom):
-        axis.legend(loc="upper right", fontsize="small")
-    for axis in (top, middle, bottom):
-        axis.grid(alpha=0.3)
-        for event in run.events.itertuples():
-            axis.axvline(float(event.time), color="0.6", lw=0.8, ls=":")
-    for event in run.events.itertuples():
-        if str(event.event).startswith("payload"):
-            top.annotate(
-                str(event.event), (float(event.time), float(event.station)), xytext=(5, 5), textcoords="offset points"
-            )
-    top.set_title(f"{run.rig.name}: inhaul")
-    return figure
+    axis.legend(ncols=4, fontsize="small", **ABOVE)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import partial
 from inspect import signature
 from pathlib import Path
@@ -16,7 +17,8 @@ import pandas as pd
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, WorkerError
 from ropeway.systems.assembly import assemble
-from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.interrupts import interruptible, keeping, users_code
+from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
 from ropeway.systems.studies.cases import table_of
@@ -35,7 +37,7 @@ _FAILURE = ("error", "message")
 @interruptible
 def sweep(
     study: Study | System | Model,
-    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame,
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path,
     *,
     outputs: str | Sequence[str] | None = None,
     workers: Workers = None,
@@ -50,9 +52,9 @@ def sweep(
     keeps its unstretched lengths but for those that are parameters.
 
     parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
-    as `latin_hypercube` makes. workers: number of local processes, by default one for each core, 1 for none
-    beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep that was
-    stopped goes on from the rows there are.
+    as `latin_hypercube` makes, or the path of its file. workers: number of local processes, by default one for each
+    core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep
+    that was stopped goes on from the rows there are.
 
     Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
     where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
@@ -75,7 +77,7 @@ def sweep(
         _require_fitting(study, cases)
         if path is not None and getattr(study, "__name__", "") == "<lambda>":
             raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
-        task, mark = study, _mark(study)
+        task, mark = _UsersStudy(study), _mark(study)
     if path is not None and Path(path).suffix != ".parquet":
         raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
     rows: dict[int, Row] = {}
@@ -103,7 +105,7 @@ def _table(cases: pd.DataFrame, rows: Mapping[int, Row], units: Mapping[str, str
     found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
     table = pd.concat([cases.loc[there], found], axis=1)
     table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
-    table.attrs["units"] = dict(units)
+    table.attrs["units"] = Labels(units)
     return table
 
 
@@ -130,6 +132,17 @@ def _run(
             if journal is not None:
                 journal.add(new)
             advance(len(rows))
+
+
+@dataclass(frozen=True)
+class _UsersStudy:
+    """A function of the user's."""
+
+    study: Study
+
+    def __call__(self, **case: Any) -> Mapping[str, Any] | float:
+        with users_code():
+            return self.study(**case)
 
 
 def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[Row]:

@@ -16,6 +16,9 @@ from ropeway.components.catenary import Strain, Vector, segment
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 
+_STATIONS = table.Layout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
+_COORDINATES = table.Layout(dict.fromkeys("xyz", "m"), "x,y,z\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1")
+
 
 class Clearance(NamedTuple):
     """Least height over the ground [m], and the station where it is [m]."""
@@ -65,44 +68,87 @@ class Profile:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
 
     @classmethod
-    def from_csv(cls, path: str | Path) -> Profile:
-        """From a CSV file with columns station and elevation [m]; others are left alone.
+    def from_csv(cls, path: table.Source) -> Profile:
+        """From a table, see `docs/files.md`.
 
-        Raises InputError that names the file and line.
+        Parameters
+        ----------
+        path : str, Path or DataFrame
+            With columns station and elevation [m]; or with columns x, y, z [m] of a broken line in map coordinates,
+            whose station is the horizontal length along it. Other columns are left alone.
+
+        Raises
+        ------
+        InputError
+            With file, line and column.
         """
-        rows: list[tuple[float, float]] = []
-        for line, (x, z) in table.numbers(path, ("station", "elevation")):
-            if not (math.isfinite(x) and math.isfinite(z)) or (rows and x <= rows[-1][0]):
-                raise InputError(
-                    f"{path}, line {line}: station {x:g} m, elevation {z:g} m",
-                    "Stations must increase, and all values be finite",
+        read = table.read(path, _STATIONS, _COORDINATES)
+        if read.layout is _STATIONS:
+            station, elevation = read.numbers("station", "elevation").T
+        else:
+            x, y, elevation = read.numbers("x", "y", "z").T
+            station = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+            in_degrees = np.abs(x).max() <= 180.0 and np.abs(y).max() <= 90.0
+            if in_degrees and np.ptp(elevation) > 20.0 * station[-1]:
+                raise read.error(
+                    f"{station[-1]:g} m long and {np.ptp(elevation):g} m high", "Are x and y in degrees? Give metres"
                 )
-            rows.append((x, z))
-        if len(rows) < 2:
-            raise InputError(f"{path} has {len(rows)} points", "Give at least two")
-        return cls(*np.array(rows).T)
+        read.require_increase(station, "station", "m")
+        if len(read) < 2:
+            raise read.error("it has 1 point", "Give at least two")
+        return cls(station, elevation)
 
     @classmethod
     def from_dem(
-        cls, path: str | Path, start: tuple[float, float], end: tuple[float, float], spacing: float | None = None
+        cls,
+        path: str | Path,
+        start: tuple[float, float],
+        end: tuple[float, float],
+        spacing: float | None = None,
+        *,
+        band: int | None = None,
+        unit: str | None = None,
+        nodata: float | None = None,
+        largest_jump: float | None = None,
     ) -> Profile:
-        """From a raster of elevations, between two points (easting, northing) in the raster's coordinates.
+        """From a raster of elevations, see `docs/files.md`; needs the extra `gis`.
 
-        Bilinear between the centres of its cells; spacing [m]: of the stations, by default half a cell. Needs
-        rasterio (the extra `gis`). Raises InputError where the line leaves the raster or its data.
+        Parameters
+        ----------
+        path : str or Path
+        start, end : tuple of float
+            Easting and northing in the raster's coordinate system; longitude and latitude [degrees] where that is
+            geographic.
+        spacing : float, optional
+            Of the stations on the ground [m], about; by default half a cell.
+        band : int, optional
+            The one with the elevations, from 1; needed where there are several.
+        unit : str, optional
+            Of the elevations, such as "m" or "ft"; by default that of the band or of the vertical coordinate system.
+        nodata : float, optional
+            A value that stands for no data, besides the one that the raster declares.
+        largest_jump : float, optional
+            Between neighbouring cells [m], above which they are no ground; by default 50 m and three cells.
+
+        Raises
+        ------
+        InputError
+            The line leaves the raster or its data; or the raster leaves open what its numbers are.
         """
         try:
             import rasterio
         except ImportError as error:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
-        from ropeway.systems.studies.raster import along
+        from ropeway.systems.studies.raster import Reading, along
 
+        reading = Reading(spacing, band, unit, nodata, largest_jump)
+        start, end = check.pair(start, "from_dem", "start"), check.pair(end, "from_dem", "end")
         try:
             raster = rasterio.open(path)
-        except rasterio.errors.RasterioIOError as error:
+        except (rasterio.errors.RasterioIOError, rasterio.errors.NotGeoreferencedWarning, TypeError) as error:
             raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
         with raster:
-            return cls(*along(raster, str(path), start, end, spacing))
+            return cls(*along(raster, str(path), start, end, reading))
 
     def elevation_at(self, station: float) -> float:
         """Elevation [m] at a station [m]. Raises InputError outside the profile."""
@@ -143,6 +189,7 @@ class Profile:
     def resampled(self, spacing: float) -> Profile:
         """At even stations about `spacing` metres apart, first and last kept."""
         check.positive(spacing, "Profile", "spacing", "m")
+        check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations")
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
         stations = np.linspace(self.station[0], self.station[-1], count)
         return Profile(stations, self.elevations(stations))
@@ -192,6 +239,8 @@ class Profile:
         """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
         too. (inf, nan) where there is no ground below."""
         line = np.asarray(points, dtype=float).reshape(-1, 2)
+        if not len(line):
+            raise InputError("The line has no points", "Give one or more (x, z)")
         line = line[np.argsort(line[:, 0], kind="stable")]
         x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
         height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)

@@ -22,6 +22,7 @@ from ropeway.components import catenary, check, parabola
 from ropeway.components.catenary import Strain
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.catenary_fundamentals import finite
 from ropeway.systems.studies.vector_root import Array
 
 SpanMethod = Literal["successive substitution", "Newton-Raphson", "Brown"]
@@ -73,7 +74,8 @@ class SpanProblem:
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
         """x and z (up) of end b; vertical: upward force of the support at a on the rope."""
         end = self._stations(horizontal, vertical)[-1].reach
-        return float(end[0]), float(end[2])
+        x, z = finite([end[0], end[2]], "reach")
+        return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
         """Stretched length."""
@@ -84,7 +86,7 @@ class SpanProblem:
         ):
             total += float(catenary.stretched_length(force, self.weight, distance - at, self.strain))
             force, at = (station.force[0], 0.0, station.force[2] + load), distance
-        return total
+        return float(finite(total, "stretched length"))
 
     @cached_property
     def start(self) -> tuple[float, float]:

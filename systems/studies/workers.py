@@ -11,6 +11,7 @@ from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExec
 from contextlib import contextmanager
 from multiprocessing import parent_process
 from multiprocessing.context import SpawnContext, SpawnProcess
+from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 from typing import Any, Protocol
@@ -141,7 +142,8 @@ def _sendable(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
             f"A worker process cannot be given this study: {error}",
             "Define its function at the top of a module, or use workers=1",
         ) from error
-    if b"__main__" in sent and not hasattr(sys.modules["__main__"], "__file__"):
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if b"__main__" in sent and (script is None or not Path(script).is_file()):
         raise InputError(
             "A worker process cannot be given this study: it is defined in a notebook or at a prompt",
             "Use workers=1, or move the function to a module and import it",

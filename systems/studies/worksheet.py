@@ -14,10 +14,11 @@ import numpy as np
 from ropeway.components.catenary import Strain
 from ropeway.components.checked import checked
 from ropeway.components.errors import SlackRopeError
-from ropeway.systems.studies.catenary_fundamentals import catenary_for_length
+from ropeway.components.hints import PositiveNumbers
+from ropeway.systems.studies.catenary_fundamentals import alike, catenary_for_length
 from ropeway.systems.studies.elastic_piece import ElasticPiece
 from ropeway.systems.studies.loaded_span import LoadedSpan
-from ropeway.systems.studies.payload_exact import elastic_load
+from ropeway.systems.studies.payload_exact import elastic_state
 from ropeway.systems.studies.payload_methods import cable_factor, load_factor
 from ropeway.systems.studies.vector_root import Array, Numbers
 
@@ -49,8 +50,8 @@ class Worksheet(NamedTuple):
 @checked
 def lira_worksheet(
     line: LoadedSpan,
-    weight: Numbers,
-    tension: Numbers,
+    weight: PositiveNumbers,
+    tension: PositiveNumbers,
     *,
     carriage_weight: Numbers = 0.0,
     strain: Strain | None = None,
@@ -64,6 +65,7 @@ def lira_worksheet(
 
     Raises SlackRopeError where the tension is less than the rope's own weight needs.
     """
+    alike(*line.parts, weight, tension, carriage_weight)
     if readings is None:
         one, per_load = cable_factor(line), load_factor(line)
     else:
@@ -84,7 +86,7 @@ def lira_worksheet(
 def unloaded_deflection(line: LoadedSpan, weight: Numbers, tension: Numbers, strain: Strain) -> Array:
     """Mid-span deflection of the bare rope, as a share of the span, after the load of a clamped carriage is
     taken off; tension: at the upper support under load. Exact. Raises SlackRopeError."""
-    loaded = elastic_load(line, weight, tension, strain, "clamped")
+    loaded = elastic_state(line, weight, tension, strain, "clamped")
     length = loaded.length_upper + loaded.length_lower
     if np.isnan(length).any():
         raise SlackRopeError("The tension is too little for the rope's own weight", "Raise the tension")

@@ -81,7 +81,7 @@ def test_values_that_are_no_numbers(value: object) -> None:
         (lambda: rw.Schedule([0.0, 1.0], [1.0]), ("Schedule", "2 times", "1 speeds")),
         (lambda: rw.Schedule([0.0, 5.0, 5.0], [1.0, 1.0, 2.0]), ("Schedule", "5.0")),
         (lambda: rw.Schedule([0.0, 1.0], [1.0, math.nan]), ("Schedule", "NaN")),
-        (lambda: rw.Rope.from_construction("6x19 IWRC", 19.0), ("6x19 IWRC", "19.0", "metres")),
+        (lambda: rw.Rope.from_construction("6x19 IWRC", 19.0), ("6x19 IWRC", "19.0 m", "mm")),
         (lambda: rw.Rope.from_construction("6x19 IWRC", -0.019), ("6x19 IWRC", "diameter", "-0.019")),
         (lambda: rw.Rope.from_construction("6x19 IWRC", 0.019, 0.0), ("6x19 IWRC", "grade", "0.0")),
     ],

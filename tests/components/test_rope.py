@@ -93,3 +93,22 @@ def test_ropes_are_values() -> None:
     assert rw.Rope(mass_per_length=2.4, axial_stiffness=24.0e6, breaking_load=450.3e3) == ROPE
     with pytest.raises(AttributeError):
         ROPE.mass_per_length = 1.0  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"mass_per_length": 3480.0}, r"mass_per_length is 3480\.0 kg/m, which no rope has.*kg/km"),
+        ({"axial_stiffness": 34.8}, r"axial_stiffness is 34\.8 N.*MN"),
+        ({"axial_stiffness": 34.8e3}, r"axial_stiffness is 34800\.0 N.*kN"),
+        ({"breaking_load": 576.6}, r"breaking_load is 576\.6 N.*kN"),
+        ({"diameter": 28.6}, r"diameter is 28\.6 m.*mm"),
+    ],
+)
+def test_values_of_a_datasheet_are_asked_for(change: dict[str, float], words: str) -> None:
+    real = {"mass_per_length": 3.48, "axial_stiffness": 34.8e6, "breaking_load": 576.6e3, "diameter": 0.0286}
+    with pytest.raises(rw.InputError, match=words):
+        rw.Rope(**{**real, **change})  # type: ignore[arg-type]
+    assert rw.Rope(**real).safe_working_load == pytest.approx(192.2e3)  # type: ignore[arg-type]
+    with pytest.raises(rw.InputError, match="mm"):
+        rw.Rope.from_construction("6x19 IWRC", 26.0)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
+from kinds import kinds_fmu
 from masses import mass_fmu
 
 from ropeway.fmu import export
@@ -63,6 +64,26 @@ def open_fmu(tmp_path: Path) -> Iterator[Opener]:
 @pytest.fixture(scope="session")
 def mass(fmus: Path) -> Path:
     return mass_fmu(fmus / "mass.fmu")
+
+
+@pytest.fixture(scope="session")
+def kinds2(fmus: Path) -> Path:
+    return kinds_fmu(fmus / "kinds2.fmu", "2.0")
+
+
+@pytest.fixture(scope="session")
+def kinds3(fmus: Path) -> Path:
+    return kinds_fmu(fmus / "kinds3.fmu", "3.0")
+
+
+@pytest.fixture(params=["2.0", "3.0"])
+def kinds(request: pytest.FixtureRequest, kinds2: Path, kinds3: Path) -> Path:
+    return kinds2 if request.param == "2.0" else kinds3
+
+
+@pytest.fixture(params=["CoSimulation", "ModelExchange"])
+def kind(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
 
 
 @pytest.fixture(scope="session")

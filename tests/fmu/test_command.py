@@ -38,3 +38,16 @@ def test_errors_on_one_line(tmp_path: Path) -> None:
         assert len(done.stderr.splitlines()) == 1
         assert done.stderr.startswith("ropeway: ")
     assert "There is no folder" in done.stderr
+
+
+def test_start_values_of_all_kinds(tmp_path: Path, kinds3: Path) -> None:
+    given = ["text=left 1", "gear=high", "count=-4", "brake=true", "binary=00ff", "v[2]=1.5", "n=2"]
+    start = [part for value in given for part in ("--start", value)]
+    done = ropeway("run", str(kinds3), "--until", "0.2", *start, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    last = pd.read_csv(tmp_path / "result.csv", index_col=0).iloc[-1]
+    last.index = [name.partition(" ")[0] for name in last.index]
+    assert [last[f"{n}_out"] for n in ("text", "gear", "count", "brake")] == ["left 1", 2, -4, True]
+    assert last["w[2]"] == 3.0
+    done = ropeway("run", str(kinds3), "--until", "0.2", "--start", "brake=perhaps", cwd=tmp_path)
+    assert "a Boolean: it cannot be 'perhaps'" in done.stderr

@@ -304,7 +304,7 @@ def test_summary_names_what_went_wrong() -> None:
     weak = rw.HydraulicDrive(**{**DRIVE, "relief_pressure": 8e5}, drag=200.0)
     heavy = small(drive=weak, load_mass=(900.0, 700.0), load_spacing=25.0, response={"c": RULE})
     summary = rw.simulate(heavy, until=30.0).summary()
-    assert "relief valve open [s]: c" in str(summary)
+    assert "open relief valve (time [s]): c" in str(summary)
     assert "Highest tension" in str(summary)
     assert summary.supports.loc["c", "relief_open_time"] > 0.0
     assert (summary.spans["over_SWL"] > 0.1).all()

@@ -13,6 +13,9 @@ import ropeway as rw
 
 BATCH = 20
 UP = (0.0, 0.0, 1.0)
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::ropeway.components.errors.RopewayWarning"
+)  # drawn without a look at their strength
 
 
 @dataclass(frozen=True)

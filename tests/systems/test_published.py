@@ -121,20 +121,21 @@ def test_lyons_construction_stretch(number: str) -> None:
     """psi_inf/psi_EC at T = tau/3. Printed 1.0044 for all; 5, 6, 7 and 11 round to 1.0045 or 1.0046."""
     lyons = CASES["Lyons construction stretch"]
     case = lyons["cases"][number]
-    upward = case["tau"] / 3.0 / math.sqrt(1.0 + 1.0 / case["slope"] ** 2)
+    weight = 100.0  # of one metre of rope [N]: forces scale with it
+    upward = weight * case["tau"] / 3.0 / math.sqrt(1.0 + 1.0 / case["slope"] ** 2)
     across = upward / case["slope"]
     made = rw.Rope(
-        mass_per_length=1.0 / G,
-        axial_stiffness=1.0 / case["beta"],
-        breaking_load=case["tau"],
+        mass_per_length=weight / G,
+        axial_stiffness=weight / case["beta"],
+        breaking_load=weight * case["tau"],
         stretch=rw.ConstructionStretch(lyons["coefficient"]),
     )
-    # One metre of unstretched rope that weighs one newton, held by (-across, upward) at its upper end.
+    # One metre of unstretched rope, held by (-across, upward) at its upper end.
     start = (across, 0.0, -upward)
-    stretched = catenary.stretched_length(start, 1.0, 1.0, made.strain)
-    end = catenary.segment(start, 1.0, 1.0, made.strain)
+    stretched = catenary.stretched_length(start, weight, 1.0, made.strain)
+    end = catenary.segment(start, weight, 1.0, made.strain)
     average = (math.hypot(across, upward) + float(np.linalg.norm(end.force))) / 2.0
-    assert stretched / (1.0 + case["beta"] * average) == pytest.approx(case["ratio"], abs=5e-7)
+    assert stretched / (1.0 + case["beta"] * average / weight) == pytest.approx(case["ratio"], abs=5e-7)
     # A span between those two ends takes these forces.
     s = rw.System("Lyons")
     s.string(made, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(end.reach[0], end.reach[2])), length=1.0)

@@ -16,6 +16,10 @@ import ropeway as rw
 
 CHUNK = 25
 
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::ropeway.components.errors.RopewayWarning"
+)  # drawn without a look at their strength
+
 
 def forces(eq: rw.Equilibrium) -> np.ndarray:
     """Tension vectors at the spans' ends a (n, 3) [N]."""

@@ -26,7 +26,7 @@ _OBJECTIVE_GAP, _DEVIATION_GAP = 0.01, 0.05
 """Shares by which an objective may differ between plan and simulation, and the deviation from where the plan took the
 slope of its root: that is also the error of what limits cost."""
 
-_SPARE = 5e-3
+SPARE = 5e-3
 """Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
 
 
@@ -83,15 +83,20 @@ def peaks_beyond(task: Task, planned: Planned, after: Simulated) -> list[float]:
 
 def broken_limits(task: Task, after: Simulated) -> dict[str, list[float]]:
     """Limits that a simulation does not keep, with the times of the worst [s]."""
-    frame, equations = after.result.full_frame, after.equations
-    frame = frame[frame.index >= task.settle]
-    ends = frame.filter(regex=r"\.tension_[ab]$")
-    low, high = task.tension
-    excess = {"tension": np.maximum(low - ends.min(axis=1), ends.max(axis=1) - high).to_numpy() - PEAK_GAP}
-    for row in (row for rows in task.rows for row in rows):
-        values = frame[row.output].to_numpy() / equations.y_unit[equations.model.y.index[row.output]]
-        excess[row.output] = np.maximum(row.low - values, values - row.high) - _SPARE * row.size
-    found = {name: _peaks(frame, values) for name, values in excess.items()}
+    equations, found = after.equations, dict[str, list[float]]()
+    whole = after.result.full_frame
+    for counts in (False, True):
+        frame, bounds = whole[(whole.index >= task.settle) == counts], task.at(counts=counts)
+        if frame.empty:
+            continue
+        ends = frame.filter(regex=r"\.tension_[ab]$")
+        low, high = bounds.tension
+        excess = {"tension": np.maximum(low - ends.min(axis=1), ends.max(axis=1) - high).to_numpy() - PEAK_GAP}
+        for row in (row for rows in bounds.rows for row in rows):
+            values = frame[row.output].to_numpy() / equations.y_unit[equations.model.y.index[row.output]]
+            excess[row.output] = np.maximum(row.low - values, values - row.high) - SPARE * row.size
+        for name, values in excess.items():
+            found.setdefault(name, []).extend(_peaks(frame, values))
     return {name: times for name, times in found.items() if times}
 
 

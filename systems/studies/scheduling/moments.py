@@ -92,3 +92,12 @@ def _last(times: np.ndarray, t: float) -> int:
 
 def _share(one: int, other: int, sections: Sequence[tuple[int, int]]) -> bool:
     return any(a <= one <= b and a <= other <= b for a, b in sections)
+
+
+def shares(times: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Weights [s] of a mean over the times that count, by the trapezoidal rule; zero for the others."""
+    weights = np.zeros(len(times))
+    own = times[counts]
+    around = np.concatenate([own[:1], own, own[-1:]])
+    weights[counts] = (around[2:] - around[:-2]) / 2.0
+    return weights

@@ -19,16 +19,24 @@ SMOOTH = ("force", "power")
 
 
 @dataclass(frozen=True)
+class Bounds:
+    """Lowest and highest tension of the spans [N], and for each driven support the rows of its limits."""
+
+    tension: tuple[float, float]
+    rows: tuple[tuple[Row, ...], ...]
+
+
+@dataclass(frozen=True)
 class Task:
     """What is asked: grid times [s]; weights of the objectives, each per its own unit over the objective's size;
-    bounds of spans' tensions [N]; for each driven support its rows, whether its speed is `fixed`, and its speed range
-    [m/s]; acceleration [m/s2]; target of tensions [N] and their present deviation [N]; `settle`: limits on
-    tensions and drives, and the objective, count from there [s]."""
+    bounds on tensions and drives from `settle` [s] on, from when the objectives of tension count, and `early` ones
+    before; for each driven support whether its speed is `fixed`, and its speed range [m/s]; acceleration [m/s2];
+    target of tensions [N] and their present deviation [N]."""
 
     grid: np.ndarray
     weights: Mapping[str, float]
-    tension: tuple[float, float]
-    rows: tuple[tuple[Row, ...], ...]
+    bounds: Bounds
+    early: Bounds
     fixed: tuple[bool, ...]
     speed: tuple[tuple[float, float], ...]
     acceleration: float
@@ -36,6 +44,10 @@ class Task:
     deviation: float
     settle: float
     relaxed: bool = False
+
+    def at(self, *, counts: bool) -> Bounds:
+        """The bounds where the objectives of tension count, or before."""
+        return self.bounds if counts else self.early
 
 
 class Parts:
@@ -46,33 +58,33 @@ class Parts:
         self._made: dict[tuple[str, int, bool], Part] = {}
 
     def section(self, s: int, counts: bool) -> Part:
-        """The equations of section s, with its limits where they count."""
+        """The equations of section s, with its limits, and the highest tension where it counts."""
         key = ("section", s, counts)
         if key not in self._made:
             a, b = self.equations.sections()[s]
             names = [f"{span.name}.tension_{end}" for span in self.equations.run.spans[a:b] for end in "ab"]
-            low, high = (bound / FORCE for bound in self.task.tension)
+            low, high = (bound / FORCE for bound in self.task.at(counts=counts).tension)
             rows = [Row(name, low, high, "tension") for name in names]
-            if "peak tension" in self.task.weights and not self.task.relaxed:
+            if counts and "peak tension" in self.task.weights and not self.task.relaxed:
                 rows += [Row(name, -np.inf, 0.0, "", peak=True) for name in names]
-            self._made[key] = self.equations.section((a, b), rows if counts else (), relaxed=self.task.relaxed)
+            self._made[key] = self.equations.section((a, b), rows, relaxed=self.task.relaxed)
         return self._made[key]
 
-    def sheave(self, i: int) -> Part:
+    def sheave(self, i: int, counts: bool) -> Part:
         """Costs of control sheave i, and its limits on force and power, which bend nowhere."""
-        key = ("sheave", i, True)
+        key = ("sheave", i, counts)
         if key not in self._made:
             weights = {} if self.task.relaxed else self.task.weights
-            target = self.task.target if "tension deviation" in weights else None
-            rows = [row for row in self.task.rows[i] if row.limit in SMOOTH]
+            target = self.task.target if counts and "tension deviation" in weights else None
+            rows = [row for row in self.task.at(counts=counts).rows[i] if row.limit in SMOOTH]
             self._made[key] = self.equations.sheave(
                 i, rows, target, energy="energy" in weights, relaxed=self.task.relaxed
             )
         return self._made[key]
 
-    def bent(self, i: int, row: Row) -> Part:
+    def bent(self, i: int, row: Row, counts: bool) -> Part:
         """A limit of control sheave i whose output bends, as a size does at zero: for use near the limit only."""
-        key = (row.output, i, True)
+        key = (row.output, i, counts)
         if key not in self._made:
             self._made[key] = self.equations.sheave(i, (row,), None, energy=False, relaxed=self.task.relaxed)
         return self._made[key]

@@ -75,10 +75,12 @@ class SchedulePlan:
 
     predicted: what the plan expects, with the columns of a result's `full_frame`, a row for each side of each moment
     that it looks at (NaN for sections that it does not look at then); result: the simulation; objectives: those of
-    the simulation from `settle` [s] on, by name, balanced: those of the run whose sheaves balance their tensions; gap
-    between plan and simulation; active: limits that bind, a row for each limit and component, with how often, when
-    first [s], the bound, and the `cost`: by how much the objective would fall per unit of the limit; report. lead: the
-    support that keeps the line's speed; trim: how the others correct towards the plan.
+    the simulation by name, as `rw.objectives(plan.result, settle=plan.settle, target=plan.target)` gives them: tensions
+    from `settle` [s] on, energy over the whole run; balanced, constant: those of the run whose sheaves balance their
+    tensions, and of the line's own speeds (None where it cannot keep them so long); gap between plan and simulation;
+    active: limits that bind, a row for each limit and component, with how often, when first [s], the bound, and the
+    `cost`: by how much the objective would fall per unit of the limit; report. lead: the support that keeps the
+    line's speed; trim: how the others correct towards the plan.
     """
 
     schedules: Mapping[str, Schedule]
@@ -86,6 +88,7 @@ class SchedulePlan:
     result: Result
     objectives: Mapping[str, float]
     balanced: Mapping[str, float]
+    constant: Mapping[str, float] | None
     weights: Mapping[str, float]
     limits: ScheduleLimits
     tension: tuple[float, float]
@@ -100,8 +103,14 @@ class SchedulePlan:
     trim: ProportionalResponse
 
     def __repr__(self) -> str:
-        found = ", ".join(f"{name} {value:.6g}" for name, value in self.objectives.items() if name in self.weights)
+        found = ", ".join(self.told(name) for name in self.weights)
         return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
+
+    def told(self, name: str) -> str:
+        """An objective with its value, unit and the time that it counts, as a text."""
+        since = 0.0 if name == "energy" else self.settle
+        unit = "kJ" if name == "energy" else "kN"
+        return f"{name} {self.objectives[name] / 1e3:.6g} {unit} from {since:g} to {self.until:g} s"
 
     @property
     def until(self) -> float:
@@ -111,7 +120,15 @@ class SchedulePlan:
     @property
     def objective(self) -> float:
         """What was minimised, by the simulation."""
-        return sum(w * self.objectives[name] for name, w in self.weights.items())
+        return self._value(self.objectives)
+
+    @property
+    def better(self) -> bool:
+        """Whether the objective is not above that of the line's own speeds, where it can keep them."""
+        return self.constant is None or self.objective <= self._value(self.constant)
+
+    def _value(self, objectives: Mapping[str, float]) -> float:
+        return sum(w * objectives[name] for name, w in self.weights.items())
 
     @cached_property
     def frame(self) -> pd.DataFrame:
@@ -150,8 +167,8 @@ class SchedulePlan:
     ) -> pd.DataFrame:
         """The plan when the line is not as planned, a row for each disturbance; by default masses 10 % up and down, a
         speed 0.1 % up and down, a missing load, a drive 1 s late. Columns "open loop" and "trimmed" over highest
-        tension [N], "over plan" (that over the plan's, less 1), deviation [N], energy [J], from `settle` [s] on, by
-        default the plan's; NaN where the line could not go on.
+        tension [N], "over plan" (that over the plan's, less 1), deviation [N], from `settle` [s] on, by default the
+        plan's, and energy [J] of the whole run; NaN where the line could not go on.
         """
 
         return robustness(self, disturbances, settle)

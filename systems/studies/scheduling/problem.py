@@ -13,7 +13,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.systems.newton import Point
 from ropeway.systems.result import Result
 from ropeway.systems.studies.scheduling.equations import FORCE, LineEquations, Part
-from ropeway.systems.studies.scheduling.moments import Moment
+from ropeway.systems.studies.scheduling.moments import Moment, shares
 from ropeway.systems.studies.scheduling.nonlinear_program import Linear, Solution, Term, Uses, solve
 from ropeway.systems.studies.scheduling.numbers import Label, Numbers, Sample
 from ropeway.systems.studies.scheduling.parts import MOTION, SMOOTH, Parts, Task, bounds_of, motion
@@ -48,7 +48,7 @@ class ScheduleProblem:
         self.slack = {
             limit: self.numbers.add(0.0, 0.0)[0]
             for limit in (
-                ("tension_low", "tension_high", *sorted({r.limit for rows in task.rows for r in rows}), *MOTION)
+                ("tension_low", "tension_high", *sorted({r.limit for rows in task.bounds.rows for r in rows}), *MOTION)
                 if task.relaxed
                 else ()
             )
@@ -191,10 +191,8 @@ class ScheduleProblem:
     def _sampled(self, moment: Moment) -> list[int]:
         """Sections with a sample: those that are touched, and their neighbours; all of them at other moments."""
         if not moment.crossings:
-            return list(range(len(self.sections))) if moment.time >= self.task.settle - 1e-9 else []
+            return list(range(len(self.sections)))
         own = [s for s, section in enumerate(self.sections) if moment.touches(section)]
-        if moment.time < self.task.settle:
-            return own
         return sorted({t for s in own for t in (s - 1, s, s + 1) if 0 <= t < len(self.sections)})
 
     def _samples(self) -> None:
@@ -243,19 +241,23 @@ class ScheduleProblem:
         # The root of the mean square, by its value and slope at the present deviation.
         square = task.weights.get("tension deviation", 0.0) * FORCE**2 / (2.0 * task.deviation)
         square /= len(sheaves)
+        energy = task.weights.get("energy", 0.0) * FORCE
         for i in sheaves:
-            places = self._places(i)
-            times = np.array([self.moments[m].time for m, _, _ in places])
-            span = float(times[-1] - times[0]) or 1.0  # from the first moment after settling
-            around = np.concatenate([times[:1], times, times[-1:]])
-            weights = (around[2:] - around[:-2]) / 2.0
-            energy = task.weights.get("energy", 0.0) * FORCE
-            self._use(self.parts.sheave(i), places, np.array([square / span * weights, energy * weights]))
-            for row in task.rows[i]:
-                if row.limit not in SMOOTH:
-                    unit = self.equations.y_unit[self.equations.model.y.index[row.output]]
-                    values = self.result.full_frame[row.output].to_numpy() / unit
-                    self._use(self.parts.bent(i, row), [x for x in places if row.near(values[x[1]])])
+            every = self._places(i)
+            count = np.array([self._counts(self.moments[m]) for m, _, _ in every])
+            times = np.array([self.moments[m].time for m, _, _ in every])
+            span = float(np.ptp(times[count])) or 1.0  # from the first moment after settling
+            costs = np.array([square / span * shares(times, count), energy * shares(times, np.full(len(times), True))])
+            for counts in (False, True):
+                chosen = np.flatnonzero(count == counts)
+                places = [every[k] for k in chosen]
+                self._use(self.parts.sheave(i, counts), places, costs[:, chosen])
+                for row in task.at(counts=counts).rows[i]:
+                    if row.limit not in SMOOTH:
+                        unit = self.equations.y_unit[self.equations.model.y.index[row.output]]
+                        values = self.result.full_frame[row.output].to_numpy() / unit
+                        near = [x for x in places if row.near(values[x[1]])]
+                        self._use(self.parts.bent(i, row, counts), near)
 
     def _places(self, i: int) -> list[tuple[int, int, dict[int, int]]]:
         """Samples (moment, record, numbers of the algebraic variables) of both sections beside a driven support."""
@@ -263,7 +265,7 @@ class ScheduleProblem:
         left, right = (next(s for s, ends in enumerate(self.sections) if ends[e] == k) for e in (1, 0))
         places = []
         for m, moment in enumerate(self.moments):
-            if not self._counts(moment) or m not in self.sides[left] or m not in self.sides[right]:
+            if m not in self.sides[left] or m not in self.sides[right]:
                 continue
             last = max(b - a for a, b in (self.sides[left][m], self.sides[right][m]))
             for after in range(last + 1):
@@ -350,12 +352,12 @@ class ScheduleProblem:
         """The size of a limit, in the problem's units: relaxations count relative to it."""
         task = self.task
         if limit.startswith("tension"):
-            return (task.tension[limit == "tension_high"] or task.tension[1]) / FORCE
+            return (task.bounds.tension[limit == "tension_high"] or task.bounds.tension[1]) / FORCE
         if limit == "acceleration":
             return task.acceleration
         if limit == "speed":
             return max(abs(bound) for bounds in task.speed for bound in bounds)
-        return max((r.size for rows in task.rows for r in rows if r.limit == limit), default=1.0)
+        return max((r.size for rows in task.bounds.rows for r in rows if r.limit == limit), default=1.0)
 
     def unit(self, limit: str) -> float:
         """The problem's unit of a limit, in its own."""
@@ -363,7 +365,7 @@ class ScheduleProblem:
             return 1.0
         if limit.startswith("tension"):
             return FORCE
-        outputs = [r.output for rows in self.task.rows for r in rows if r.limit == limit]
+        outputs = [r.output for rows in self.task.bounds.rows for r in rows if r.limit == limit]
         return float(self.equations.y_unit[self.equations.model.y.index[outputs[0]]])
 
     def _cost(self, numbers: list[int], factors: list[float]) -> None:

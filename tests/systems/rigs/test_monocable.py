@@ -66,15 +66,15 @@ def with_row(i: int, **values: object) -> pd.DataFrame:
     ("table", "message"),
     [
         (with_row(2, kind="pulley"), "line 4: kind of 'c1' is 'pulley'"),
-        (with_row(1, z="high"), "line 3: z of 's1' is 'high'"),
-        (with_row(1, x=float("nan")), "line 3: x of 's1' is nan"),
+        (with_row(1, z="high"), "line 3, column z: 'high' is not a number"),
+        (with_row(1, x=float("nan")), "line 3, column x: the cell is blank"),
         (with_row(2, kind="drum"), "line 4: 'c1' is drum at place 3 of 5"),
         (with_row(0, kind="idler"), "line 2: 'a' is idler at place 1 of 5"),
         (with_row(0, kind="anchor"), "anchored end cannot move"),
         (with_row(2, name="s1"), "'s1'"),
-        (with_row(2, name="c 1"), "not an identifier"),
-        (TABLE.drop(columns="kind"), "line 1: column kind is missing"),
-        (TABLE.iloc[:1], "has 1 supports"),
+        (with_row(2, name=""), "line 4, column name: a support has no name"),
+        (TABLE.drop(columns="kind"), "line 1: no column kind"),
+        (TABLE.iloc[:1], "it has 1 support"),
         (with_row(1, x=0, y=0, z=0), "stand at one place"),
     ],
 )
@@ -114,7 +114,7 @@ def test_drives_and_responses_of_single_supports_in_the_table(tmp_path: Path) ->
     sheave = rw.monocable(ROPE, tmp_path / "line.csv", response=rule, **SETTINGS).components["c1"]
     assert isinstance(sheave, rw.ControlSheave)
     assert sheave.response == rw.ThresholdResponse(low=40e3, high=66e3, increment=0.02)
-    with pytest.raises(rw.InputError, match=r"'c1': a response has no 'colour'"):
+    with pytest.raises(rw.InputError, match=r"column response\.colour: a response has no 'colour'"):
         rw.monocable(ROPE, with_row(2, **{"response.colour": 1.0}), response=rule, **SETTINGS)
     with pytest.raises(rw.InputError, match="increment"):
         rw.monocable(ROPE, with_row(2, **{"response.increment": 0.0}), response=rule, **SETTINGS)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+import pandas as pd
 import pytest
 import schedule_lines
 
@@ -10,6 +11,11 @@ import ropeway as rw
 
 UNTIL = 40.0
 LIMITS = rw.ScheduleLimits(force=2.5e3, power=2.5e3)
+FLAT = pd.DataFrame(
+    [("a", 0.0, 0.0, 0.0, "drum"), ("c1", 90.0, 0.0, 0.0, "control"), ("c2", 180.0, 0.0, 0.0, "control"),
+     ("b", 270.0, 0.0, 0.0, "drum")],
+    columns=["name", "x", "y", "z", "kind"],
+)  # fmt: skip
 
 
 def plan_of(minimise: str | Mapping[str, float], **given: object) -> rw.SchedulePlan:
@@ -38,11 +44,68 @@ def test_each_objective_is_best_by_its_own_plan_and_better_than_constant_speed(
             assert plan.objectives[name] <= 1.005 * other.objectives[name]
 
 
+@pytest.fixture(scope="module")
+def from_balance() -> dict[str, rw.SchedulePlan]:
+    """Plans of a line that starts in balance, with the default of `settle`."""
+    line = schedule_lines.line(6, 2, tension=46e3)
+    start, limits = rw.balanced(line), rw.ScheduleLimits(force=1.8e3, power=1.9e3)
+    return {
+        name: rw.optimise_schedule(line, 36.0, minimise=name, intervals=18, start=start, limits=limits)
+        for name in ("energy", "peak tension")
+    }
+
+
+def test_an_energy_plan_counts_the_whole_run(from_balance: dict[str, rw.SchedulePlan]) -> None:
+    """Against constant speed and the work of the drives, both over the whole run."""
+    plan = from_balance["energy"]
+    constant = rw.simulate(plan.line, 36.0, every=0.25, start=plan.start)
+    assert plan.settle == 9.0
+    assert plan.objectives["energy"] == pytest.approx(plan.result.power().loc[["c1", "c2"], "pulled"].sum(), rel=1e-12)
+    assert plan.constant["energy"] == pytest.approx(constant.power().loc[["c1", "c2"], "pulled"].sum(), rel=1e-3)
+    assert plan.objective < plan.constant["energy"]
+    assert plan.objective < from_balance["peak tension"].objectives["energy"]
+
+
+def test_plans_of_a_line_in_balance_are_better_than_constant_speed_over_the_whole_run(
+    from_balance: dict[str, rw.SchedulePlan],
+) -> None:
+    for name, plan in from_balance.items():
+        constant = rw.simulate(plan.line, 36.0, every=0.25, start=plan.start)
+        assert rw.objectives(plan.result)[name] <= rw.objectives(constant)[name]
+        assert ends(plan.result, 0.0).max() < ends(constant, 0.0).max()
+
+
+def test_limits_hold_from_the_beginning_of_a_line_in_balance(from_balance: dict[str, rw.SchedulePlan]) -> None:
+    for plan in from_balance.values():
+        frame = plan.result.full_frame
+        assert frame.filter(regex=r"c\d\.drive_force$").abs().max(axis=None) < 1.006 * 1.8e3
+        assert frame.filter(regex=r"c\d\.power$").abs().max(axis=None) < 1.006 * 1.9e3
+        assert ends(plan.result, 0.0).min() > plan.tension[0] - 45.0
+
+
+def test_before_tensions_count_none_is_higher_than_with_sheaves_in_balance(
+    plans: dict[str, rw.SchedulePlan],
+) -> None:
+    """A line that starts out of balance: its start is the highest."""
+    for plan in plans.values():
+        assert ends(plan.result, 0.0).max() == pytest.approx(ends(plan.result, 0.0)[0].max(), abs=50.0)
+        early = plan.result.full_frame.loc[:10.0].filter(regex=r"c\d\.drive_force$").abs()
+        assert early.max(axis=None) < 1.01 * early.iloc[0].max()
+
+
+def test_constant_speed_is_the_plan_where_nothing_is_better() -> None:
+    """Two alike spans without loads or heights, at rest: each change of speed only raises the tension."""
+    line = rw.monocable(schedule_lines.ROPE, FLAT, tension=42e3, speed=0.0)
+    plan = rw.optimise_schedule(line, 16.0, intervals=8)
+    assert plan.objective <= plan.constant["peak tension"]
+    assert plan.objective == pytest.approx(plan.constant["peak tension"], abs=20.0)
+
+
 def test_objectives_are_those_of_the_simulation(plans: dict[str, rw.SchedulePlan]) -> None:
     plan = plans["energy"]
-    frame = plan.result.full_frame
-    frame = frame[frame.index >= 10.0]
-    pulled = sum(np.trapezoid(frame[f"{c}.power"].clip(lower=0.0), frame.index) for c in plan.schedules)
+    whole = plan.result.full_frame
+    frame = whole[whole.index >= 10.0]
+    pulled = sum(np.trapezoid(whole[f"{c}.power"].clip(lower=0.0), whole.index) for c in plan.schedules)
     sides = frame[[f"{c}.tension_{s}" for c in plan.schedules for s in ("in", "out")]]
     square = np.trapezoid(((sides - plan.target) ** 2).mean(axis=1), frame.index) / (UNTIL - 10.0)
     assert plan.objectives["energy"] == pytest.approx(pulled)
@@ -149,7 +212,9 @@ def test_a_deviation_is_reached_as_planned(plans: dict[str, rw.SchedulePlan]) ->
 
 def test_a_plan_shows_itself_in_a_line(plans: dict[str, rw.SchedulePlan]) -> None:
     for name, plan in plans.items():
-        assert f"over 40 s: {name} {plan.objective:.6g}" in repr(plan)
+        since = "0 to 40 s" if name == "energy" else "10 to 40 s"
+        unit = "kJ" if name == "energy" else "kN"
+        assert repr(plan).endswith(f"over 40 s: {name} {plan.objective / 1e3:.6g} {unit} from {since}>")
         assert len(repr(plan)) < 120
 
 
@@ -179,6 +244,16 @@ def test_schedules_go_out_and_in_as_csv(plans: dict[str, rw.SchedulePlan], tmp_p
 
 
 def test_a_plan_makes_a_picture(plans: dict[str, rw.SchedulePlan]) -> None:
-    figure = plans["peak tension"].plot()
-    assert len(figure.axes) == 3
-    assert {line.get_label() for line in figure.axes[0].lines} == {"c1", "c2", "c3"}
+    plan = plans["peak tension"]
+    figure = plan.plot()
+    speeds, tensions, forces = figure.axes
+    for axis in (speeds, forces):
+        assert {"c1", "c2", "c3"} <= {text.get_text() for text in axis.get_legend().get_texts()}
+    assert "limit 2.50 kN" in {line.get_label() for line in forces.lines}
+    assert f"peak tension {plan.objective / 1e3:.6g} kN from 10 to 40 s" in figure.get_suptitle()
+    red = [line for axis in figure.axes for line in axis.lines if line.get_color() == "tab:red" and axis is tensions]
+    assert red
+    for line in red:
+        value = plan.tension["allowed" in line.get_label() and line.get_label().startswith("most")] / 1e3
+        assert line.get_ydata() == pytest.approx([value, value])
+        assert line.get_label().startswith(("least allowed", "most allowed"))

@@ -1,6 +1,5 @@
 """Terrain profiles: reading, slopes, and clearance with tangent points inside a segment."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +68,7 @@ def test_clearance_of_a_broken_line() -> None:
 
 def test_from_csv(tmp_path: Path) -> None:
     file = tmp_path / "corridor.csv"
-    file.write_text("station,elevation,remark\n0,10\n5.5,9,stream\n20,12,\n")
+    file.write_text("station,elevation,remark\n0,10,\n5.5,9,stream\n20,12,\n")
     ground = rw.Profile.from_csv(file)
     np.testing.assert_allclose(ground.station, [0.0, 5.5, 20.0])
     np.testing.assert_allclose(ground.elevation, [10.0, 9.0, 12.0])
@@ -83,7 +82,7 @@ def test_from_csv(tmp_path: Path) -> None:
         ("station,elevation\n0,1\n5,2\n5,3\n", "line 4"),
         ("station,elevation\n0,1\n5\n", "line 3"),
         ("station,elevation\n0,nan\n5,2\n", "line 2"),
-        ("station,elevation\n0,1\n", "1 points"),
+        ("station,elevation\n0,1\n", "1 point"),
     ],
 )
 def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) -> None:
@@ -93,17 +92,31 @@ def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) ->
         rw.Profile.from_csv(file)
 
 
-@pytest.mark.parametrize("read", [rw.Profile.from_csv, rw.Schedule.from_csv])
-def test_a_file_in_another_encoding_is_refused_and_a_byte_order_mark_is_none(
-    tmp_path: Path, read: Callable[[Path], object]
-) -> None:
-    file = tmp_path / "corridor.csv"
-    text = "station,time,elevation,speed,remark\n0,0,10,1,Bäche\n20,20,12,2,\n"
-    file.write_text(text, encoding="latin-1")
-    with pytest.raises(rw.InputError, match="UTF-8"):
-        read(file)
-    file.write_text(text, encoding="utf-8-sig")
-    read(file)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+def test_lines_in_map_coordinates(tmp_path: Path, encoding: str) -> None:
+    """A bend to the left: the station is the horizontal length."""
+    file = tmp_path / "map.csv"
+    text = "X;Y;Z;Bemerkung\n2'600'000,5;1'200'000;846,4;Stra\u00dfe\n"
+    text += "2'600'003,5;1'200'004;840;\n2'599'991,5;1'200'009;835,25;\n"
+    file.write_text(text, encoding=encoding)
+    ground = rw.Profile.from_csv(file)
+    np.testing.assert_allclose(ground.station, [0.0, 5.0, 18.0])
+    np.testing.assert_allclose(ground.elevation, [846.4, 840.0, 835.25])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x,y,z\n0,0,5\n3,4,6\n3,4,7\n", "line 4: station does not increase: 5 m after 5 m"),
+        ("x,y,z\n7.91,46.21,1400\n7.92,46.22,1350\n", "degrees"),
+        ("x,y\n0,0\n3,4\n", "line 1: no column"),
+    ],
+)
+def test_bad_lines_in_map_coordinates(tmp_path: Path, text: str, words: str) -> None:
+    file = tmp_path / "map.csv"
+    file.write_text(text)
+    with pytest.raises(rw.InputError, match=words):
+        rw.Profile.from_csv(file)
 
 
 def test_bad_profiles_are_refused() -> None:

@@ -134,22 +134,22 @@ def test_wrong_requests_are_typed_errors() -> None:
         )
     with pytest.raises(rw.InputError, match="no schedule of 'c2'"):
         rw.optimise_schedule(line, UNTIL, warm_start={"c1": rw.Schedule((0.0, UNTIL), (1.0, 1.0))})
-    with pytest.raises(rw.InputError, match=r"warm_start has 1\.0 for 'c1'"):
+    with pytest.raises(rw.InputError, match=r"warm_start\['c1'\] is 1\.0"):
         rw.optimise_schedule(line, UNTIL, warm_start=dict.fromkeys(("c1", "c2", "c3"), 1.0))
     with pytest.raises(rw.InputError, match=r"warm_start is 1\.0"):
         rw.optimise_schedule(line, UNTIL, warm_start=1.0)
     for wrong in (None, ["energy"]):
-        with pytest.raises(rw.InputError, match="or weigh them"):
+        with pytest.raises(rw.InputError, match="minimise"):
             rw.optimise_schedule(line, UNTIL, minimise=wrong)
     with pytest.raises(rw.InputError, match="nothing to optimise"):
         rw.optimise_schedule(schedule_lines.line(4, 2), UNTIL)
     with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
         rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(force={"c1": 1e3, "c9": 1e3}))
-    with pytest.raises(rw.InputError, match=r"limits is \{\}"):
+    with pytest.raises(rw.InputError, match=r"limits is"):
         rw.optimise_schedule(line, UNTIL, limits={})
     with pytest.raises(rw.InputError, match=r"another system .* another"):
         rw.optimise_schedule(line, UNTIL, start=rw.equilibrium(schedule_lines.line(10)))
-    with pytest.raises(rw.InputError, match="trim is ThresholdResponse"):
+    with pytest.raises(rw.InputError, match="trim is"):
         rw.optimise_schedule(line, UNTIL, trim=rw.ThresholdResponse(low=40e3, high=50e3, increment=0.01))
     with pytest.raises(rw.InputError, match="its drive is ideal"):
         rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(pressure=1e7))

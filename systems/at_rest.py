@@ -1,0 +1,159 @@
+"""A state brought to rest: every load in its span, the ropes in balance over their idlers, and the root the one that a
+taut rope comes to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.certificate import Certificate, certify
+from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.stability import slack
+from ropeway.systems.state import LineState
+
+_STEP = 1.0 / 40.0
+"""Share of a taut rope's way to its length in one step."""
+
+
+def solve(state: LineState) -> None:
+    """Brings a state to rest, certified. Raises EquilibriumError."""
+    settle(state)
+    certified(state).require(state.model)
+
+
+def certified(state: LineState) -> Certificate:
+    """The certificate of a state."""
+    return certify(state.model, state.point, state.runs, state.passed)
+
+
+def settle(state: LineState) -> None:
+    """Solves a state and moves its loads until each is in its span. Raises EquilibriumError."""
+    seen: set[bytes] = set()
+    for _ in range(200):
+        solve_algebraic(state)
+        before = [p.copy() for p in state.passed]
+        if state.settle():
+            state.require_pinned()
+            return
+        key = b"".join(p.tobytes() for p in state.passed)
+        if key in seen:  # a load that neither of two spans keeps stands on the support between them
+            for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
+                for k in np.flatnonzero(was != now):
+                    state.hold(r, int(k), int(min(was[k], now[k])))
+        seen.add(key)
+    raise EquilibriumError(
+        f"The loads of system {state.model.name!r} do not settle in spans",
+        "Loads stand close to a support: move them a little",
+    )
+
+
+def share_lengths(state: LineState, names: Iterable[str]) -> None:
+    """Where the length of a span over idlers is among the names: gives all spans those they have at rest, as the
+    user knows them, instead of those of the first guess."""
+    spans = {name.rpartition(".length")[0] for name in names}
+    runs = [run for run in state.model.runs if any(node.balance is not None for node in run.nodes)]
+    if spans.isdisjoint(span.name for run in runs for span in run.spans):
+        return
+    rest = LineState.cold(state.model)
+    solve(rest)
+    rest.rezero()
+    for layout in state.model.layouts:
+        state.point.p[layout.length_start] = rest.point.p[layout.length_start]
+
+
+def keep_taut_root(state: LineState) -> None:
+    """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
+
+    Where that cannot be followed, the equilibrium found stays.
+    """
+    if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
+        return
+    try:
+        trial = let_out(state, least_step=_STEP)
+    except EquilibriumError:
+        return
+    if not trial.standing() and any(np.any(a != b) for a, b in zip(trial.passed, state.passed, strict=True)):
+        state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
+
+
+def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
+    """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
+    no less than a share `least_step` of the way. Raises EquilibriumError."""
+    trial = _afresh(state)
+    lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
+    runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
+    taut = [
+        min(float(np.linalg.norm(chord, axis=1).sum()) * (1.0 + 1e-4) / float(length.sum()), 1.0)
+        for chord, length in zip(chords, lengths, strict=True)
+    ]
+
+    def longer(share: float) -> None:
+        for r, (run, layout) in enumerate(zip(runs, trial.model.layouts, strict=True)):
+            part = taut[r] + share * (1.0 - taut[r])
+            trial.point.p[layout.length_start] = part * lengths[r]
+            loads = run.loads
+            trial.runs[r] = replace(run, loads=replace(loads, place=part * loads.place, at=part * loads.at))
+
+    longer(0.0)
+    trial.restart()
+    solve(trial)
+    done, step = 0.0, _STEP
+    while done < 1.0:
+        saved = trial.copy()
+        share = min(1.0, done + step)
+        try:
+            longer(share)
+            trial.write_slots()
+            solve(trial)
+        except EquilibriumError:
+            step /= 2.0
+            if step < least_step:
+                raise
+            trial = saved
+            continue
+        done, step = share, min(2.0 * step, _STEP)
+    return trial
+
+
+def _afresh(state: LineState) -> LineState:
+    """A state from geometry with the parameters, inputs, drives and loads of another, nothing standing on an idler."""
+    trial = LineState.cold(state.model)
+    for vector in ("x", "u", "p"):
+        getattr(trial.point, vector)[:] = getattr(state.point, vector)
+    kept = state.model.kept
+    trial.point.d[kept] = state.point.d[kept]
+    trial.runs = list(state.runs)
+    for r, k, _ in trial.standing():
+        trial.release(r, k)
+    return trial
+
+
+def too_heavy(state: LineState) -> EquilibriumError | None:
+    """The error for a state without an equilibrium whose ropes would be above their minimum breaking load with a part
+    of its loads; None where loads are not the reason."""
+    if not any(len(run.loads.place) for run in state.runs):
+        return None
+    low, high = 0.0, 1.0
+    for _ in range(10):
+        share = (low + high) / 2.0
+        trial = _afresh(state)
+        trial.runs = [replace(run, loads=replace(run.loads, mass=share * run.loads.mass)) for run in state.runs]
+        try:
+            trial.restart()
+            solve(trial)
+        except EquilibriumError:
+            high = share
+            continue
+        used = certified(trial).utilisation
+        if used is not None and not used.holds:
+            return EquilibriumError(
+                f"The loads of system {state.model.name!r} are too heavy for its rope: with {100.0 * share:.3g} % of "
+                f"them the tension in span {used.component!r} is {used.value:.3g} times its minimum breaking load",
+                "Take lighter or fewer loads, more sag or a stronger rope",
+                used.component,
+            )
+        low = share
+    return None
