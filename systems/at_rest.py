@@ -174,8 +174,8 @@ def too_heavy(state: LineState) -> EquilibriumError | None:
             "Take lighter or fewer loads, or more tension",
         )
     return EquilibriumError(
-        f"{cause}: with {100.0 * low:.2g} % of them the tension in span {strongest.component!r} is {strongest.value:.3g} "
-        "times its minimum breaking load",
+        f"{cause}: with {100.0 * low:.2g} % of them the tension in span {strongest.component!r} is "
+        f"{strongest.value:.3g} times its minimum breaking load",
         "Take lighter or fewer loads, more sag or a stronger rope",
         strongest.component,
     )

@@ -17,7 +17,8 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row, stations_of
-from ropeway.systems.studies.payload import Margin, margins_of
+from ropeway.systems.studies.payload import margins_of
+from ropeway.systems.studies.payload_search import Margin
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 

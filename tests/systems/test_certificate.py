@@ -198,7 +198,9 @@ class Cam(rw.Sheave):
 
 def test_a_users_component_says_what_holds() -> None:
     s = rw.System("own")
-    s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), Cam("cam", at=(60.0, 4.0)), rw.Anchor("b", at=(130.0, 0.0)), length=131.0)
+    s.string(
+        ROPE, rw.Anchor("a", at=(0.0, 0.0)), Cam("cam", at=(60.0, 4.0)), rw.Anchor("b", at=(130.0, 0.0)), length=131.0
+    )
     eq = rw.equilibrium(s)
     assert eq["cam.tension_out"] == pytest.approx(0.9 * eq["cam.tension_in"], rel=1e-12)
     assert "Cam: tensions on both sides" in eq.certificate.index
