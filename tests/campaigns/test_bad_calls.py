@@ -46,7 +46,7 @@ NEVER: tuple[Any, ...] = (
 )  # fmt: skip
 """Values that no argument takes."""
 NO_NUMBER: tuple[Any, ...] = (
-    True, False, np.True_, math.nan, np.nan, -math.nan, "", "x", "1.5", [], ["a"], [True], [math.nan], {}, {"a": "x"},
+    True, False, np.True_, math.nan, np.nan, -math.nan, "", "x", "1.5", [], ["a"], [True], [math.nan], {"a": "x"},
     np.array([True]), np.array([np.nan]), np.array(None), pd.NA, pd.NaT, pd.DataFrame(), [[1.0], [2.0, 3.0]],
     pd.Series(["a"]), [None], rw.Load("other", 3.0), Path("x"), np.array([1.0, "x"], dtype=object),
 )  # fmt: skip
@@ -84,13 +84,15 @@ MAY_BE_NAN = {
     "SupportPlan",
     "sweep",
     "solve_span",
+    "compare_payload_methods",
+    "payload",
     "optimise_schedule",
     "SchedulePlan",
     "receding_horizon",
 }
 """Callables whose tables have NaN where there is no number, as they say, and what only keeps what it is given."""
 
-ANYTHING = {"description"}
+ANYTHING = {"fmu.Fmu.description", "fmu.Fmu.values.given", "fmu.Slave.enter.values", "fmu.Slave.set.values"}
 """Arguments that may be anything."""
 MUCH = {"until", "generations", "population", "horizon"}
 """Arguments whose large values ask for long work, and get it."""
@@ -129,9 +131,9 @@ def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spo
     pick = rng.random()
     zoo = NEVER if pick < 0.25 else NO_NUMBER if pick < 0.5 else ODD
     wrong = zoo[int(rng.integers(len(zoo)))]
-    never = zoo is NEVER and not callable(inner) and key not in ANYTHING
+    never = zoo is NEVER and not callable(inner) and f"{name}.{key}" not in ANYTHING
     if is_number(inner):
-        never = never or zoo is NO_NUMBER
+        never = (never or zoo is NO_NUMBER) and f"{name}.{key}" not in ANYTHING
     if key in MUCH and is_number(wrong) and wrong > 100.0:
         wrong = 0
     if not element:
