@@ -19,7 +19,8 @@ from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.state import LineState
 from ropeway.systems.studies.places import EDGE, TOUCH, Places, require_pulled
-from ropeway.systems.studies.span_model import SLACK, Place, SpanModel, span_model
+from ropeway.systems.studies.rig_check import SLACK
+from ropeway.systems.studies.span_model import Place, SpanModel, span_model
 from ropeway.systems.studies.stations import SIDE
 from ropeway.systems.united import Part, Read, United
 
@@ -203,7 +204,7 @@ class Corridor:
 
         def taut(read: Read) -> ca.SX:
             turns = []
-            for span in at.taut:
+            for span in at.check.taut:
                 across, down, up = (read(f"{span}.{q}") for q in ("horizontal", "vertical_a", "vertical_b"))
                 turns.append(ca.asinh(up / (across + 1e-9)) + ca.asinh(down / (across + 1e-9)))
             return SLACK - reduce(ca.fmax, turns)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ropeway.components.anchor import Anchor
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.span import Span
@@ -15,6 +17,15 @@ def bare_tension(rig: SkylineRig) -> float:
     """Its tension at the headspar [N]."""
     bare, spans = _strung(rig)
     return equilibrium(bare)[f"{spans[0].name}.tension_a"]
+
+
+def bare_profile(rig: SkylineRig) -> tuple[np.ndarray, np.ndarray]:
+    """Points along it (x, z) between headspar and tailspar, 201 a span [m]."""
+    bare, spans = _strung(rig)
+    found = equilibrium(bare)
+    curves = [found.profile(span.name, 201) for span in spans[: rig.spans]]
+    x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
+    return x, z
 
 
 def length_over_shoes(rig: SkylineRig, tension: float) -> float:

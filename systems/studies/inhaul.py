@@ -313,19 +313,20 @@ class _Run:
             x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + way * SIDE
         elif at.on is None and beyond.on is None and at.span != beyond.span:
             x = self.places.edge(min(at.span, beyond.span), way)
-        point = self.places.solve(beyond, x)
-        have, need = self.places.paid_out(at, eq.point), self.places.paid_out(beyond, point)
+        have = self.places.paid_out(at, eq.point)
+        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, way, have)
+        need = self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
-        if wait >= 0.0:
+        if wait >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
             self.time += wait
         else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
             index = beyond.model.p.index
             run = beyond.model.runs[beyond.roles.index("mainline")]
             point.p[index[f"{run.spans[0].name}.length_start"]] += have - need
             newton_of(beyond.model).solve(point)
-            beyond.check(point)
+            beyond.check.require(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
             self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
         return beyond.rest(point)
@@ -333,7 +334,7 @@ class _Run:
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs
         slack."""
-        at.check(eq.point)
+        at.check.require(eq.point)
         now = self.time if time is None else time
         if self.rows:
             before = self.rows[-1]

@@ -133,8 +133,8 @@ def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
     return rig.terrain.elevation_at(station) + height + rig.carriage.depth
 
 
-def row(solved: Solved, station: float) -> dict[str, float | str | int]:
-    """The row of a load path at a solved station."""
+def row(solved: Solved, station: float, *, lines: bool = True) -> dict[str, float | str | int]:
+    """The row of a load path at a solved station. lines: with the clearances of mainline and haulback."""
     rig, model = solved.at.rig, solved.at.model
     name, head, tail = rig.carriage.name, rig.headspar, rig.tailspar
     x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
@@ -195,8 +195,8 @@ def row(solved: Solved, station: float) -> dict[str, float | str | int]:
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
     if isinstance(rig.terrain, Profile):
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
-        lines = {"mainline": rig.mainline, "haulback": rig.haulback}
-        for role in (name for name, rope in lines.items() if rope is not None):
+        ropes = {"mainline": rig.mainline, "haulback": rig.haulback} if lines else {}
+        for role in (name for name, rope in ropes.items() if rope is not None):
             values[f"{role}_clearance"] = rope_clearance(solved, rig.terrain, role)
     return values
 

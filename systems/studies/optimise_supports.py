@@ -17,7 +17,8 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.load_path import row, stations_of
-from ropeway.systems.studies.payload import Margin, margins_of
+from ropeway.systems.studies.payload import margins_of
+from ropeway.systems.studies.payload_search import Margin
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 
@@ -73,7 +74,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     check.positive(spacing, "support_range", "spacing", "m")
     if not start <= end:
         raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
-    check.count((end - start) / spacing, "support_range", "candidates")
+    check.count((end - start) / spacing, "support_range", "candidates", 10_000)
     stations = np.arange(start, end + 1e-9 * spacing, spacing)
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 

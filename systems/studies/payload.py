@@ -2,45 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 
 from ropeway.components import check
 from ropeway.components.checked import checked
 from ropeway.components.component import Node
-from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
+from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import carriage_height, row, stations_of, units_of
+from ropeway.systems.studies.load_path import stations_of, units_of
+from ropeway.systems.studies.payload_remarks import BareRope, bare_rope, haulback_that_hauls, not_hauled, remarks
+from ropeway.systems.studies.payload_search import Margin, PayloadSearch
 from ropeway.systems.studies.span_model import Solved
-from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Row = dict[str, Any]
-Margin = Callable[[Row, Solved], float]
-"""How far a solved station stays from a limit, in parts of it; negative beyond it."""
-
-MOST = 1e7
-"""A payload [kg] that no limit stops is reported as this."""
-
-_ALIKE = 1e-9
-"""Margins that differ by less are one: of guylines that stand alike the first is named."""
-
-NO_EQUILIBRIUM = "no equilibrium"
-"""What limits a payload where there is nothing else to say."""
 
 
 @checked
@@ -61,8 +48,40 @@ class PayloadStudy:
         worst = self.limiting
         return (
             f"<PayloadStudy of {self.rig.name!r}: {at_most(self.payload)} kg, limited at {worst['station']:g} m by "
-            f"{worst['limited_by']}>"
+            f"{worst['limited_by']}{self._unhauled}>"
         )
+
+    @property
+    def _unhauled(self) -> str:
+        count = len(self.not_hauled)
+        return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
+
+    @property
+    def hauled(self) -> bool:
+        """Whether the mainline [and the haulback] can haul the carriage at all stations, without a clamp that it does
+        not have."""
+        return not len(self.not_hauled)
+
+    @cached_property
+    def not_hauled(self) -> np.ndarray:
+        """Stations [m] at which the mainline would have to push: the payload there asks for a clamp."""
+        return not_hauled(self.rig, self.frame)
+
+    @cached_property
+    def haulback_needed(self) -> float | None:
+        """The haulback tension [N] with which the corridor's payload is hauled at all stations, to 2 percent above;
+        None where it is hauled as it is, or where no tension within the rope's safe working load does."""
+        return haulback_that_hauls(self.rig, self.not_hauled, self.payload)
+
+    @cached_property
+    def bare_rope(self) -> BareRope | None:
+        """Where the bare skyline is nearest to the ground; None without a terrain, or for a running skyline."""
+        return bare_rope(self.rig)
+
+    @cached_property
+    def remarks(self) -> list[str]:
+        """What has to be said besides the payload: stations at which it is not hauled, a rope under the ground."""
+        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope)
 
     @cached_property
     def limiting(self) -> pd.Series[Any]:
@@ -124,8 +143,8 @@ def payload(
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
     where = stations_of(rig, stations)
     margins = margins_of(rig, safety_factor, others, (clearance, rope_clearance), lift_off)
-    search = _Search(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
-    rows: list[Row] = []
+    search = PayloadSearch(rig, margins, clearance if is_lowered(rig) else None, rope_clearance)
+    rows: list[dict[str, Any]] = []
 
     def study() -> PayloadStudy:
         frame = pd.DataFrame(rows)
@@ -220,106 +239,3 @@ def carried(solved: Solved, stand: Node) -> float:
                 weight = run.rope.mass_per_length * solved.at.rig.gravity
                 total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
     return float(np.linalg.norm(total))
-
-
-class _Search:
-    """The largest payload at one station after another."""
-
-    def __init__(self, rig: SkylineRig, margins: dict[str, Margin], clearance: float | None, of_rope: float) -> None:
-        self.rig, self.margins, self.clearance, self.of_rope = rig, margins, clearance, of_rope
-        self.solver = Stations(rig, by_height=clearance is not None)
-        self.guess = 1000.0
-
-    def at(self, station: float) -> Row:
-        """The row of a station."""
-        height = None if self.clearance is None else carriage_height(self.rig, station, self.clearance)
-        best = self._largest(station, height, self.margins)
-        if height is not None and (best["payload"], best["limited_by"]) == (0.0, NO_EQUILIBRIUM):
-            height = self._lowest(station, height)
-            best = self._largest(station, height, self.margins)
-        if height is not None and best.get("rope_clearance", np.inf) < self.of_rope - 1e-6:
-            best = self._raised(station, height) or {**best, "payload": 0.0, "limited_by": "rope clearance"}
-        if best["payload"] > 0.0:
-            self.guess = best["payload"]
-        return best
-
-    def _room(self, station: float, height: float) -> float:
-        """From a height of the carriage up to the chord of its span [m]."""
-        return self.rig.chord(self.rig.span_of(station), station) - height
-
-    def _lowest(self, station: float, height: float) -> float:
-        """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
-        hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
-        room = self._room(station, height)
-
-        def found(gap: float) -> bool:
-            """Whether it can hang this far below the chord [m]."""
-            return bool(self._least(station, 0.0, height + room - gap, self.margins)[1] != NO_EQUILIBRIUM)
-
-        low, high = next((gap for gap in (0.05, 5e-3, 5e-4) if gap < room and found(gap)), room), room
-        while high > 1.002 * low:
-            middle = (low * high) ** 0.5
-            low, high = (middle, high) if found(middle) else (low, middle)
-        return height + room - low
-
-    def _raised(self, station: float, height: float) -> Row | None:
-        """With the carriage raised until the skyline itself clears the ground; None where that is impossible."""
-
-        def short(extra: float) -> float:
-            found = self._largest(station, height + extra, self.margins)
-            return float(found.get("rope_clearance", -np.inf)) - self.of_rope
-
-        top = self._room(station, height) - 0.05
-        if top <= 0.0 or not short(top) >= 0.0:
-            return None
-        extra = float(brentq(short, 0.0, top, xtol=1e-6))
-        found = self._largest(station, height + extra, self.margins)
-        return {**found, "limited_by": "rope clearance" if found["payload"] > 0.0 else found["limited_by"]}
-
-    def _largest(self, station: float, height: float | None, margins: dict[str, Margin]) -> Row:
-        """Bracket and root of the smallest margin over the payload."""
-        tried: dict[float, tuple[float, str, Row | None]] = {}
-
-        def least(mass: float) -> float:
-            if mass not in tried:
-                tried[mass] = self._least(station, mass, height, margins)
-            return tried[mass][0]
-
-        if least(0.0) < 0.0:
-            return self._answer(station, 0.0, tried[0.0])
-        if self.rig.kind is Kind.GRAVITY and (tried[0.0][2] or {}).get("held_by") == "clamp":
-            return self._answer(station, 0.0, (0.0, "does not run out by gravity", tried[0.0][2]))
-        low, high = 0.0, self.guess
-        while least(high) >= 0.0:
-            low, high = high, 2.0 * high
-            if high > MOST:
-                return self._answer(station, low, (0.0, "nothing", tried[low][2]))
-        while least(high) == -1.0 and high - low > 1e-3:  # no equilibrium so far up: come down to where there is
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if least(middle) >= 0.0 else (low, middle)
-        if least(high) == -1.0:
-            name = tried[high][1]
-            if name == NO_EQUILIBRIUM and self.rig.kind is Kind.RUNNING and height is None:
-                name = "haulback tension"  # deeper, its ropes weigh more than they lift
-            return self._answer(station, low, (0.0, name, tried[low][2]))
-        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
-        least(mass)
-        return self._answer(station, mass, tried[mass])
-
-    def _least(self, station: float, mass: float, height: float | None, margins: dict[str, Margin]) -> Any:
-        """Smallest margin, its name, and the row; -1 where there is no equilibrium."""
-        try:
-            solved = self.solver.solve(station, mass, height)
-        except OutOfReachError as error:
-            return -1.0, error.limit, None
-        except EquilibriumError:
-            return -1.0, NO_EQUILIBRIUM, None
-        values = row(solved, station)
-        found = {name: margin(values, solved) for name, margin in margins.items()}
-        least = min(found.values())
-        name = next(n for n, margin in found.items() if margin <= least + _ALIKE)
-        return max(least, -0.999), name, values
-
-    def _answer(self, station: float, mass: float, found: tuple[float, str, Row | None]) -> Row:
-        _, name, values = found
-        return {"station": station, "payload": mass, "limited_by": name, **(values or {})}

@@ -11,6 +11,7 @@ from scipy.optimize import brentq, newton
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import STEEPEST, SkylineRig
+from ropeway.systems.studies.meant_root import Question, meant
 from ropeway.systems.studies.span_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.stations import SIDE, Stations
 
@@ -56,7 +57,7 @@ class Places:
     def on_shoe(self, k: int, x: float) -> Solved:
         """The carriage held on the shoe of support k."""
         at = span_model(self.rig, Place(k, k))
-        point = at.solve(x, self.payload)
+        point = meant(at, Question(x, self.payload))
         return Solved(at, point, at.outputs(point), "mainline")
 
     def solve(self, at: SpanModel, x: float, near: Point | None = None) -> Point:
@@ -64,7 +65,31 @@ class Places:
         k = self.rig.shoe_near(x) if at.on is None else None
         if k is not None and abs(x - self.rig.supports[k].centre[0]) < STEEPEST * self.rig.supports[k].radius:
             near = at.off_shoe(self.on_shoe(k, x))
-        return at.solve(x, self.payload, near=near)
+        return meant(at, Question(x, self.payload), [] if near is None else [near])
+
+    def first(self, at: SpanModel, x: float, way: int, paid: float) -> Point:
+        """The equilibrium beyond a point saddle, at station x; where the mainline would have to push there, the first
+        one further on, `way`, that the mainline holds: nearest to where its `paid` length [m] leads the carriage.
+        Raises EquilibriumError."""
+        try:
+            return self.solve(at, x)
+        except EquilibriumError as error:
+            refused = error
+        low, high = at.reach
+        best: Point | None = None
+        for ahead in np.geomspace(2.0 * SIDE, 0.5 * (high - low), 16):
+            try:
+                point = self.solve(at, x + way * float(ahead), best)
+            except EquilibriumError:
+                if best is not None:
+                    break
+                continue
+            if best is not None and abs(self.paid_out(at, point) - paid) > abs(self.paid_out(at, best) - paid):
+                break
+            best = point
+        if best is None:
+            raise refused
+        return best
 
     def edge(self, k: int, side: int) -> float:
         """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
@@ -120,7 +145,9 @@ class Places:
 def _rolls(places: Places, k: int) -> bool:
     at = span_model(places.rig, Place(k, k))
     steps = np.linspace(places.edge(k, -1), places.edge(k, 1), 13)
-    return bool(np.all(np.diff([places.paid_out(at, at.solve(float(x), places.payload)) for x in steps]) > 0.0))
+    return bool(
+        np.all(np.diff([places.paid_out(at, meant(at, Question(float(x), places.payload))) for x in steps]) > 0.0)
+    )
 
 
 @lru_cache(maxsize=64)

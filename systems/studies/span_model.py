@@ -11,22 +11,17 @@ import numpy as np
 from ropeway.components import catenary, shoe
 from ropeway.components.component import Kind as Part
 from ropeway.components.component import Node, Seat
-from ropeway.components.errors import EquilibriumError, InputError, OutOfReachError
-from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assemble
 from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.model import Balance, Model, component_of
+from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
 from ropeway.systems.rigs import carriage_start
 from ropeway.systems.rigs.skyline import GROUND, LEAST, Kind, SkylineRig, Turn
 from ropeway.systems.run import Run
-from ropeway.systems.stability import condensed_last, condensed_pivots
 from ropeway.systems.state import LineState
-
-SLACK = 2.4
-"""A rope with w L / H above this hangs on the slack branch: the least support tension of a level span comes at
-w L / H = 2.40. The difference asinh(v/H) between both ends is w L / H, for steep ropes too."""
+from ropeway.systems.studies.rig_check import RigCheck
 
 
 class Place(NamedTuple):
@@ -39,8 +34,8 @@ class Place(NamedTuple):
 
 
 class SpanModel:
-    """A rig's model with the carriage at a place, solved for a station, a payload and, where the yarder sets it, a
-    height of the carriage."""
+    """A rig's model with the carriage at a place, its starting values for a station, a payload and, where the yarder
+    sets it, a height of the carriage; `check` tells which solved points count."""
 
     def __init__(self, rig: SkylineRig, place: Place, *, by_height: bool = False) -> None:
         self.rig, self.place, self.by_height = rig, place, by_height
@@ -57,25 +52,15 @@ class SpanModel:
         if by_height:
             given.append(self.axes[2])
             freed.append(self.slot(f"{rig.skyline_drum}.{'tension' if rig.kind is Kind.RUNNING else 'travel'}"))
-        self.newton = Newton(m, freed, given)
+        self.newton = Newton(m, freed, given) if freed else newton_of(m)
         self._blank = LineState.cold(m).point
         self.roles = tuple(_role(rig, run) for run in m.runs)
-        self.lengths = np.array([m.y.index[f"{s.name}.length"] for run in m.runs for s in run.spans])
-        # Ropes whose length or tension is an unknown have a slack root besides the taut one.
-        self.taut = tuple(
-            s.name
-            for run, role in zip(m.runs, self.roles, strict=True)
-            for s in run.spans
-            if role in ("mainline", "haulback") or (role == "skyline" and by_height)
+        self.places = (
+            self.axes[2],
+            *(self.slot(f"{self.log}.{v}") for v in ("x", "z", "rear_x", "rear_z") if self.log),
         )
-        ends = ("horizontal", "vertical_a", "vertical_b")
-        self._taut = [[m.y.index[f"{name}.{quantity}"] for quantity in ends] for name in self.taut]
-        # Which way the top of each guyed spar can go.
-        self._tops = {
-            spar.name: tuple(b for b in m.balances if m.z.names[b.travel].startswith(f"{spar.name}."))
-            for spar in (rig.headspar, rig.tailspar)
-            if isinstance(spar, GuyedSpar)
-        }
+        """Where the carriage and its log are."""
+        self.check = RigCheck(rig, m, self.newton, self.roles, place.on, by_height=by_height)
 
     def load(self, point: Point, payload: float) -> None:
         """Gives a point a payload [kg]."""
@@ -113,20 +98,27 @@ class SpanModel:
             self._place_log(rig.turn, point, here, payload)
         if rig.kind is Kind.RUNNING and self.by_height:
             point.p[m.p.index["haulback.tension"]] = start.tension
-        pulls = {"skyline": start.tension, "mainline": start.pull, "haulback": rig.haulback_tension or 0.0}
-        for run, role in zip(m.runs, self.roles, strict=True):
-            if (pull := pulls.get(role)) is None:
-                continue
-            points = np.array([here if node.name == rig.carriage.name else node.at for node in run.nodes])
-            weight = run.rope.mass_per_length * rig.gravity
-            lengths = carriage_start.rope_lengths(points, weight, run.rope.strain, pull)
-            d = np.diff(points, axis=0)
-            chord = np.linalg.norm(d, axis=1)
-            tension = np.maximum(pull, 0.5 * weight * chord)
-            force = tension[:, None] * d / chord[:, None]
-            force[:, 2] -= 0.5 * weight * lengths
-            self._lay(point, role, force, lengths)
+        for role, pull in (
+            ("skyline", start.tension),
+            ("mainline", start.pull),
+            ("haulback", rig.haulback_tension or 0.0),
+        ):
+            if role in self.roles:
+                self._lay_straight(point, role, here, pull)
         return point
+
+    def _lay_straight(self, point: Point, role: str, here: np.ndarray, pull: float) -> None:
+        """Lays a rope about straight, with about a pull [N], to a carriage at `here` (3,)."""
+        run = self.model.runs[self.roles.index(role)]
+        points = np.array([here if node.name == self.rig.carriage.name else node.at for node in run.nodes])
+        weight = run.rope.mass_per_length * self.rig.gravity
+        lengths = carriage_start.rope_lengths(points, weight, run.rope.strain, pull)
+        d = np.diff(points, axis=0)
+        chord = np.linalg.norm(d, axis=1)
+        tension = np.maximum(pull, 0.5 * weight * chord)
+        force = tension[:, None] * d / chord[:, None]
+        force[:, 2] -= 0.5 * weight * lengths
+        self._lay(point, role, force, lengths)
 
     def _lay(self, point: Point, role: str, force: np.ndarray, lengths: np.ndarray) -> None:
         """Gives the spans of a rope their tension vectors (spans, 3) and lengths (spans,)."""
@@ -155,12 +147,7 @@ class SpanModel:
         """Starting values for a carriage that has just left a shoe, from a solution that holds it there by force:
         a piece of rope has come off the shoe, as long as that force needs."""
         source, m, old, name = solved.at, self.model, solved.at.model, self.rig.carriage.name
-        found = self._blank.copy()
-        for here, there, kind in ((found.z, solved.point.z, Part.ALGEBRAIC), (found.p, solved.point.p, Part.PARAMETER)):
-            to, of = m.tables[kind].index, old.tables[kind].index
-            for variable in to.keys() & of.keys():
-                if not variable.endswith(("length_start", ".travel", ".grip")):  # each model counts from its own
-                    here[to[variable]] = there[of[variable]]
+        found = self._alike(solved)
         on = source.on or 0
         support = self.rig.supports[on]
         normal = shoe.normal_at(support.slope or 0.0)
@@ -195,6 +182,31 @@ class SpanModel:
             self._lay(found, role, force, lengths)
         return found
 
+    def _alike(self, solved: Solved) -> Point:
+        """With the values of another model's solution for what has the same name here."""
+        found = self._blank.copy()
+        for here, there, kind in (
+            (found.z, solved.point.z, Part.ALGEBRAIC),
+            (found.x, solved.point.x, Part.STATE),
+            (found.p, solved.point.p, Part.PARAMETER),
+        ):
+            to, of = self.model.tables[kind].index, solved.at.model.tables[kind].index
+            for variable in to.keys() & of.keys():
+                if not variable.endswith(("length_start", "travel", ".grip")):  # each model counts from its own
+                    here[to[variable]] = there[of[variable]]
+        return found
+
+    def pulled(self, held: Solved) -> Point:
+        """Starting values for a carriage on its mainline, from a solution in which an ideal force holds it."""
+        found, name = self._alike(held), self.rig.carriage.name
+        here = np.array([held[f"{name}.{axis}"] for axis in "xyz"])
+        for r, (run, role) in enumerate(zip(held.at.model.runs, held.at.roles, strict=True)):
+            if role in ("skyline", "haulback"):
+                force = np.array([held.at.curve(held.point, k, r) for k in range(len(run.spans))])
+                self._lay(found, role, force, np.array([held[f"{s.name}.length"] for s in run.spans]))
+        self._lay_straight(found, "mainline", here, held[f"{name}.holding"])
+        return found
+
     def _leaves(self, point: Point, seat: str, support: IntermediateSupport, along: float, more: np.ndarray) -> None:
         """Puts the place where a rope leaves a shoe `along` its arc from the middle [rad], and `more` (3,) beyond."""
         normal = shoe.normal_at(support.slope or 0.0)
@@ -204,131 +216,39 @@ class SpanModel:
             point.z[self.model.z.index[f"{seat}_{quantity}"]] = value
 
     def _place_log(self, turn: Turn, point: Point, here: np.ndarray, payload: float) -> None:
-        """Starting values of the log and its dropline under a carriage at `here`."""
-        z, p, name = self.model.z.index, self.model.p.index, turn.log.name
+        """Starting values of a log that hangs free under a carriage at `here`."""
+        z, name = self.model.z.index, turn.log.name
         x, y, at = (float(v) for v in here)
-        log = turn.under(x, y, at, payload, self.rig.terrain)
+        log = turn.under(x, y, at, payload, None)
         rear_x, rear_z, normal = log.rear_start()
-        for field in GROUND:
-            point.p[p[f"{name}.{field}"]] = getattr(log, "after" if field == "slope_after" else field)
-        found = {"x": log.at[0], "y": log.at[1], "z": log.at[2], "rear_x": rear_x, "rear_z": rear_z, "normal": normal}
+        found = {"x": log.at[0], "y": y, "z": log.at[2], "rear_x": rear_x, "rear_z": rear_z, "normal": normal}
         for field, value in found.items():
             point.z[z[f"{name}.{field}"]] = value
-        way = np.array(log.at) - here
-        force = way / np.linalg.norm(way) * (log.mass * self.rig.gravity - 0.8 * normal)
         k = int(self.model.layouts[self.roles.index("dropline")].force[0])
-        point.z[k : k + 3] = force
+        way = np.array(log.at) - here
+        point.z[k : k + 3] = way / np.linalg.norm(way) * log.mass * self.rig.gravity
 
-    def solve(
-        self,
-        station: float,
-        payload: float,
-        height: float | None = None,
-        near: Point | None = None,
-        *,
-        quick: bool = False,
-    ) -> Point:
-        """The equilibrium at a station [m] with a payload [kg], and a height z [m] of the carriage where the
-        yarder sets it. near: a solved point to start from; quick: from there and from geometry only, without
-        the long way round. Raises EquilibriumError."""
-        target = np.array([v for v, on in ((station, not self.rig.ideal), (height, self.by_height)) if on], dtype=float)
-        last: EquilibriumError | None = None
-        ways = ([near] if near is not None else []) + ["geometry"] + ([] if quick else ["by degrees"])
-        for way in ways:
-            point = way.copy() if isinstance(way, Point) else self.cold(station, payload, height)
-            self.load(point, payload)
-            if self.rig.ideal:
-                slot = self.axes[0]
-                point.vector(slot[0])[slot[1]] = station
-            try:
-                if way == "by degrees":
-                    self._by_degrees(point, target, station, payload, height)
-                self.newton.solve(point, target=target, iterations=25 if quick or isinstance(way, Point) else 80)
-                self._on_ground(point, target)
-                self.check(point)
-            except OutOfReachError:
-                raise
-            except EquilibriumError as error:
-                last = error
-                continue
-            return point
-        raise EquilibriumError(
-            f"No equilibrium of {self.model.name!r} with the carriage at station {station:g} m "
-            f"and {payload:g} kg: {last.cause if last else ''}",
-            "Check the skyline's length, the payload and the lines that hold the carriage",
-            None if last is None else last.component,
-        )
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Stations of the ends of its span; of its support on a shoe, with the shoe's width to either side [m]."""
+        if self.on is None:
+            return float(self.rig.points[self.span, 0]), float(self.rig.points[self.span + 1, 0])
+        support = self.rig.supports[self.on]
+        return support.at[0] - support.radius, support.at[0] + support.radius
 
-    def ground_under(self, point: Point) -> bool:
-        """Gives the log the ground under its rear; whether it had another."""
+    def ground_under(self, point: Point, lower: float = 0.0) -> bool:
+        """Gives the log the ground under its rear, taken `lower` than it is [m]; whether it had another."""
         turn, ground = self.rig.turn, self.rig.terrain
         if turn is None or ground is None:
             return False
         p, rear = self.model.p.index, self.model.z.index[f"{self.log}.rear_x"]
         entries = [p[f"{self.log}.{field}"] for field in GROUND]
         *known, room = ground.vertex_at(float(point.z[rear]))
-        vertex = (*known, min(turn.log.rounding, room))
+        at, z, *slopes = known
+        vertex = (at, z - lower, *slopes, min(turn.log.rounding, room))
         changed = vertex != tuple(point.p[entries])
         point.p[entries] = vertex
         return changed
-
-    def _on_ground(self, point: Point, target: np.ndarray) -> None:
-        """Solves again until the rear of the log lies over the ground it was taken to."""
-        for _ in range(12):
-            if not self.ground_under(point):
-                return
-            self.newton.solve(point, target=target, iterations=80)
-
-    def _by_degrees(
-        self, point: Point, target: np.ndarray, station: float, payload: float, height: float | None
-    ) -> None:
-        """From a heavier carriage, whose ropes are taut, down to the payload."""
-        extra = 4.0 * (payload + self.rig.carriage.mass) + 1000.0
-        start = self.cold(station, payload + extra, height)
-        point.z[:], point.x[:] = start.z, start.x
-        share = 1.0
-        while share > 1e-3:
-            self.load(point, payload + share * extra)
-            self.newton.solve(point, target=target, iterations=80)
-            share *= 0.4
-        self.load(point, payload)
-
-    def check(self, point: Point) -> None:
-        """Raises EquilibriumError for a root that no rope can have."""
-        m, outputs = self.model, self.outputs(point)
-        lengths = outputs[self.lengths]
-        if np.any(lengths <= 0.0):
-            name = component_of(m.y.names[self.lengths[int(np.argmin(lengths))]])
-            raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
-        for entries in self._taut:
-            horizontal, down_a, up_b = outputs[entries]
-            with np.errstate(divide="ignore", invalid="ignore"):  # a plumb rope is not slack
-                turn = np.arcsinh(up_b / horizontal) + np.arcsinh(down_a / horizontal)
-            if turn > SLACK:
-                name = component_of(m.y.names[entries[0]])
-                raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
-        if self.rig.kind is Kind.RUNNING and self.by_height and point.p[m.p.index["haulback.tension"]] <= 0.0:
-            raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
-        for name, free in self._tops.items():
-            if self._topples(point, free):
-                raise OutOfReachError(
-                    f"The guylines of {name!r} do not hold it: it would topple",
-                    "Spread their anchors around the spar, or give them more pretension",
-                    name,
-                    f"guylines of {name}",
-                )
-
-    def _topples(self, point: Point, free: tuple[Balance, ...]) -> bool:
-        """Whether the stiffness of a spar's top, all else in balance, is not positive definite."""
-        rows, columns = condensed_last(self.model, free)
-        if self.on is not None and not self.rig.ideal:
-            # Held on its shoe: where a carriage would run over at once, its own balance is the unstable one.
-            name = self.rig.carriage.name
-            rows = rows[rows != self.model.r.index[f"{name}.balance"]]
-            columns = columns[columns != self.model.z.index[f"{name}.x"]]
-        matrix = newton_of(self.model).matrix(point)[rows][:, columns].tocsc()
-        signs = np.array([b.sign for b in free])
-        return bool(np.any(signs * condensed_pivots(matrix, len(free)) >= 0.0))
 
     def _carriage_in(self, r: int) -> int:
         """The carriage's place among the nodes of a rope."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.newton import Point
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.meant_root import Question, meant
 from ropeway.systems.studies.span_model import Place, Solved, span_model
 
 SIDE = 0.02
@@ -23,7 +25,8 @@ NEAR = 1e-4
 
 
 class Stations:
-    """A rig's equilibria over stations; each solve starts from the last one in the same span.
+    """A rig's equilibria over stations: each that which is meant there (`meant_root`), whatever was solved before. The
+    last ones are starts that make it faster.
 
     Where the mainline would have to push, because the carriage stands beyond its rest point, or to pull less
     than its own weight does, the carriage's clamp holds it on the skyline: solved with the ideal holding force
@@ -35,8 +38,9 @@ class Stations:
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
-    def solve(self, station: float, payload: float, height: float | None = None) -> Solved:
-        """Raises InputError outside the skyline, EquilibriumError where there is no equilibrium."""
+    def solve(self, station: float, payload: float, height: float | None = None, *, quick: bool = False) -> Solved:
+        """quick: a refusal is believed without a look from beside. Raises InputError outside the skyline,
+        EquilibriumError where there is no equilibrium."""
         span, on = self.rig.span_of(station), None
         rig = self.rig
         if height is None:
@@ -48,44 +52,32 @@ class Stations:
         laid = None if shoe is None or span != on else self._laid(shoe, span, x, payload)
         if laid is not None:
             return laid
+        asked = Question(x, payload, height)
+        if height is not None:
+            self._require_below_chord(span, x, height)
         try:
-            return self._held(Place(span), x, payload, height, shoe)
+            return self._held(Place(span), asked, shoe, quick=quick)
         except OutOfReachError:
             raise
-        except EquilibriumError as error:
-            if height is not None:
-                self._require_below_chord(span, x, height)
+        except EquilibriumError:
+            if on is None or quick:
                 raise
-            try:
-                if on is None:
-                    self._walk_up(span, x, payload)
-                else:
-                    self._walk(Place(span), on, x, payload)
-                return self._held(Place(span), x, payload, None, None)
-            except EquilibriumError:
-                raise error from None
+            self._walk(Place(span), on, asked)
+            return self._held(Place(span), asked, None)
 
-    def _walk(self, place: Place, on: int, x: float, payload: float) -> None:
+    def _walk(self, place: Place, on: int, asked: Question) -> None:
         """From where the carriage leaves a shoe out to a station, step by step; each starts from the one before."""
-        inside, outside, shoe = self.rig.supports[on].at[0], x, None
+        inside, outside, shoe = self.rig.supports[on].at[0], asked.station, None
         for _ in range(10):
             middle = 0.5 * (inside + outside)
-            found = self._on_shoe(on, middle, payload)
+            found = self._on_shoe(on, middle, asked.payload)
             if found is not None and found.off_shoe < NEAR:
                 inside = middle
             else:
                 outside, shoe = middle, found or shoe
         for share in (0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85):
-            self._held(place, outside + share * (x - outside), payload, None, shoe)
+            self._held(place, asked._replace(station=outside + share * (asked.station - outside)), shoe)
             shoe = None
-
-    def _walk_up(self, span: int, x: float, payload: float) -> None:
-        """From mid-span up to a station, step by step. Beside a saddle geometry is a bad start: wrong by more than
-        the rope between them."""
-        ends = [self.rig.stands[k].at[0] for k in (span, span + 1)]
-        end = min(ends, key=lambda at: abs(x - at))
-        for off in np.geomspace(0.5 * (ends[1] - ends[0]), abs(x - end), 10)[:-1]:
-            self._held(Place(span), end + float(np.copysign(off, x - end)), payload, None, None)
 
     def _laid(self, shoe: Solved, span: int, x: float, payload: float) -> Solved | None:
         """Before the carriage comes to a shoe, a mainline with much sag can lie on the shoe's roller already; None
@@ -93,9 +85,8 @@ class Stations:
         if shoe.held_by != "mainline":
             return None
         try:
-            laid = self._solve(
-                self.rig, Place(span, rollers=span + 1), x, payload, None, clamp=False, quick=True, shoe=shoe
-            )
+            place = Place(span, rollers=span + 1)
+            laid = self._solve(self.rig, place, Question(x, payload), quick=True, start=shoe)
         except EquilibriumError:
             return None
         roller = f"{self.rig.supports[span].name}_mainline"
@@ -104,41 +95,55 @@ class Stations:
     def _on_shoe(self, on: int, station: float, payload: float) -> Solved | None:
         """The carriage held on a shoe, whether it presses on it or not; None where that cannot be."""
         try:
-            return self._held(Place(on, on), station, payload, None, None)
+            return self._held(Place(on, on), Question(station, payload), None)
         except EquilibriumError:
             return None
 
-    def _held(self, place: Place, x: float, payload: float, height: float | None, shoe: Solved | None) -> Solved:
-        """The carriage held by its mainline, its clamp or an ideal force. shoe: the same on a shoe nearby."""
-        rig, span, station = self.rig, place.span, x
+    def _held(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved:
+        """The carriage held by its mainline, its clamp or an ideal force. shoe: the same on a shoe nearby.
+
+        By its mainline wherever that pulls; by its clamp where it would have to push, or to pull less than its own
+        weight does."""
+        rig = self.rig
         if rig.ideal or rig.carriage.clamped:
-            return self._solve(rig, place, x, payload, height, clamp=False, shoe=shoe)
-        if rig.kind is Kind.RUNNING and height is None:
-            self._require_lift(x, payload)
-        own = self._own_pull(span, x)
-        held = None
-        if self._was_clamped.get(place):
-            held = self._solve(clamped_twin(rig), place, x, payload, height, clamp=True)
-            if held[f"{rig.carriage.name}.holding"] <= 0.0:
-                return held
+            return self._solve(rig, place, asked, start=shoe, quick=quick)
+        if rig.kind is Kind.RUNNING and asked.height is None:
+            self._require_lift(asked.station, asked.payload)
+        name, own = rig.carriage.name, self._own_pull(place.span, asked.station)
+        # Started with the clamp where the last one was held by it: that is faster, the answer is the same.
+        held = self._clamped(place, asked, shoe, quick=quick) if self._was_clamped.get(place) else None
+        pulled = None
+        if held is None or held[f"{name}.holding"] > 0.0:
+            with suppress(EquilibriumError):
+                pulled = self._solve(rig, place, asked, quick=True, start=held or shoe)
+        if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
+            held = self._clamped(place, asked, shoe, quick=quick)
+        holds = np.inf if held is None else held[f"{name}.holding"]
+        if pulled is None and holds > 0.0:
+            try:
+                pulled = self._solve(rig, place, asked, quick=quick or holds <= own, start=held or shoe)
+            except EquilibriumError:
+                if held is None or holds > own:
+                    raise
+        self._was_clamped[place] = pulled is None or holds <= 0.0
+        if pulled is not None and holds > 0.0:
+            return pulled
+        if rig.kind is Kind.RUNNING:
+            raise OutOfReachError(
+                f"At station {asked.station:g} m the carriage of {rig.name!r} is beyond its rest point with "
+                f"{asked.payload:g} kg: the mainline would have to push",
+                "Raise the haulback's tension, or stay nearer to the headspar",
+                rig.carriage.name,
+                "rest point",
+            )
+        return cast(Solved, held)
+
+    def _clamped(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved | None:
+        """The carriage held by its clamp; None where there is no equilibrium."""
         try:
-            solved = self._solve(rig, place, x, payload, height, clamp=False, quick=True, shoe=shoe)
+            return self._solve(clamped_twin(self.rig), place, asked, clamp=True, quick=quick, start=shoe)
         except EquilibriumError:
-            held = held or self._solve(clamped_twin(rig), place, x, payload, height, clamp=True)
-            if held[f"{rig.carriage.name}.holding"] <= own:
-                if rig.kind is Kind.RUNNING:
-                    raise OutOfReachError(
-                        f"At station {station:g} m the carriage of {rig.name!r} is beyond its rest point with "
-                        f"{payload:g} kg: the mainline would have to push",
-                        "Raise the haulback's tension, or stay nearer to the headspar",
-                        rig.carriage.name,
-                        "rest point",
-                    ) from None
-                self._was_clamped[place] = True
-                return held
-            solved = self._solve(rig, place, x, payload, height, clamp=False, shoe=shoe)
-        self._was_clamped[place] = False
-        return solved
+            return None
 
     def _require_below_chord(self, span: int, x: float, height: float) -> None:
         """Raises OutOfReachError for a height z of the carriage [m] that no tension gives."""
@@ -188,47 +193,49 @@ class Stations:
         self,
         rig: SkylineRig,
         place: Place,
-        x: float,
-        payload: float,
-        height: float | None,
+        asked: Question,
         *,
-        clamp: bool,
+        clamp: bool = False,
         quick: bool = False,
-        shoe: Solved | None = None,
+        start: Solved | None = None,
     ) -> Solved:
+        """start: a solution of another model: on the shoe nearby, or held by the clamp at the same place."""
         at = span_model(rig, place, self.by_height)
         known = self._last.get((place, clamp), [])
-        near = _ahead(known, x, payload)
-        if shoe is not None and shoe.at.rig is rig:
-            near = at.off_shoe(shoe)
-        point = at.solve(x, payload, height, near, quick=quick)
-        self._last[place, clamp] = [*known[-1:], _Known(x, payload, point)]
+        first = None
+        if start is not None and start.at.place == place:
+            first = at.pulled(start)
+        elif start is not None and start.at.rig is rig:
+            first = at.off_shoe(start)
+        point = meant(at, asked, _ahead(known, asked), start=first, quick=quick)
+        self._last[place, clamp] = [*known[-1:], _Known(asked, point)]
         held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
         return Solved(at, point, at.outputs(point), held_by)
 
 
 class _Known(NamedTuple):
-    """A solved point, its station [m] and payload [kg]."""
+    """A solved point and its question."""
 
-    station: float
-    payload: float
+    asked: Question
     point: Point
 
 
-def _ahead(known: list[_Known], station: float, payload: float) -> Point | None:
+def _ahead(known: list[_Known], asked: Question) -> list[Point]:
     """Where to start from: the last solved point, or on the line through the last two of one payload."""
     if not known:
-        return None
-    last = known[-1]
-    if len(known) == 1 or not last.payload == known[0].payload == payload or last.station == known[0].station:
-        return last.point
-    share = (station - last.station) / (last.station - known[0].station)
+        return []
+    last, first = known[-1], known[0]
+    if len(known) == 1 or not last.asked.payload == first.asked.payload == asked.payload:
+        return [last.point]
+    if last.asked.station == first.asked.station:
+        return [last.point]
+    share = (asked.station - last.asked.station) / (last.asked.station - first.asked.station)
     if not 0.0 < share <= 2.0:
-        return last.point
+        return [last.point]
     point = last.point.copy()
-    point.z[:] += share * (last.point.z - known[0].point.z)
-    point.x[:] += share * (last.point.x - known[0].point.x)
-    return point
+    point.z[:] += share * (last.point.z - first.point.z)
+    point.x[:] += share * (last.point.x - first.point.x)
+    return [point]
 
 
 @lru_cache(maxsize=64)

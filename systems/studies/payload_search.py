@@ -1,0 +1,161 @@
+"""The largest payload at one station: bracket and root of the smallest margin over the payload."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ropeway.components.errors import EquilibriumError, OutOfReachError
+from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.load_path import carriage_height, row
+from ropeway.systems.studies.span_model import Solved
+from ropeway.systems.studies.stations import Stations
+
+Row = dict[str, Any]
+Margin = Callable[[Row, Solved], float]
+"""How far a solved station stays from a limit, in parts of it; negative beyond it."""
+
+MOST = 1e7
+"""A payload [kg] that no limit stops is reported as this."""
+
+NO_EQUILIBRIUM = "no equilibrium"
+"""What limits a payload where there is nothing else to say."""
+
+_ALIKE = 1e-9
+"""Margins that differ by less are one: of guylines that stand alike the first is named."""
+
+_FIRST = 1000.0
+"""The first payload tried [kg]: the same at each station, so that no answer depends on another."""
+
+
+class Tried(NamedTuple):
+    """A payload tried: the smallest margin, -1 where there is no equilibrium, its name, and the solved station."""
+
+    margin: float
+    limit: str
+    solved: Solved | None
+
+
+class PayloadSearch:
+    """The largest payload at each station by itself. clearance: to which the yarder lowers the skyline [m]."""
+
+    def __init__(self, rig: SkylineRig, margins: dict[str, Margin], clearance: float | None, of_rope: float) -> None:
+        self.rig, self.margins, self.clearance, self.of_rope = rig, margins, clearance, of_rope
+        self.solver = Stations(rig, by_height=clearance is not None)
+
+    def at(self, station: float) -> Row:
+        """The row of a station."""
+        if self.clearance is None:
+            return self._row(station, *self._largest(station, None))
+        height = carriage_height(self.rig, station, self.clearance)
+        mass, best = self._largest(station, height)
+        if (mass, best.limit) == (0.0, NO_EQUILIBRIUM):
+            height = self._lowest(station, height)
+            mass, best = self._largest(station, height)
+        if self._rope_clearance(station, best) < self.of_rope - 1e-6:
+            mass, best = self._raised(station, height)
+        return self._row(station, mass, best)
+
+    def _row(self, station: float, mass: float, best: Tried) -> Row:
+        values = {} if best.solved is None else row(best.solved, station)
+        return {"station": station, "payload": mass, "limited_by": best.limit, **values}
+
+    def _rope_clearance(self, station: float, best: Tried) -> float:
+        """Of the skyline in a solved state [m]; inf where there is none."""
+        return np.inf if best.solved is None else float(row(best.solved, station, lines=False)["rope_clearance"])
+
+    def _room(self, station: float, height: float) -> float:
+        """From a height of the carriage up to the chord of its span [m]."""
+        return self.rig.chord(self.rig.span_of(station), station) - height
+
+    def _lowest(self, station: float, height: float) -> float:
+        """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
+        hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
+        room = self._room(station, height)
+
+        def found(gap: float) -> bool:
+            """Whether it can hang this far below the chord [m]."""
+            return self._try(station, 0.0, height + room - gap).limit != NO_EQUILIBRIUM
+
+        low, high = next((gap for gap in (0.05, 5e-3, 5e-4) if gap < room and found(gap)), room), room
+        while high > 1.002 * low:
+            middle = (low * high) ** 0.5
+            low, high = (middle, high) if found(middle) else (low, middle)
+        return height + room - low
+
+    def _raised(self, station: float, height: float) -> tuple[float, Tried]:
+        """With the carriage raised until the skyline itself clears the ground; where that is impossible, a payload of 0
+        with the state of the empty carriage."""
+
+        def short(extra: float) -> float:
+            _, found = self._largest(station, height + extra)
+            return -np.inf if found.solved is None else self._rope_clearance(station, found) - self.of_rope
+
+        top = self._room(station, height) - 0.05
+        if top <= 0.0 or not short(top) >= 0.0:
+            return 0.0, self._try(station, 0.0, height)._replace(limit="rope clearance")
+        extra = float(brentq(lambda e: max(short(e), -1e3), 0.0, top, xtol=1e-6))
+        mass, found = self._largest(station, height + extra)
+        return mass, found._replace(limit="rope clearance") if mass > 0.0 else found
+
+    def _largest(self, station: float, height: float | None) -> tuple[float, Tried]:
+        """The largest payload [kg], and the state with it."""
+        tried: dict[float, Tried] = {}
+
+        def least(mass: float, *, quick: bool = False) -> float:
+            if mass not in tried:
+                tried[mass] = self._try(station, mass, height, quick=quick)
+            return tried[mass].margin
+
+        low = 0.0
+        if least(low) == -1.0 and height is None and tried[low].limit == NO_EQUILIBRIUM:
+            # Lines that lift the empty carriage off its skyline let a heavier one down on it.
+            low = next((mass for mass in np.geomspace(50.0, 12.8e3, 9) if least(float(mass)) >= 0.0), 0.0)
+        if least(low) < 0.0:
+            return 0.0, tried[0.0]
+        empty = tried[0.0].solved
+        if self.rig.kind is Kind.GRAVITY and empty is not None and empty.held_by == "clamp":
+            return 0.0, tried[0.0]._replace(limit="does not run out by gravity")
+        high = max(_FIRST, 2.0 * low)
+        while least(high) >= 0.0:
+            step = (high - low) * max(least(high), 0.0) / max(least(low) - least(high), 1e-9)
+            low, high = high, high + min(max(1.1 * step, 0.1 * high), 3.0 * high)
+            if high > MOST:
+                return low, tried[low]._replace(limit="nothing")
+        for _ in range(4):
+            while least(high, quick=True) == -1.0 and high - low > 1e-3:  # come down to where there is an equilibrium
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if least(middle, quick=True) >= 0.0 else (low, middle)
+            if least(high) != -1.0:
+                break
+            further = [mass for mass in (low + 1.0, 1.02 * low) if least(mass) >= 0.0]
+            if not further:
+                limit = tried[high].limit
+                if limit == NO_EQUILIBRIUM and self.rig.kind is Kind.RUNNING and height is None:
+                    limit = "haulback tension"  # deeper, its ropes weigh more than they lift
+                return low, tried[low]._replace(limit=limit)
+            low = further[-1]
+            high = 1.5 * low
+            while least(high) >= 0.0 and high < MOST:
+                low, high = high, 1.5 * high
+        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
+        least(mass)
+        if tried[mass].solved is None:
+            mass = max(m for m, found in tried.items() if found.margin >= 0.0 and m <= mass)
+        return mass, tried[mass]
+
+    def _try(self, station: float, mass: float, height: float | None, *, quick: bool = False) -> Tried:
+        try:
+            solved = self.solver.solve(station, mass, height, quick=quick)
+        except OutOfReachError as error:
+            return Tried(-1.0, error.limit, None)
+        except EquilibriumError:
+            return Tried(-1.0, NO_EQUILIBRIUM, None)
+        values = row(solved, station, lines=False)
+        found = {name: margin(values, solved) for name, margin in self.margins.items()}
+        least = min(found.values())
+        name = next(n for n, margin in found.items() if margin <= least + _ALIKE)
+        return Tried(max(least, -0.999), name, solved)
