@@ -63,21 +63,23 @@ class Buffered:
         """Results as nonzeros; they are overwritten by the next call of this thread. Raises Interrupted."""
         stop_if_interrupted()
         try:
-            set_argument, call, results = self._own.buffers
+            set_argument, call, results, known = self._own.buffers
         except AttributeError:
-            set_argument, call, results = self._own.buffers = self._buffers()
+            set_argument, call, results, known = self._own.buffers = self._buffers()
         for i, argument in enumerate(arguments):
-            set_argument(i, argument.data)
+            if argument is not known[i]:  # most stay the same arrays over the steps of one solve
+                set_argument(i, argument.data)
+                known[i] = argument
         call()
         return results
 
-    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray]]:
-        """What sets an argument, what calls, and where the results stand."""
+    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray], list[object]]:
+        """What sets an argument, what calls, where the results stand, and the arrays that are set."""
         buffer, call = self.function.buffer()
         results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
         for i, result in enumerate(results):
             buffer.set_res(i, result.data)
-        return buffer.set_arg, call, results
+        return buffer.set_arg, call, results, [None] * self.function.n_in()
 
 
 class Newton:
