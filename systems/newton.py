@@ -268,7 +268,9 @@ def damped(
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
         coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            # That is foreseen, not seen: only a small residual makes it a root.
+            if last < 1e-2 and size <= 1e-3 * last and after <= 1e-6:  # seen over two full steps
+                return v - move, sides
+            # Otherwise it is foreseen only: a small residual makes it a root.
             left = value(v - move).copy()
             if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
                 return v - move, sides
