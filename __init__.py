@@ -112,6 +112,9 @@ if TYPE_CHECKING:
         RopewayError as RopewayError,
     )
     from ropeway.components.errors import (
+        RopewayWarning as RopewayWarning,
+    )
+    from ropeway.components.errors import (
         ScheduleError as ScheduleError,
     )
     from ropeway.components.errors import (
@@ -233,8 +236,8 @@ _HOMES = {
     ),
     "ropeway.components.rope": "ropes",
     "ropeway.components.errors": (
-        "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError ScheduleError "
-        "SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
+        "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError RopewayWarning "
+        "ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
     ),
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",

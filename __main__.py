@@ -263,10 +263,10 @@ def _report(result: Result) -> None:
         f"SWL {at_most(rope.safe_working_load / 1e3, 1)} kN, MBL {at_most(rope.breaking_load / 1e3, 1)} kN. "
         f"Lowest {at_most(ends.min().min() / 1e3, 1)} kN."
     )
-    for limit, value in (("minimum breaking load", rope.breaking_load), ("safe working load", rope.safe_working_load)):
-        if highest > value:
-            typer.echo(f"ropeway: warning: the highest tension is above the {limit} of the rope", err=True)
-            break
+    if highest > rope.breaking_load >= ends.iloc[0].max():  # at rest it is a warning of the equilibrium
+        typer.echo("ropeway: warning: the highest tension is above the minimum breaking load of the rope", err=True)
+    elif rope.breaking_load >= highest > rope.safe_working_load:
+        typer.echo("ropeway: warning: the highest tension is above the safe working load of the rope", err=True)
     counts = events["event"].value_counts()
     typer.echo("Events: " + (", ".join(f"{n} {name}" for name, n in counts.items()) or "none"))
 

@@ -29,8 +29,8 @@ DRIVE = rw.HydraulicDrive(
 )
 RESPONSE = rw.ThresholdResponse(low=42e3, high=69e3, increment=0.004, period=2.0, hold=0.0)
 PARTS = {
-    "all sections": ("moving.py", "solve"),
-    "one section": ("moving.py", "_solve_parts"),
+    "all sections": ("line_stepper.py", "solve"),
+    "one section": ("line_stepper.py", "_solve_parts"),
     "drives (IDAS)": ("decoupled.py", "window"),
     "whole line (IDAS)": ("idas.py", "advance"),
     "next crossing": ("crossing.py", "next_crossing"),

@@ -73,14 +73,14 @@ def index(value: int, count: int, owner: str, field: str) -> None:
         raise InputError(f"{owner}: {field} is {value}", f"Give 0 to {count - 1}" if count else "There is none")
 
 
-MOST = 1_000_000
+MOST = 50_000_000
 """Stations, cases or records that one call may ask for."""
 
 
-def count(value: float, owner: str, what: str) -> None:
+def count(value: float, owner: str, what: str, most: int = MOST) -> None:
     """A number of things to make that a computer can hold."""
-    if not value <= MOST:
-        raise InputError(f"{owner} would make {value:.3g} {what}", f"Ask for {MOST:,} at most")
+    if not value <= most:
+        raise InputError(f"{owner} would make {value:.3g} {what}", f"Ask for {most:,} at most")
 
 
 def share(value: float, owner: str, field: str) -> None:

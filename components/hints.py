@@ -38,6 +38,8 @@ _NAMES: dict[Any, str] = {
     type(None): "None",
 }
 
+_PLURAL: dict[Any, str] = {float: "numbers", int: "whole numbers", str: "texts"}
+
 
 def check_of(hint: Any) -> Check | None:
     """The check of an annotation, None where it allows everything. Raises TypeError for one of no known kind."""
@@ -123,7 +125,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
     if issubclass(origin, Mapping):
         return kinds.mapping_of(checks[0], checks[1], "a mapping of names to values")
-    what = "numbers" if checks[0] is kinds.real else "values"
+    what = _PLURAL.get(arguments[0], "values")
     if origin is tuple:
         return kinds.tuple_of(checks[0], f"a sequence of {what}")
     if issubclass(origin, Sequence):

@@ -143,6 +143,14 @@ def any_array(value: Any) -> Any:
 
 def each(values: Sequence[Any], check: Check) -> list[Any]:
     """Every element checked."""
+    try:
+        return [check(value) for value in values]
+    except RefusedError:
+        return _placed(values, check)
+
+
+def _placed(values: Sequence[Any], check: Check) -> list[Any]:
+    """The same, with the place of the element that is refused."""
     found = []
     for i, value in enumerate(values):
         try:
@@ -181,8 +189,12 @@ def sequence_of(check: Check | None, expected: str) -> Check:
 
 def tuple_of(check: Check | None, expected: str) -> Check:
     """Any sequence as a tuple, every element of it checked."""
-    sequence = sequence_of(check, expected)
-    return lambda value: tuple(sequence(value))
+
+    def alike(value: Any) -> tuple[Any, ...]:
+        values = _elements(value, expected)
+        return tuple(values) if check is None else tuple(each(values, check))
+
+    return alike
 
 
 def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:

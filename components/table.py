@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.table_file import RawTable, name_and_unit, read_file
 from ropeway.components.table_numbers import Cell
 
-Source = str | Path | pd.DataFrame
+Source: TypeAlias = str | Path | pd.DataFrame
 """What a table is read from."""
 
 

@@ -95,7 +95,8 @@ def _require_clear(cells: Sequence[Cell], readings: Sequence[Reading], points: b
         if one != other and math.isfinite(one or 0.0) and not (points and "," not in str(cells[i])):
             raise NumberError(
                 f"{cells[i]!r} is {one:g} with a decimal point and {other:g} with a decimal comma",
-                f"Write {one:g} or {other:g}, without thousands set apart",
+                f"Write {max(one or 0.0, other or 0.0, key=abs):.0f} without setting thousands apart, "
+                f"or {str(cells[i]).strip()}0 for a decimal",
                 i,
             )
 

@@ -55,7 +55,7 @@ class Coupling:
         loose = {t: s for t, s in (signals or {}).items() if s.linear}
         self._signals = {name: _owned(loose, name) for name in slaves}
         jumps = {t: s for t, s in (signals or {}).items() if not s.linear}
-        self._exchange = Exchange(slaves, held, jumps, scheme.iterations)
+        self.held = Exchange(slaves, held, jumps, scheme.iterations)
         self._sources = {name: _ends([c.source for c in connections], name) for name in slaves}
         self._targets = {name: _ends([c.target for c in connections], name) for name in slaves}
         self._factors = np.array([c.factor for c in connections])
@@ -114,7 +114,7 @@ class Coupling:
         for _ in range(self.scheme.iterations):
             values = self._read_all()
             self.values = values + self._miss(values)
-            if not self._exchange.settle(self.time):
+            if not self.held.settle(self.time):
                 return
         raise FmuRunError(
             f"Values of the connections keep changing at t = {self.time:.9g} s",
@@ -124,9 +124,9 @@ class Coupling:
 
     def initialise(self) -> None:
         """Consistent values of the connections. Raises FmuRunError."""
-        self._exchange.settle(self.time)
+        self.held.settle(self.time)
         self._solve()
-        if self._exchange.settle(self.time):
+        if self.held.settle(self.time):
             self._solve()
 
     def _solve(self) -> None:
@@ -239,20 +239,20 @@ class Coupling:
         self.missed = np.abs(end - foretold)
         self.values = end
         self._arrive(reached)
-        if self.aligned and self._exchange.settle(self.time):
+        if self.aligned and self.held.settle(self.time):
             self.exchange()
 
     @contextmanager
     def saved(self) -> Iterator[Callable[[], None]]:
         """Keeps the present point; gives a function that goes back to it. Raises FmuRunError, InputError."""
-        values, slopes, time, given = self.values, self._slopes, self.time, dict(self._exchange.given)
+        values, slopes, time, given = self.values, self._slopes, self.time, dict(self.held.given)
         states: dict[str, Any] = {}
 
         def back() -> None:
             for name, slave in self.slaves.items():
                 slave.restore(states[name])
             self.values, self._slopes, self.time, self.aligned = values, slopes, time, True
-            self._exchange.given = dict(given)
+            self.held.given = dict(given)
 
         try:
             for name, slave in self.slaves.items():

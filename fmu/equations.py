@@ -4,7 +4,7 @@ depend on which once the algebraic variables are eliminated."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from operator import or_
 
@@ -13,28 +13,37 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.corridor import Corridor
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.intervention import SWITCHED
 from ropeway.systems.model import Model
+from ropeway.systems.pending import Pending
 from ropeway.systems.state import LineState
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
     """The equations of a line that stands in an equilibrium. `state` is where the FMU starts: its loads ride
-    with the rope. `corridor`: of a skyline's carriage, the places that it comes through."""
+    with the rope. `corridor`: of a skyline's carriage, the places that it comes through. `pending`: what a run has
+    left to go on with, where the line is in the course of one."""
 
     state: LineState
     corridor: Corridor | None = None
+    pending: Pending = field(default_factory=Pending)
 
     @classmethod
     def at(cls, rest: Equilibrium) -> Equations:
-        """Starting from an equilibrium."""
+        """Starting from an equilibrium, or in the course of a run. Raises InputError during an emergency stop."""
+        if rest.pending.stopping is not None:
+            raise InputError(
+                f"An emergency stop takes {rest.model.name!r} down: its end is not part of an FMU",
+                "Export the line at an earlier time, or its equilibrium there: equilibrium(line, start=...)",
+            )
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         state.unpin()
-        return cls(state)
+        return cls(state, pending=rest.pending)
 
     @property
     def model(self) -> Model:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.signals import Signal
 from ropeway.fmu.slave import OpenFmu
-from ropeway.fmu.values import Value
+from ropeway.fmu.values import Entry, Value
 
 
 @dataclass(frozen=True)
@@ -25,13 +25,19 @@ class Connection:
 
 @dataclass
 class Exchange:
-    """Held connections and signals, and what has been `given` so far, by "slave.variable"."""
+    """Held connections and signals, and what has been `given` so far, by "slave.variable". `switched`: an output other
+    than a real one has changed since this was set to False; it did so at some time within the last step."""
 
     slaves: Mapping[str, OpenFmu]
     connections: Sequence[Connection]
     signals: Mapping[str, Signal]
     iterations: int
     given: dict[str, Value] = field(default_factory=dict)
+    switched: bool = False
+
+    def __post_init__(self) -> None:
+        kinds = {c.target: _entry(self.slaves, c.source).kind for c in self.connections}
+        self._switches = {target for target, kind in kinds.items() if kind != "Real"}
 
     def settle(self, time: float) -> bool:
         """Gives each slave what has changed, until outputs that follow inputs at once stay as they are. Returns whether
@@ -44,6 +50,7 @@ class Exchange:
             if not now:
                 return bool(changed)
             changed = now
+            self.switched |= bool(self._switches.intersection(now))
         raise FmuRunError(
             f"{', '.join(changed)}: values keep changing at t = {time:.9g} s",
             "The connections are a loop: cut it",
@@ -56,8 +63,7 @@ class Exchange:
             own = [c for c in self.connections if c.source.startswith(f"{name}.")]
             values = slave.read([c.source.partition(".")[2] for c in own])
             for c, value in zip(own, values, strict=True):
-                entry = self.slaves[c.target.partition(".")[0]].fmu.entries[c.target.partition(".")[2]]
-                if isinstance(value, bool) and entry.kind != "Boolean":
+                if isinstance(value, bool) and _entry(self.slaves, c.target).kind != "Boolean":
                     value = int(value)
                 plain = isinstance(value, str | bytes) or (c.factor, c.offset) == (1.0, 0.0)
                 found[c.target] = value if plain else c.factor * float(value) + c.offset
@@ -72,3 +78,8 @@ class Exchange:
                 slave.set(own)
         self.given.update((target, values[target]) for target in changed)
         return changed
+
+
+def _entry(slaves: Mapping[str, OpenFmu], end: str) -> Entry:
+    slave, _, variable = end.partition(".")
+    return slaves[slave].fmu.entries[variable]

@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from ctypes import byref
+from threading import Lock
 from typing import Any
 
 import fmpy
@@ -39,6 +40,9 @@ _IN_3 = {
 _DISCARD, _ERROR, _FATAL = 2, 3, 4
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3
 """Kinds of status that FMI 2.0 can be asked for."""
+
+
+_LOADING = Lock()
 
 
 def require_kind(fmu: Fmu, kind: str) -> None:
@@ -292,9 +296,11 @@ class Instance:
 
 @contextmanager
 def _working_folder_kept() -> Iterator[None]:
-    """FMPy enters a library's folder to load it, and stays there when that fails."""
-    folder = os.getcwd()
-    try:
-        yield
-    finally:
-        os.chdir(folder)
+    """FMPy enters a library's folder to load it, and stays there when that fails. All threads have one working folder,
+    so that one at a time does this."""
+    with _LOADING:
+        folder = os.getcwd()
+        try:
+            yield
+        finally:
+            os.chdir(folder)

@@ -83,6 +83,8 @@ class OpenFmu:
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:
         """Derivatives of outputs (rows) by inputs (columns) around these values of the inputs: the FMU's own
         directional derivatives where it gives them, else differences. Raises FmuRunError."""
+        if not inputs:
+            return np.empty((len(outputs), 0))
         if self._instance.differentiates:
             try:
                 return np.column_stack([self._instance.derivative(outputs, name) for name in inputs])

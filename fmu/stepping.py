@@ -26,8 +26,9 @@ class StepControl:
     method: "Richardson" takes each step whole and as two halves, which differ by the error of the outputs; "coupling
     error" takes for the error by how much inputs at the end of a step differ from those that the slaves were given:
     less work, but it sees the inputs only. tolerance: relative to a variable or its nominal, whichever is larger.
-    A step with a larger error, or that a slave refuses, is repeated shorter, down to `least`. Slaves must be able to go
-    back in time; with "coupling error" those that cannot take the next step shorter instead. Raises InputError.
+    A step with a larger error, in which a Boolean or other discrete connection changes, or that a slave refuses, is
+    repeated shorter, down to `least`. Slaves must be able to go back in time; with "coupling error" those that cannot
+    take the next step shorter instead. Raises InputError.
     """
 
     method: Method
@@ -76,12 +77,15 @@ class Stepper:
         limit = 2.0
         with self.coupling.saved() as back:
             while True:
+                self.coupling.held.switched = False
                 try:
                     error = self._halves(size, back) if self.control.method == "Richardson" else self._whole(size)
                 except FmuRunError as refusal:
                     if refusal.fatal or size <= self.control.least:
                         raise
                     error = math.inf
+                if self.coupling.held.switched and size > self.control.least:
+                    error = math.inf  # a switch is told at the end of a step: the shorter, the nearer to its time
                 self._adapt(size, error, limit)
                 if error <= 1.0 or size <= self.control.least:
                     return self._reached(until, error)

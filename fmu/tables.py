@@ -10,6 +10,7 @@ from ropeway.components.errors import InputError
 from ropeway.fmu.corridor import Corridor
 from ropeway.fmu.interface import Interface
 from ropeway.systems.model import Model
+from ropeway.systems.pending import Pending
 from ropeway.systems.state import LineState
 
 _HIDDEN, _READ, _PARAMETER, _INPUT, _STATE = range(5)
@@ -88,7 +89,7 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     _schedules(tables, interface)
     _runs(tables, interface)
     _limits(tables, m, interface)
-    _clocks(tables, m)
+    _clocks(tables, m, equations.pending)
     _places(tables, equations.corridor)
     tables.numbers("least", [r.least for r in m.p.ranges])
     tables.numbers("most", [r.most for r in m.p.ranges])
@@ -193,11 +194,11 @@ def _limits(tables: Tables, m: Model, interface: Interface) -> None:
     tables.texts("limit_name", interface.limit_names)
 
 
-def _clocks(tables: Tables, m: Model) -> None:
+def _clocks(tables: Tables, m: Model, pending: Pending) -> None:
     tables.size("NC", len(m.clocks))
     tables.size("NQ", max((len(clock.entries) for clock in m.clocks), default=0))
     tables.numbers("clock_period", [clock.period for clock in m.clocks])
-    tables.numbers("clock_phase", [clock.phase for clock in m.clocks])
+    tables.numbers("clock_phase", [pending.next_tick(clock) for clock in m.clocks])
     tables.integers("clock_first", _offsets([len(clock.entries) for clock in m.clocks]))
     tables.integers("clock_entry", [e for clock in m.clocks for e in clock.entries])
     tables.integers("clock_corrects", [e in clock.corrections for clock in m.clocks for e in clock.entries])

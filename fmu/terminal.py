@@ -12,7 +12,7 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ropeway.components.errors import RopewayError, WriteError
+from ropeway.components.errors import RopewayError, RopewayWarning, WriteError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as of shells."""
@@ -29,7 +29,8 @@ def errors_on_one_line() -> Iterator[None]:
     else is a bug and shows its traceback."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("always", UserWarning)
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("always", RopewayWarning)
             warnings.showwarning = _show_warning
             yield
     except KeyboardInterrupt as error:

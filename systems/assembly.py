@@ -15,7 +15,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.component_functions import SYMBOLS, ComponentFunctions
-from ropeway.systems.interrupts import interruptible
+from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.links import differences, with_links, with_residuals
 from ropeway.systems.model import Balance, Layout, Limits, Model, Slots, Table, Travel, component_of
 from ropeway.systems.run import Run, drive_speeds, find_runs, slot_counts
@@ -60,6 +60,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         ),
         kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
     )
+    stop_if_interrupted()
     _check_structure(model, system)
     return model
 
@@ -88,6 +89,7 @@ def _sites(
 
 def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: System) -> Table:
     """All variables of one kind, arrays as name[1], name[2], ..."""
+    stop_if_interrupted()
     names: list[str] = []
     units: list[str] = []
     descriptions: list[str] = []
@@ -211,10 +213,10 @@ def _join(
         rest = ca.Function("rest", [*arguments, *outside], [ode, alg, y]).expand()
         ode, alg, y = rest(*arguments, *outside.values())
     names = ["t", "x", "z", "u", "p", "d"]
-    return (
-        ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"]),
-        ca.Function("outputs", arguments, [y], names, ["y"]),
-    )
+    stop_if_interrupted()
+    dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
+    stop_if_interrupted()
+    return dae, ca.Function("outputs", arguments, [y], names, ["y"])
 
 
 def _power_units(system: System) -> dict[HydraulicPowerUnit, list[ControlSheave]]:

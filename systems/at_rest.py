@@ -11,6 +11,7 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.certificate import Certificate, certify
 from ropeway.systems.continuation import solve_algebraic
+from ropeway.systems.newton import newton_of
 from ropeway.systems.stability import slack
 from ropeway.systems.state import LineState
 
@@ -18,9 +19,9 @@ _STEP = 1.0 / 40.0
 """Share of a taut rope's way to its length in one step."""
 
 
-def solve(state: LineState) -> None:
-    """Brings a state to rest, certified. Raises EquilibriumError."""
-    settle(state)
+def solve(state: LineState, *, quick: bool = False) -> None:
+    """Brings a state to rest, certified; quick: by Newton's method alone, from nearby. Raises EquilibriumError."""
+    settle(state, quick=quick)
     certified(state).require(state.model)
 
 
@@ -29,11 +30,15 @@ def certified(state: LineState) -> Certificate:
     return certify(state.model, state.point, state.runs, state.passed)
 
 
-def settle(state: LineState) -> None:
-    """Solves a state and moves its loads until each is in its span. Raises EquilibriumError."""
+def settle(state: LineState, *, quick: bool = False) -> None:
+    """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone. Raises
+    EquilibriumError."""
     seen: set[bytes] = set()
     for _ in range(200):
-        solve_algebraic(state)
+        if quick:
+            newton_of(state.model).solve(state.point)
+        else:
+            solve_algebraic(state)
         before = [p.copy() for p in state.passed]
         if state.settle():
             state.require_pinned()
@@ -97,6 +102,10 @@ def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
             loads = run.loads
             trial.runs[r] = replace(run, loads=replace(loads, place=part * loads.place, at=part * loads.at))
 
+    if any(node.kept_tension is not None for run in runs for node in run.nodes):
+        raise EquilibriumError(
+            f"A drum of system {state.model.name!r} keeps its tension at any length", "Look at its tension"
+        )
     longer(0.0)
     trial.restart()
     solve(trial)
@@ -107,7 +116,7 @@ def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
         try:
             longer(share)
             trial.write_slots()
-            solve(trial)
+            solve(trial, quick=True)
         except EquilibriumError:
             step /= 2.0
             if step < least_step:
@@ -132,28 +141,41 @@ def _afresh(state: LineState) -> LineState:
 
 
 def too_heavy(state: LineState) -> EquilibriumError | None:
-    """The error for a state without an equilibrium whose ropes would be above their minimum breaking load with a part
-    of its loads; None where loads are not the reason."""
+    """The error for a state that has an equilibrium with a part of its loads only; None where loads are not the
+    reason."""
     if not any(len(run.loads.place) for run in state.runs):
         return None
-    low, high = 0.0, 1.0
-    for _ in range(10):
-        share = (low + high) / 2.0
-        trial = _afresh(state)
-        trial.runs = [replace(run, loads=replace(run.loads, mass=share * run.loads.mass)) for run in state.runs]
+    low, high, step, near = 0.0, 1.0, 0.125, _afresh(state)
+    masses, strongest = [run.loads.mass for run in state.runs], None
+    while high - low > 0.02:
+        share = min(low + step, (low + high) / 2.0)
+        trial = near.copy()
+        trial.runs = [
+            replace(run, loads=replace(run.loads, mass=share * mass[: len(run.loads.place)]))
+            for run, mass in zip(trial.runs, masses, strict=True)
+        ]
         try:
-            trial.restart()
-            solve(trial)
+            if low == 0.0:
+                trial.restart()
+            trial.write_slots()
+            solve(trial, quick=low > 0.0)
         except EquilibriumError:
-            high = share
+            high, step = share, step / 2.0
             continue
-        used = certified(trial).utilisation
-        if used is not None and not used.holds:
-            return EquilibriumError(
-                f"The loads of system {state.model.name!r} are too heavy for its rope: with {100.0 * share:.3g} % of "
-                f"them the tension in span {used.component!r} is {used.value:.3g} times its minimum breaking load",
-                "Take lighter or fewer loads, more sag or a stronger rope",
-                used.component,
-            )
-        low = share
-    return None
+        low, near, strongest = share, trial, certified(trial).utilisation
+        if strongest is not None and not strongest.holds:
+            break
+    if strongest is None:
+        return None
+    cause = f"The loads of system {state.model.name!r} are too heavy for its rope"
+    if strongest.holds:
+        return EquilibriumError(
+            f"{cause}: as it is strung it holds {100.0 * low:.2g} % of them and not {100.0 * high:.2g} %",
+            "Take lighter or fewer loads, or more tension",
+        )
+    return EquilibriumError(
+        f"{cause}: with {100.0 * low:.2g} % of them the tension in span {strongest.component!r} is "
+        f"{strongest.value:.3g} times its minimum breaking load",
+        "Take lighter or fewer loads, more sag or a stronger rope",
+        strongest.component,
+    )

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ropeway.components.errors import SimulationError
+from ropeway.systems.headway import FinalError
 from ropeway.systems.state import LineState
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"
@@ -33,6 +33,10 @@ class Crossing:
     k: int
     load: int
     forward: bool
+
+    def opposite(self, other: Crossing) -> bool:
+        """Whether one is the way back of the other."""
+        return (self.r, self.k, self.load) == (other.r, other.k, other.load) and self.forward != other.forward
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,11 @@ def gaps(state: LineState, r: int) -> Gaps:
     ahead, behind = rope - padded[beyond + 1], padded[beyond] - rope
     if run.around:  # the wheel where the rope begins and ends counts once
         ahead[-1] = behind[-1] = np.inf
+    # Over a sheave on which a load stands none goes.
+    held = state.model.layouts[r].held
+    can = np.flatnonzero(held >= 0)
+    busy = can[state.point.d[held[can]] > 0.0]
+    ahead[busy] = behind[busy] = np.inf
     return Gaps(ahead, behind)
 
 
@@ -178,10 +187,11 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
     )
 
 
-def apply(state: LineState, crossing: Crossing) -> str:
-    """Moves the load, or leaves it on the support; returns what happened. The line is not solved anew."""
+def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) -> str:
+    """Moves the load, or leaves it on the support; returns what happened. `passing`: whether it goes on, by default
+    as `passes` says. The line is not solved anew. Raises EquilibriumError where no load can stand."""
     run, k = state.runs[crossing.r], crossing.k
-    if not passes(state, crossing):
+    if not (passes(state, crossing) if passing is None else passing):
         state.hold(crossing.r, k, crossing.load - run.loads.first)
         return "load held"
     last = len(run.nodes) - 1
@@ -200,14 +210,14 @@ def on_line(state: LineState) -> np.ndarray:
 
 
 def require_all(state: LineState, before: np.ndarray, events: Sequence[tuple[Crossing, str]]) -> None:
-    """Raises SimulationError unless the loads on the line are those `before`, with those put on by the events and
+    """Raises FinalError unless the loads on the line are those `before`, with those put on by the events and
     without those taken off."""
     expected = before.copy()
     for crossing, what in events:
         expected[crossing.r] += {PUT_ON: 1, TAKEN_OFF: -1}.get(what, 0)
     for r, (found, run, beyond) in enumerate(zip(on_line(state), state.runs, state.passed, strict=True)):
         if found != expected[r] or found != beyond[0] - beyond[-1] or np.any(np.diff(beyond) > 0):
-            raise SimulationError(
+            raise FinalError(
                 f"Internal error: {found} loads are on {run.name} after a crossing, {expected[r]} should be",
                 "Please report it, with the script",
                 state.point.t,

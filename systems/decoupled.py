@@ -16,6 +16,7 @@ import numpy as np
 from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError
 from ropeway.systems.commanded import commanded_of
+from ropeway.systems.idas import strict
 from ropeway.systems.model import Model
 from ropeway.systems.newton import VECTORS, Buffered, Point, expanded
 
@@ -97,7 +98,7 @@ class Drives:
                 "ode": h * (moving - rate) / model.x.nominals,
             }
             options = {
-                "abstol": tolerance,
+                "abstol": strict(tolerance, 0.1),
                 "reltol": 0.0,
                 "linear_solver": "csparse",
                 "step0": 0.1,

@@ -124,7 +124,7 @@ class Equilibrium:
         """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
         loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
         if isinstance(stations, int):
-            check.index(stations, check.MOST, "Equilibrium.profile", "stations")
+            check.index(stations, 1_000_000, "Equilibrium.profile", "stations")
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             for k, candidate in enumerate(run.spans):
                 if candidate.name == span:

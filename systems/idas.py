@@ -20,6 +20,11 @@ from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, Point, banded_order, expanded
 
 
+def strict(tolerance: float, share: float) -> float:
+    """Tolerance of one stretch, a share of the run's: errors of stretches add up. Not below what rounding allows."""
+    return min(tolerance, max(share * tolerance, 1e-11))
+
+
 class Idas:
     """The integrator of a model; `tolerance` is absolute, on scaled variables."""
 
@@ -43,7 +48,7 @@ class Idas:
         ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
-        tight = tolerance * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        tight = strict(tolerance, 0.005) * float(np.sqrt(max(nx, 1) / (nx + nz)))
         integrator = ca.integrator(
             "idas",
             "idas",

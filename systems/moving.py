@@ -8,24 +8,16 @@ limit binds or a load stands on a sheave, IDAS integrates the whole line from ev
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, SimulationError
-from ropeway.components.schedule import Schedule
 from ropeway.systems import crossing as loads
-from ropeway.systems.blocks import blocks_of
 from ropeway.systems.decoupled import Window, drives_of
-from ropeway.systems.idas import Idas
-from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, dense, newton_of
-from ropeway.systems.stability import has_free_nodes, require_followed, require_stable, slack
+from ropeway.systems.headway import FinalError, Headway
+from ropeway.systems.line_stepper import LineStepper, Motion, Signal
+from ropeway.systems.stability import has_free_nodes, require_stable, slack
 from ropeway.systems.state import LineState
-
-Signal = float | Schedule
 
 _LEAST_STEP = 1e-5
 """Shortest stretch [s] that is tried when a longer one has failed."""
@@ -38,31 +30,13 @@ _SWING, _STRIDE = 0.05, 0.05
 the rope may have swung to and fro."""
 
 
-def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
-    """Times at which an input bends [s]."""
-    return np.unique(np.concatenate([[], *(s.breaks() for s in signals if isinstance(s, Schedule))]))
-
-
 class _UnforeseenError(Exception):
     """A load has crossed a support before the time that rates foretold."""
 
 
-class Motion(NamedTuple):
-    """Rates at a point [per s]: of the states, of the algebraic variables, and of each run's travels."""
-
-    x: np.ndarray
-    z: np.ndarray
-    travel: list[np.ndarray]
-
-
-class Moving:
-    """A line that moves. `state` and `motion` go on in place; `record(exact)` is called on both sides of each
-    event, exact when all sections are solved, and `note(crossing, what)` for each event."""
-
-    short = 5e-3
-    """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
-    tiny = 1e-4
-    """Stretches up to this [s] are a straight line: the second order is below rounding."""
+class Moving(LineStepper):
+    """A line that moves. `record(exact)` is called on both sides of each event, exact when all sections are solved,
+    and `note(crossing, what)` for each event."""
 
     def __init__(
         self,
@@ -75,19 +49,12 @@ class Moving:
     ) -> None:
         """rewind() marks the records and events so far and returns a function that drops later ones. By default
         nothing is written down."""
-        self.state = state
-        self.signals = tuple(signals)
-        self.breaks = breaks_of(signals)
-        self.tolerance = tolerance
+        super().__init__(state, signals, tolerance)
+        self.headway = Headway(sum(len(run.nodes) for run in state.runs))
         self.record = record
         self.note = note
         self.rewind = rewind
         self._motion_now: Motion | None = None
-
-    @property
-    def time(self) -> float:
-        """Time of the state [s]."""
-        return self.state.point.t
 
     def run_to(self, stop: float) -> None:
         """Moves on to `stop` [s], before which no input bends and nobody acts; solved there. Raises EquilibriumError,
@@ -98,11 +65,14 @@ class Moving:
             self._move_to(stop)
             self.state.require_rope("End the run before, or turn the drive")
             self._require_stable()
+        except FinalError:
+            raise
         except (EquilibriumError, SimulationError):
             # Either it has come to its end, or Newton's method to none or to a root that no rope can have: from nearer
             # by it finds the true one. Or a drive has turned where a crossing is sought: nearer by it has not yet.
             if stop - begin < _LEAST_STEP:
                 raise
+            self.headway.require(begin)
             self.state = saved
             drop()
             self.disturb()
@@ -146,6 +116,7 @@ class Moving:
                 end = begin
             except _UnforeseenError:  # from nearer by, rates foretell it
                 end = (begin + end) / 2.0
+            self.headway.require(begin)
             self.state = saved.copy()
             drop()
         return None
@@ -212,6 +183,7 @@ class Moving:
                 if astray or h <= _LEAST_STEP or not loads.overrun(self.state, set()):
                     return motion
             # A load has passed a support and is on its way back, or may have been there: it is seen from nearer by.
+            self.headway.require(before.point.t)
             self.state, h, motion = before.copy(), h / 2.0, begun
 
     def _swung(self, before: LineState, begun: Motion, motion: Motion) -> bool:
@@ -219,92 +191,6 @@ class Moving:
         moved = self.state.point.x - before.point.x
         told = (self.time - before.point.t) * (begun.x + motion.x) / 2.0
         return bool(np.any(np.abs(moved - told) > _SWING * self.state.model.x.nominals))
-
-    def set_time(self, t: float) -> None:
-        """Sets the clock, and the inputs to their values then."""
-        self.state.point = replace(self.state.point, t=t)
-        self.state.point.u[:] = self.inputs_at(t)
-
-    def inputs_at(self, t: float) -> np.ndarray:
-        """Values of all inputs, shape (nu,)."""
-        if not len(self.breaks):  # all of them constant
-            return np.array(self.signals, dtype=float)
-        return np.array([s.at(t) if isinstance(s, Schedule) else s for s in self.signals], dtype=float)
-
-    def slope(self, stop: float) -> np.ndarray:
-        """Rates of the inputs from now to `stop`, no later than their next break, shape (nu,)."""
-        t = self.state.point.t
-        if not len(self.breaks) or stop - t < 1e-9:
-            return np.zeros(len(self.signals))
-        return (self.inputs_at(stop) - self.state.point.u) / (stop - t)
-
-    def solve(self, stop: float) -> Motion:
-        """Solves the algebraic variables; returns how everything moves from here."""
-        state = self.state
-        z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
-        return self._motion(np.zeros(0) if z is None else z)
-
-    def _beside(self, crossings: Sequence[loads.Crossing]) -> list[int]:
-        """The sections on both sides of crossings."""
-        parts, touched = blocks_of(self.state.model), set[int]()
-        for c in crossings:
-            force = self.state.model.layouts[c.r].force
-            touched.update(int(parts.of[z]) for z in force[max(c.k - 1, 0) : c.k + 1])
-            if c.k == 0 and self.state.runs[c.r].closed:
-                touched.add(int(parts.of[force[-1]]))
-        return sorted(touched)
-
-    def _solve_parts(self, touched: Sequence[int], motion: Motion, stop: float) -> Motion:
-        """Solves some sections only; the others keep their rates."""
-        z = motion.z.copy()
-        blocks_of(self.state.model).solve(self.state.point, touched, motion.x, self.slope(stop), z)
-        return self._moving(motion.x, z)
-
-    def _solve_followed(self, motion: Motion, stop: float, touched: Sequence[int] | None = None) -> Motion:
-        """Solves some sections, or all, where their rates have led them. Raises EquilibriumError."""
-        led = self.state.point.z.copy()
-        motion = self.solve(stop) if touched is None else self._solve_parts(touched, motion, stop)
-        require_followed(self.state, led)
-        return motion
-
-    def _motion(self, z: np.ndarray) -> Motion:
-        """All rates, from those of the algebraic variables."""
-        return self._moving(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
-
-    def _moving(self, x: np.ndarray, z: np.ndarray) -> Motion:
-        return Motion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
-
-    def _advance(self, h: float, motion: Motion, stop: float) -> Motion:
-        """Moves the state on by `h` seconds, a little backwards too."""
-        point, t = self.state.point, self.state.point.t
-        if h == 0.0:
-            return motion
-        if abs(h) <= self.tiny:
-            point.x[:] += h * motion.x
-            point.z[:] += h * motion.z
-            self.set_time(t + h)
-            return motion
-        if abs(h) <= self.short:
-            x = point.x.copy()
-            point.x[:] = x + h * motion.x
-            point.z[:] += h * motion.z
-            self.set_time(t + h)
-            end = self.solve(stop)
-            if np.array_equal(end.x, motion.x):
-                return end
-            self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
-            return self.solve(stop)
-        return self._integrate(h, motion, stop)
-
-    def _integrate(self, h: float, motion: Motion, stop: float) -> Motion:
-        """Moves the state on by `h` seconds with IDAS."""
-        point, integrator = self.state.point, idas_of(self.state.model, self.tolerance)
-        led = point.z + h * motion.z
-        point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
-        self.set_time(point.t + h)
-        motion = self.solve(stop)
-        require_followed(self.state, led)
-        return motion
 
     def _locate(
         self, before: LineState, first: loads.Crossing, motion: Motion, stop: float
@@ -337,6 +223,7 @@ class Moving:
     def _cross(self, first: loads.Crossing, motion: Motion, stop: float, *, exact: bool) -> Motion:
         """Loads cross, and the line jumps; both sides are recorded."""
         self.record(exact)
+        self.headway.require(self.time, self.state.runs[first.r].nodes[first.k].name)
         before, events = loads.on_line(self.state), list[tuple[loads.Crossing, str]]()
         crossings = loads.due(self.state, first, motion.travel)
         just: set[tuple[int, int]] = set()
@@ -344,7 +231,9 @@ class Moving:
         for _ in range(50):
             for crossing in crossings:
                 just.add((crossing.r, crossing.k))
-                events.append((crossing, loads.apply(self.state, crossing)))
+                # A load that has come over and is thrown back stays there.
+                back = any(c.opposite(crossing) for c, _ in events)
+                events.append((crossing, loads.apply(self.state, crossing, passing=False if back else None)))
                 self.note(*events[-1])
             touched = self._beside(crossings)
             solved.update(touched)
@@ -383,21 +272,10 @@ class Moving:
             self._advance(h * was / (was - pull), self.solve(stop), stop)
             if max(p for _, p in loads.pulls(self.state)) <= enough:  # still on the sheave: the root is beyond
                 before, self.state = self.state.copy(), end
+        self.headway.require(self.time, self.state.runs[leaving.r].nodes[leaving.k].name)
         self.record(True)
         loads.let_go(self.state, leaving)
         self.note(leaving, "load released forward" if leaving.forward else "load released backward")
         self.solve(stop)
         self.record(True)
         return True
-
-
-@lru_cache(maxsize=16)
-def idas_of(model: Model, tolerance: float) -> Idas:
-    """The integrator of a model: made once, as its functions take a while to build."""
-    return Idas(model, tolerance)
-
-
-@lru_cache(maxsize=16)
-def rates_of(model: Model) -> Buffered:
-    """Rates of the states as a function of a point."""
-    return dense(model, model.dae)

@@ -112,10 +112,12 @@ class Newton:
             + ca.jtimes(residual, point[Kind.INPUT], slope)
             + ca.jtimes(residual, time, 1)
         )
+        stop_if_interrupted()
         known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
         inputs = [v, time, *known, target, damping, anchor, slope]
         self.residual = ca.Function("residual", inputs, [residual])
         matrix = ca.jacobian(residual, v)
+        stop_if_interrupted()
         self.jacobian = ca.Function("jacobian", inputs, [matrix])
         self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
         pattern = self.jacobian.sparsity_out(0)
@@ -222,6 +224,7 @@ def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
 def _linear_solves(name: str, inputs: list[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
     """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
     parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
+    stop_if_interrupted()
     symbols = parts.mx_in()
     value, system, right = parts(*symbols)
     return ca.Function(name, symbols, [value, solve_sparse(system, right)])
@@ -318,7 +321,8 @@ def expanded(model: Model) -> ca.Function:
 
 
 def scalar(model: Model, function: ca.Function) -> ca.Function:
-    """A function of a model as one scalar graph; as it is where that cannot be."""
+    """A function of a model as one scalar graph; as it is where that cannot be. Raises Interrupted."""
+    stop_if_interrupted()
     return function if model.external else function.expand()
 
 

@@ -55,10 +55,11 @@ def tensions_over_time(result: Result, components: Sequence[str] | None = None) 
     axes = figure.subplots(1 + rows, 1, sharex=True, height_ratios=[1.9] + [1.0] * rows, squeeze=False)[:, 0]
     figure.suptitle(f"{result.model.name}: rope tension")
     _all_spans(axes[0], result, time)
+    shown = {node.name: node.label for node in nodes}
     for axis, name in zip(axes[1:], components, strict=True):
         axis.plot(time, frame[f"{name}.tension_in"] / 1e3, lw=1.0, color="tab:blue", label="coming in")
         axis.plot(time, frame[f"{name}.tension_out"] / 1e3, lw=1.0, color="tab:orange", label="going out")
-        axis.set_ylabel(f"{name} [kN]")
+        axis.set_ylabel(f"{shown.get(name, name)} [kN]")
         axis.grid(alpha=0.3)
     if rows:
         axes[1].legend(ncols=2, fontsize="small", **ABOVE)

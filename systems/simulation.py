@@ -19,8 +19,9 @@ from ropeway.systems.carrying import carried_over, declared_alike
 from ropeway.systems.equilibrium import Equilibrium, equilibrium
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.intervention import Intervention
+from ropeway.systems.line_stepper import Signal, breaks_of
 from ropeway.systems.model import Model, component_of, nearest
-from ropeway.systems.moving import Moving, Signal, breaks_of
+from ropeway.systems.moving import Moving
 from ropeway.systems.newton import Buffered, dense
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result

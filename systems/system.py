@@ -237,7 +237,7 @@ class System:
         on = tuple(spans)
         self._check_spans(on, "feed")
         check.positive(spacing, "feed", "spacing", "m")
-        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads")
+        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads", MOST_LOADS)
         values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
         if not values:
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")
@@ -247,11 +247,6 @@ class System:
             raise InputError("feed has no load with a mass", "A mass of 0 is a missing load; give some that are not")
         if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
             raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
-        count = math.fsum(span.length for span in on) / spacing
-        if count > MOST_LOADS:
-            raise InputError(
-                f"Loads every {spacing:g} m are {count:.3g} on this rope", f"It takes {MOST_LOADS}. Give metres of rope"
-            )
         self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
 
     def origin(self, name: str, text: str = "{}") -> str:

@@ -361,7 +361,10 @@ def _functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "workers": 1, **optional,
         },
         "twelve_cases": lambda: {"phi": [0.1, 0.2]},
-        "fmu.CoSimulation": lambda: {"step": 0.5, "master": "Gauss-Seidel", "tolerance": 1e-8, "iterations": 30},
+        "fmu.CoSimulation": lambda: {
+            "step": 0.5, "master": "Gauss-Seidel", "tolerance": 1e-8, "iterations": 30, "iterated": True,
+            "control": None,
+        },
         "fmu.Slave": lambda: {"fmu": fmu(), "name": "one", "kind": "CoSimulation", "tolerance": 1e-8},
         "fmu.component": lambda: {"name": "part", "fmu": exported(), "parameters": {}, "ignore_events": True},
         "fmu.export": lambda: {
@@ -433,14 +436,17 @@ def _methods() -> dict[str, Callable[[], Call]]:
         "Profile.from_csv": lambda: Call(rw.Profile.from_csv, {"path": corridor()}),
         "Profile.from_dem": lambda: Call(
             rw.Profile.from_dem,
-            {"path": folder() / "none.tif", "start": (0.0, 0.0), "end": (90.0, 0.0), "spacing": 5.0},
+            {
+                "path": folder() / "none.tif", "start": (0.0, 0.0), "end": (90.0, 0.0), "spacing": 5.0,
+                "band": 1, "unit": "m", "nodata": None, "largest_jump": 3.0,
+            },
         ),
         "Profile.resampled": lambda: Call(GROUND.resampled, {"spacing": 10.0}),
         "Profile.slope_at": lambda: Call(GROUND.slope_at, {"station": 40.0}),
         "Profile.vertex_at": lambda: Call(GROUND.vertex_at, {"station": 40.0}),
         "Result.at": lambda: Call(run().at, {"time": 1.5}),
         "Result.plot": lambda: Call(run().plot, {"components": ["c"]}),
-        "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0}),
+        "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0, "ground": GROUND}),
         "Result.record": lambda: Call(run().record, {"i": 1}),
         "Result.to_csv": lambda: Call(run().to_csv, {"path": folder() / "run.csv"}),
         "Result.to_parquet": lambda: Call(run().to_parquet, {"path": folder() / "run.parquet"}),
@@ -464,6 +470,7 @@ def _methods() -> dict[str, Callable[[], Call]]:
         "SchedulePlan.robustness": lambda: Call(
             plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
         ),
+        "SchedulePlan.told": lambda: Call(plan().told, {"name": "energy"}),
         "SchedulePlan.to_csv": lambda: Call(plan().to_csv, {"path": folder() / "plan.csv"}),
         "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
         "SkylineRig.on_shoe_start": lambda: Call(
@@ -481,7 +488,7 @@ def _methods() -> dict[str, Callable[[], Call]]:
         "System.connect": connecting,
         "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0]),
         "System.hang": lambda: on_line("hang", load=rw.Load("turn", 90.0), spans=..., at=30.0),
-        "System.origin": lambda: on_line("origin", name="a"),
+        "System.origin": lambda: on_line("origin", name="a", text="at {}"),
         "System.string": lambda: Call(
             lambda one, other, **how: rw.System().string(how.pop("rope"), one, other, **how),
             {
@@ -497,11 +504,15 @@ def _methods() -> dict[str, Callable[[], Call]]:
             "add", name="span", participant=exported(), kind="CoSimulation", start={}
         ),
         "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
-        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, progress=False),
+        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
         "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
         "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
+        "fmu.Fmu.entry": lambda: Call(fmu().entry, {"name": "a.tension"}),
+        "fmu.Fmu.values": lambda: Call(fmu().values, {"given": {"turn.mass": 700.0}}),
+        "fmu.Fmu.shaped": lambda: Call(fmu().shaped, {"structure": {}}),
+        "fmu.Slave.read": lambda: slave("read", names=["a.tension"]),
         "fmu.Slave.derivatives": lambda: slave("derivatives", outputs=["a.tension"], inputs={"turn.mass": 700.0}),
-        "fmu.Slave.enter": lambda: slave("enter", start=0.0, values={}),
+        "fmu.Slave.enter": lambda: slave("enter", start=0.0, values={}, stop=2.0),
         "fmu.Slave.get": lambda: slave("get", names=["a.tension"]),
         "fmu.Slave.set": lambda: slave("set", values={}),
         "fmu.Slave.step": lambda: slave("step", size=0.5, start={}, end={}),
@@ -531,7 +542,7 @@ def _fields(thing: Any) -> dict[str, Any]:
 def public_names() -> list[str]:
     """All names of the root and of `rw.fmu` that can be called, without the errors."""
     names = [*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)]
-    return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), Exception))]
+    return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 
 
 PROTOCOL = {name for base in (Component, Node, Response) for name in vars(base)} - {"output", "input"}

@@ -9,6 +9,7 @@ stiffness; nothing of the library's closed forms is used.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from lines import GRAVITY, _span, _supports, _tension
@@ -20,8 +21,9 @@ import ropeway as rw
 @dataclass
 class Known:
     """A system as a user declares it, and its equilibrium: `force` at the spans' starts (n, 3) [N], `length` (n,) [m],
-    loads as (name, span, distance, pinned); `total`: unstretched rope of each section that has a fixed one, by its first
-    and last span; `ratio`: friction coefficient at each support; `free`: supports whose travel balances tensions."""
+    loads as (name, span, distance, weight, pinned); `friction` at each support; `free`: supports whose travel balances
+    tensions; `kept` tensions and `springs` (place without pull, stiffness) by their support; `sections` between
+    supports that hold the rope: first, last, and the rope in it where that is fixed."""
 
     seed: int
     kind: str
@@ -154,7 +156,7 @@ def _declared(
         system.add(node)
     cuts = [0, *(k for k in range(1, n) if holds[k]), n]
     declared, sections = length.copy(), []
-    for first, last in zip(cuts[:-1], cuts[1:], strict=True):
+    for first, last in pairwise(cuts):
         part = slice(first, last)
         chord = np.linalg.norm(np.diff(points, axis=0), axis=1)[part]
         loose = (first == 0 and ends[0] == "kept") or (last == n and ends[1] == "kept")
@@ -193,7 +195,7 @@ def _declared(
                 at=float(distance if pinned else place),
             )
             hung.append((name, k, float(distance), float(load), pinned))
-    free = [k for k in range(1, n) if not holds[k]] + [k for k in kept]
+    free = [k for k in range(1, n) if not holds[k]] + list(kept)
     case = Known(
         seed, "/".join(ends), system, material, points, force, length, hung, rough, sorted(free), kept, springs,
         sections, direction=direction,

@@ -16,6 +16,7 @@ import typer
 from typer.testing import CliRunner
 
 from ropeway.__main__ import app
+from ropeway.components.errors import RopewayWarning
 from ropeway.fmu.terminal import errors_on_one_line
 
 Command = Callable[..., Any]
@@ -165,10 +166,13 @@ def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
     return lambda *arguments: CliRunner().invoke(app, list(arguments))
 
 
-def test_a_tension_above_the_breaking_load_is_a_warning(line: str, command: Command) -> None:
-    done = command("simulate", line, "--tension", "620e3", "--until", "2", "--out", "o")
-    assert done.exit_code == 0
-    assert "warning: the highest tension is above the minimum breaking load" in done.stderr
+def test_a_tension_above_what_a_rope_may_bear_is_a_warning(line: str, command: Command) -> None:
+    for tension, load in (("620e3", "breaking load"), ("240e3", "safe working load")):
+        done = command("simulate", line, "--tension", tension, "--until", "2", "--out", "o")
+        assert done.exit_code == 0
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stderr.startswith("ropeway: warning: ")
+        assert load in done.stderr
     calm = command("simulate", line, "--until", "2", "--out", "o")
     assert calm.stderr == ""
 
@@ -199,7 +203,8 @@ def test_a_name_used_twice_does_not_lead_into_the_command_lines_own_code(tmp_pat
 
 def test_warnings_and_interrupts_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     with errors_on_one_line():
-        warnings.warn("The rope is above its\nbreaking load", UserWarning, stacklevel=1)
+        warnings.warn("The rope is above its\nbreaking load", RopewayWarning, stacklevel=1)
+        warnings.warn("Something of a library below", UserWarning, stacklevel=1)
     assert capsys.readouterr().err == "ropeway: warning: The rope is above its breaking load\n"
     with pytest.raises(typer.Exit) as ended, errors_on_one_line():
         raise KeyboardInterrupt
@@ -215,3 +220,11 @@ def test_printed_limits_are_on_the_safe_side(tmp_path: Path, command: Command) -
     least = table["payload"].min()
     (printed,) = [int(line.split()[2]) for line in done.stdout.splitlines() if line.startswith("Largest payload")]
     assert printed <= least < printed + 1
+
+
+def test_loads_that_are_too_heavy_are_called_that(line: str, command: Command) -> None:
+    done = command("simulate", line, "--load-mass", "30000", "--load-spacing", "60")
+    assert done.exit_code == 1
+    assert "too heavy" in done.stderr
+    assert "Newton" not in done.stderr
+    assert len(done.stderr.splitlines()) == 1

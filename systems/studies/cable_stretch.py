@@ -21,7 +21,7 @@ from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.hints import Positive
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope
-from ropeway.systems.studies.catenary_fundamentals import alike, require
+from ropeway.systems.studies.catenary_fundamentals import alike, finite, require
 from ropeway.systems.studies.vector_root import Array, Numbers, complex_step, newton
 from ropeway.systems.system import GRAVITY
 
@@ -124,9 +124,8 @@ def stretched_position(
         raise InputError("The average tension says nothing of points inside the rope", 'Use "elastic"')
     h, v = _force(horizontal, vertical)
     strain = strain_law(rope, construction=method == "elastic and construction")
-    return np.asarray(
-        catenary.stretched_length((h, 0.0, -v), rope.mass_per_length * gravity, np.asarray(stations, float), strain)
-    )
+    weight = rope.mass_per_length * gravity
+    return finite(catenary.stretched_length((h, 0.0, -v), weight, np.asarray(stations, float), strain), "position")
 
 
 def strain_law(rope: Rope, *, construction: bool) -> Strain:

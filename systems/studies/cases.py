@@ -27,7 +27,8 @@ def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, 
         low, high = ends_of
         if low >= high:
             raise InputError(f"Bounds of {name!r} are {low:g} and {high:g}", "Give the low one first")
-    check.count(samples * len(bounds), "latin_hypercube", "values")
+    check.not_negative(seed, "latin_hypercube", "seed")
+    check.count(samples * len(bounds), "latin_hypercube", "values", 1_000_000)
     ends = np.array(list(bounds.values()), dtype=float)
     share = LatinHypercube(len(bounds), rng=np.random.default_rng(seed)).random(samples)
     return pd.DataFrame(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]), columns=list(bounds))

@@ -55,6 +55,7 @@ def payload_command(
     )
     study = payload(rig, safety_factor=safety_factor, clearance=clearance, stations=default_stations(rig, spacing))
     folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
     table, picture = folder / "payload.csv", folder / "payload.png"
     with whole(table) as file:
         study.frame.to_csv(file, index=False)

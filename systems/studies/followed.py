@@ -17,8 +17,8 @@ from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError, UnknownNameError
 from ropeway.systems.decoupled import drives_of
 from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.line_stepper import rates_of
 from ropeway.systems.model import component_of
-from ropeway.systems.moving import rates_of
 from ropeway.systems.newton import Point, newton_of
 from ropeway.systems.result import Result
 from ropeway.systems.simulation import update_of

@@ -74,7 +74,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     check.positive(spacing, "support_range", "spacing", "m")
     if not start <= end:
         raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
-    check.count((end - start) / spacing, "support_range", "candidates")
+    check.count((end - start) / spacing, "support_range", "candidates", 10_000)
     stations = np.arange(start, end + 1e-9 * spacing, spacing)
     return tuple(Candidate(f"support_{i}", float(x), tuple(heights)) for i, x in enumerate(stations, 1))
 

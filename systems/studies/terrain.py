@@ -189,7 +189,7 @@ class Profile:
     def resampled(self, spacing: float) -> Profile:
         """At even stations about `spacing` metres apart, first and last kept."""
         check.positive(spacing, "Profile", "spacing", "m")
-        check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations")
+        check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations", 1_000_000)
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
         stations = np.linspace(self.station[0], self.station[-1], count)
         return Profile(stations, self.elevations(stations))

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -73,12 +73,20 @@ class SpanProblem:
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
         """x and z (up) of end b; vertical: upward force of the support at a on the rope."""
-        end = self._stations(horizontal, vertical)[-1].reach
-        x, z = finite([end[0], end[2]], "reach")
+        x, z = finite(self._end(horizontal, vertical), "reach")
         return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
         """Stretched length."""
+        return float(finite(self._total(horizontal, vertical), "stretched length"))
+
+    def _end(self, horizontal: float, vertical: float) -> tuple[float, float]:
+        """As `reach`, for iterates: NaN where there is none."""
+        end = self._stations(horizontal, vertical)[-1].reach
+        return float(end[0]), float(end[2])
+
+    def _total(self, horizontal: float, vertical: float) -> float:
+        """As `stretched`, for iterates: NaN where there is none."""
         force = (horizontal, 0.0, -vertical)
         total, at = 0.0, 0.0
         for distance, load, station in zip(
@@ -86,7 +94,7 @@ class SpanProblem:
         ):
             total += float(catenary.stretched_length(force, self.weight, distance - at, self.strain))
             force, at = (station.force[0], 0.0, station.force[2] + load), distance
-        return float(finite(total, "stretched length"))
+        return total
 
     @cached_property
     def start(self) -> tuple[float, float]:
@@ -141,10 +149,7 @@ def solve_span(
     at most, the substitution goes half of each step (in 1/H). Newton takes 6 evaluations of one equation a round
     (forward differences), Brown 5. unknowns: for Newton and Brown. Raises InputError.
     """
-    if method not in get_args(SpanMethod):
-        raise InputError(f"No method {method!r}", f"Known are {', '.join(map(repr, get_args(SpanMethod)))}")
-    if unknowns not in get_args(Unknowns):
-        raise InputError(f"No unknowns {unknowns!r}", f"Known are {', '.join(map(repr, get_args(Unknowns)))}")
+    check.count(limit, "solve_span", "iterates", 1_000)
     check.positive(tolerance, "solve_span", "tolerance")
     h, v = problem.start if start is None else start
     check.positive(h, "solve_span", "horizontal tension of start")
@@ -193,7 +198,7 @@ class _Equations:
         return float(self._misses(u)[which])
 
     def _misses(self, u: Array) -> Array:
-        return np.subtract(self.problem.reach(*self.force(u)), (self.problem.span, self.problem.rise))
+        return np.subtract(self.problem._end(*self.force(u)), (self.problem.span, self.problem.rise))
 
     def row(self, u: Array) -> tuple[float, float, float, float, float, int]:
         h, v = self.force(u)
@@ -207,9 +212,9 @@ def _substitution(equations: _Equations, u: Array, damped: bool) -> Array:
     A round brings the error of H down by -(stretch)/(2 excess): it diverges for a rope tauter than its chord."""
     problem = equations.problem
     h, v = equations.force(u)
-    x, z = problem.reach(h, v)
+    x, z = problem._end(h, v)
     equations.evaluations += 2
-    length = problem.stretched(h, v)
+    length = problem._total(h, v)
     ratio = (length - float(np.hypot(x, z))) / (length - problem.chord)
     h_new = h * float(np.sqrt(ratio)) if ratio > 0.0 else np.nan
     if damped:

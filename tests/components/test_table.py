@@ -117,6 +117,7 @@ def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> Non
     ("text", "words"),
     [
         ("time;speed\n1.234;5\n", "line 2, column time: '1.234' is 1.234 with a decimal point and 1234"),
+        ("time;speed\n-2,345;5\n", "Write -2345 without setting thousands apart, or -2,3450 for a decimal"),
         ("time;speed\n0;1,5\n3;2.5\n", "line 3, column speed: '2.5' and '1,5' have different decimal marks"),
         ("time;speed\n0;1\n\n3;12 m/s\n", "line 4, column speed: '12 m/s' is not a number"),
         ("time;speed\n0;1\n3;1_000\n", "line 3, column speed: '1_000' is not a number"),
@@ -165,7 +166,7 @@ def test_files_that_hold_no_table(tmp_path: Path) -> None:
         with pytest.raises(rw.InputError, match=words):
             rw.Schedule.from_csv(tmp_path / name)
     for path in (tmp_path, tmp_path / "none.csv", "a\0b.csv", tmp_path / ("n" * 300)):
-        with pytest.raises(rw.InputError, match=r"folder|no file|cannot be read"):
+        with pytest.raises(rw.InputError, match=r"folder|no file|cannot be read|NUL"):
             rw.Profile.from_csv(path)
     for wrong in (None, 3, b"plan.csv", {"time": [0]}, [0, 1]):
         with pytest.raises(rw.InputError, match="DataFrame"):

@@ -130,7 +130,7 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     with pytest.raises(FmuVariableError, match=r"'c1\.tension_in' of line2\.fmu is calculated"):
         together.add("c", line2, start={"c1.tension_in": 1.0})
     with pytest.raises(rw.InputError, match=r"c1\.speed is 'fast'"):
-        together.add("c", line2, start={"c1.speed": "fast"})  # type: ignore[dict-item]
+        together.add("c", line2, start={"c1.speed": "fast"})
     with pytest.raises(rw.InputError, match="kind is 'cs'"):
         together.add("c", line2, kind="cs")  # type: ignore[arg-type]
 

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import threading
 import zipfile
 from pathlib import Path
 from typing import Any, Literal
@@ -15,6 +14,7 @@ from masses import mass_fmu
 
 import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuImportError, FmuRunError, Slave, StepControl, load
+from ropeway.fmu.recording import Recorder
 
 Kind = Literal["CoSimulation", "ModelExchange"]
 
@@ -119,13 +119,18 @@ def test_a_binary_that_does_not_load(tmp_path: Path, mass: Path) -> None:
         slave.enter(0.0, {})
 
 
-def test_ctrl_c_leaves_the_rows_so_far(mass: Path) -> None:
-    together = CoSimulation(1e-4)
+def test_ctrl_c_leaves_the_rows_so_far(mass: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add = Recorder.add
+
+    def interrupted(self: Recorder, time: float) -> None:
+        add(self, time)
+        if len(self.times) == 8:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Recorder, "add", interrupted)
+    together = CoSimulation(0.1)
     together.add("k", mass)
-    timer = threading.Timer(0.4, lambda: signal.raise_signal(signal.SIGINT))
-    timer.start()
     with pytest.raises(rw.Interrupted) as caught:
-        together.run(1e3)
-    timer.join()
+        together.run(10.0)
     assert isinstance(caught.value.result, pd.DataFrame)
-    assert len(caught.value.result) > 10
+    assert caught.value.result.index.tolist() == pytest.approx(np.arange(8) * 0.1)

@@ -107,9 +107,9 @@ def test_same_system_same_fingerprint(tmp_path: Path) -> None:
     [
         ({"fmi": "1.0"}, "fmi is '1.0'"),
         ({"platforms": ("amiga",)}, "'amiga' is not known"),
-        ({"platforms": "host"}, "is the text"),
+        ({"platforms": "host"}, "platforms is 'host'. Give a sequence of texts"),
         ({"tolerance": 0.0}, "tolerance"),
-        ({"outputs": "a_b.tension_a"}, "The text 'a_b.tension_a' is given for names"),
+        ({"outputs": "a_b.tension_a"}, "outputs is 'a_b.tension_a'. Give a sequence of texts"),
         ({"outputs": ["a.b"]}, "'a.b' is not an output"),
         ({"inputs": ["x"]}, "'x' is not an input"),
         ({"parameters": ["x"]}, "'x' is not a parameter"),

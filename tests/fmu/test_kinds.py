@@ -9,19 +9,19 @@ import pytest
 from kinds import described
 
 import ropeway as rw
-from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError, Slave, component, load
+from ropeway.fmu import CoSimulation, FmuImportError, FmuVariableError, Slave, StepControl, component, load
 
 Kind = Literal["CoSimulation", "ModelExchange"]
 
 
-def alone(path: Path, kind: Kind, step: float = 0.1, **start: Any) -> CoSimulation:
+def alone(path: Path, kind: Kind, /, step: float = 0.1, **start: Any) -> CoSimulation:
     together = CoSimulation(step)
     together.add("k", path, kind=kind, start=start)
     return together
 
 
 def test_values_of_all_kinds_pass(kinds: Path, kind: Kind) -> None:
-    given = {"count": -(2**31), "brake": True, "text": "Füße", "gear": "high"}
+    given: dict[str, Any] = {"count": -(2**31), "brake": True, "text": "Füße", "gear": "high"}
     frame = alone(kinds, kind, **given).run(0.2)
     last = frame.iloc[-1]
     assert [last[f"k.{name}_out"] for name in given] == [-(2**31), True, "Füße", 2]
@@ -34,7 +34,7 @@ WIDE |= {"int64": -(2**63), "uint64": 2**64 - 1}
 
 
 def test_types_of_version_3(kinds3: Path, kind: Kind) -> None:
-    given = {**WIDE, "float32": 7.0, "binary": b"\x00\xff\x01"}
+    given: dict[str, Any] = {**WIDE, "float32": 7.0, "binary": b"\x00\xff\x01"}
     frame = alone(kinds3, kind, **given).run(0.2)
     assert {name: frame[f"k.{name}_out"].iloc[-1] for name in given} == given
     assert frame["k.uint64_out"].dtype == np.uint64
@@ -75,7 +75,7 @@ def test_sizes_follow_structural_parameters(kinds3: Path, kind: Kind) -> None:
         ("tick", 1, "Clocks tick by themselves"),
     ],
 )
-def test_values_that_do_not_fit(kinds3: Path, name: str, value: object, cause: str) -> None:
+def test_values_that_do_not_fit(kinds3: Path, name: str, value: Any, cause: str) -> None:
     with pytest.raises(FmuVariableError, match=cause) as caught:
         alone(kinds3, "CoSimulation", **{name: value})
     assert caught.value.variable == name
@@ -97,6 +97,18 @@ def test_a_limit_switch_stops_a_drive(kinds2: Path, kinds3: Path, kind: Kind) ->
     last = frame.iloc[-1]
     assert [last[f"two.{n}_out"] for n in ("text", "gear", "count", "int64", "d", "uint8")] == ["x", 2, 3, 3, 3.0, 1]
     assert frame["two.brake_out"].equals(frame["one.limit"].rename("two.brake_out"))
+
+
+@pytest.mark.parametrize("method", ["Richardson", "coupling error"])
+def test_a_step_control_meets_a_switch(kinds2: Path, kinds3: Path, kind: Kind, method: Any) -> None:
+    """x rises by 1 m/s up to the level; the other one, of 2 m/s, is braked then."""
+    together = CoSimulation(0.1, iterated=True, control=StepControl(method, least=1e-5))
+    together.add("one", kinds2, kind=kind, start={"level": 0.55, "u": 1.0})
+    together.add("two", kinds3, kind=kind, start={"u": 2.0})
+    together.connect("one.limit", "two.brake")
+    frame = together.run(3.0)
+    assert frame["two.x"].iloc[-1] == pytest.approx(1.1, abs=2e-4)
+    assert len(frame) < 80
 
 
 def test_connections_that_do_not_fit(kinds2: Path, kinds3: Path) -> None:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import ropeway as rw
+from ropeway.components.errors import RopewayWarning
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.limit_lines import Limit, draw_limits
 
@@ -56,7 +57,8 @@ def strong() -> rw.Result:
 
 @pytest.fixture(scope="module")
 def weak() -> rw.Result:
-    return run(WEAK)
+    with pytest.warns(RopewayWarning, match="times the rope's minimum breaking load"):
+        return run(WEAK)
 
 
 def labels(axis: Axes) -> list[str]:

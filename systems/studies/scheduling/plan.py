@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from ropeway.components.checked import checked
-from ropeway.components.errors import InputError
+from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.files import whole
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
@@ -107,7 +107,9 @@ class SchedulePlan:
         return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
 
     def told(self, name: str) -> str:
-        """An objective with its value, unit and the time that it counts, as a text."""
+        """An objective with its value, unit and the time that it counts, as a text. Raises UnknownNameError."""
+        if name not in self.objectives:
+            raise UnknownNameError(f"The plan has no objective {name!r}", f"It has {', '.join(self.objectives)}")
         since = 0.0 if name == "energy" else self.settle
         unit = "kJ" if name == "energy" else "kN"
         return f"{name} {self.objectives[name] / 1e3:.6g} {unit} from {since:g} to {self.until:g} s"

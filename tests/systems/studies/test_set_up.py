@@ -46,7 +46,7 @@ def test_impossible_wishes_are_refused() -> None:
 
 def test_turns_that_a_rope_cannot_carry_are_refused() -> None:
     new = rig(rw.Rope(2.4, 24e6, 450.3e3, stretch=rw.ConstructionStretch(0.0414)))
-    for turn, words in (((90.0, -1.0), "negative"), ((90.0, 1e5), "breaking load"), ((390.0, 1.0), "outside")):
+    for turn, words in (((90.0, -1.0), "zero or more"), ((90.0, 1e5), "breaking load"), ((390.0, 1.0), "outside")):
         with pytest.raises(rw.InputError, match=words):
             rw.tension_history(new, [(90.0, 1000.0), turn])
 

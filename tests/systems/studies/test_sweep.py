@@ -134,7 +134,7 @@ def test_a_slack_line_is_the_one_a_taut_line_becomes() -> None:
 
 
 def test_an_impossible_line_is_a_row() -> None:
-    found = rw.sweep(line(), {"l1.mass": [250.0, -1.0], "s1_s2.length": [101.0, 1e4]}, workers=1)
+    found = rw.sweep(line(), {"l1.mass": [250.0, -1.0], "s1_s2.length": [101.0, 30.0]}, workers=1)
     assert found["error"].tolist() == ["", "EquilibriumError", "InputError", "InputError"]
     assert found["s0_s1.tension_a"].notna().tolist() == [True, False, False, False]
     assert found["message"].str.len().gt(10).tolist() == [False, True, True, True]
@@ -289,7 +289,7 @@ def test_wrong_input_comes_before_the_first_case() -> None:
         rw.sweep(area, {"width": [1.0]}, outputs=["area"])
     with pytest.raises(rw.InputError, match="does not take these parameters"):
         rw.sweep(area, {"length": [1.0]})
-    with pytest.raises(rw.InputError, match="The study is a float"):
+    with pytest.raises(rw.InputError, match=r"study is 1\.0\. Give a function or a System or a Model"):
         rw.sweep(1.0, {"length": [1.0]})  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="list of its values"):
         rw.sweep(area, {"width": 1.0})

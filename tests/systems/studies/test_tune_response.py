@@ -117,8 +117,8 @@ def test_wrong_input() -> None:
         ({"increment": (0.1, 0.1)}, "increment is tuned over"),
         ({"increment": (0.1, np.inf)}, "finite number"),
         ({"precedence": ("all at once",)}, "precedence is tuned over"),
-        ({"precedence": "all at once"}, "precedence is tuned over"),
-        ({"increment": 0.05}, "increment is tuned over"),
+        ({"precedence": "all at once"}, "Give 2 values or a sequence of texts"),
+        ({"increment": 0.05}, r"over\['increment'\] is 0.05"),
         ({"precedence": ("all at once", "loudest first")}, "loudest first"),
     ):
         with pytest.raises(rw.InputError, match=message):
