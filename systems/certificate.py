@@ -18,7 +18,7 @@ import pandas as pd
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, SpanPlaces, layout_of
+from ropeway.systems.certificate_layout import CertificateLayout, SpanPlaces, layout_of
 from ropeway.systems.certificate_spans import Hung, Shape, Spans, closures, hung, pulls, read_spans, shape
 from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
@@ -122,14 +122,15 @@ class Certificate:
         )
 
     @classmethod
-    def worst(cls, certificates: Iterable[Certificate]) -> Certificate:
-        """Of each check the worst, or the first that failed."""
+    def worst(cls, checks: Iterable[Check]) -> Certificate:
+        """Of the checks of each name the worst, or the first that failed."""
         found: dict[str, Check] = {}
-        for certificate in certificates:
-            for check in (*certificate.checks, *([certificate.utilisation] if certificate.utilisation else [])):
-                if check.name not in found or check.worse_than(found[check.name]):
-                    found[check.name] = check
-        return cls(tuple(c for name, c in found.items() if name != UTILISATION), found.get(UTILISATION))
+        for check in checks:
+            known = found.get(check.name)
+            if known is None or check.worse_than(known):
+                found[check.name] = check
+        used = found.pop(UTILISATION, None)
+        return cls(tuple(found.values()), used)
 
 
 SPANS_END = "distance of a span's end from its support over its chord"
@@ -182,7 +183,7 @@ def certify(
     checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held, INSIDE)
     if given:
         checks.append(_given(model, point, runs, passed, given))
-    return Certificate.worst([Certificate(tuple(checks))])
+    return Certificate.worst(checks)
 
 
 def certify_records(
@@ -192,20 +193,16 @@ def certify_records(
     `passed` as in `certify`. A check that fails is that of the first state in which it does."""
     layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
-    found, first = [], 0
+    found: list[Check] = []
+    first = 0
     while chunk := list(itertools.islice(states, size)):
         points = [point for point, _ in chunk]
         values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
-        found.append(
-            Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), (), IN_RUN)))
-        )
+        checks = _checks(model, values, points, runs, beyond, (), (), IN_RUN)
+        found += [check._replace(record=check.record + first) for check in checks]
         first += len(chunk)
     return Certificate.worst(found)
-
-
-def _later(check: Check, first: int) -> Check:
-    return check._replace(record=check.record + first)
 
 
 def _stacked(*vectors: np.ndarray) -> np.ndarray:
@@ -264,7 +261,7 @@ def _stability(
             pivot, balance = least_pivot(model, point, free)
             name = component_of(model.z.names[balance.travel])
             found.append(Check(STABLE, pivot, 0.0, name, i if quick is None else quick[1], lower=True))
-    return list(Certificate.worst(Certificate((check,)) for check in found).checks)
+    return list(Certificate.worst(found).checks)
 
 
 def _worst(name: str, misses: np.ndarray, limit: float, components: Sequence[str], *, lower: bool = False) -> Check:
@@ -324,7 +321,7 @@ def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hu
     if used < places.slots.shape[1]:
         lost = lost | (values.take(places.slots[0, used:], axis=1) != 0.0).any(axis=1)
     away[lost] = np.inf
-    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, None]) * loads.there
+    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, None])
     return [
         _worst(ON_ROPE, away, PLACE, places.names),
         _worst(IN_SPAN, beyond.max(axis=1) / mean, inside, places.names),

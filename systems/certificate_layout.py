@@ -94,7 +94,8 @@ class _Seat:
 @dataclass(frozen=True, eq=False)
 class CertificateLayout:
     """All places of a model. `kinds`: components with laws of their own; `others`: residuals that no law stands
-    for; `free`: (supports,) whether a support, run after run, is an idler or a drum that keeps its tension; `held`: place of what says that a load stands on it; `plain`: whether ropes hold no node."""
+    for; `free`: whether a support, run after run, is an idler or a drum that keeps its tension; `held`: place of what
+    says that a load stands on it; `plain`: whether ropes hold no node."""
 
     spans: SpanPlaces
     kinds: tuple[Kindred, ...]

@@ -19,19 +19,20 @@ from ropeway.systems.run import Run
 
 class Spans(NamedTuple):
     """What is known of spans: tension vector at the start (records, 3, spans), horizontal tension squared, weight per
-    metre, strain coefficients, minimum breaking load, unstretched length: at the start, without and with what lies on
-    shoes, chord vector (records, 3, spans) and its length, the coordinates' largest size, and the travel at end a with
-    the rope beside it."""
+    metre, strain coefficients and whether any c2 is not zero, minimum breaking load, unstretched length: at the start,
+    now without and with what lies on shoes, chord vector (records, 3, spans) and its length, the coordinates' largest
+    size, and the travel at end a with the rope beside it."""
 
     force: np.ndarray
     horizontal2: np.ndarray
     weight: np.ndarray
     c1: np.ndarray
     c2: np.ndarray
+    curved: bool
     breaking_load: np.ndarray
     at_start: np.ndarray
-    whole: np.ndarray
     length: np.ndarray
+    whole: np.ndarray
     way: np.ndarray
     chord: np.ndarray
     coordinates: np.ndarray
@@ -58,10 +59,11 @@ def read_spans(places: SpanPlaces, values: np.ndarray, gravity: np.ndarray) -> S
         weight=found[:, 4] * gravity,
         c1=found[:, 5],
         c2=found[:, 6],
+        curved=bool(found[:, 6].any()),
         breaking_load=found[:, 7],
         at_start=found[:, 3],
-        whole=whole,
         length=length,
+        whole=whole,
         way=way,
         chord=_norm(way),
         coordinates=np.abs(a).reshape(len(a), -1).max(axis=1)[:, None],
@@ -161,11 +163,11 @@ def shape(spans: Spans, loads: Hung | None, gravity: np.ndarray) -> Shape:
     np.negative(vertical[0] + gain, out=vertical[1])
     tension = np.sqrt(vertical * vertical + h2)
     steep = np.abs(vertical) + tension
-    brackets = np.where(vertical >= 0.0, steep, h2 / steep)
-    angle = np.log1p(2.0 * gain / (brackets[0] + brackets[1])) / weight
+    np.divide(h2, steep, out=steep, where=vertical < 0.0)  # the brackets, where they would cancel
+    angle = np.log1p(2.0 * gain / (steep[0] + steep[1])) / weight
     both, total = vertical[0] - vertical[1], tension[0] + tension[1]
     across, lift = angle + c1 * piece, 1.0 / total + 0.5 * c1
-    if spans.c2.any():
+    if spans.curved:
         c2 = spans.c2[:, None]
         across = across + c2 * (piece / 4.0 * (total + both * both / total) + h2 * angle / 2.0)
         lift = lift + c2 * (total * total - tension[0] * tension[1]) / (3.0 * total)

@@ -25,8 +25,7 @@ def _stiffness(spans: Spans, found: Shape) -> tuple[np.ndarray, np.ndarray, np.n
     elastic = spans.c1 * spans.length
     flat = elastic + np.maximum(found.angle.sum(axis=1) - turned, 0.0)
     upright = elastic + np.maximum(turned, 0.0)
-    curved = bool(spans.c2.any())
-    if curved:
+    if spans.curved:
         more = _constructional(spans, found)
         flat, upright, shared = flat + more[0], upright + more[1], shared + more[2]
     # Directions of the rope at both ends, (2, records, spans).
@@ -41,7 +40,7 @@ def _stiffness(spans: Spans, found: Shape) -> tuple[np.ndarray, np.ndarray, np.n
     det = flat * upright - shared * shared
     own = (ahead * level + across * rise) / det
     cross = (ahead[0] * level[1] + across[0] * rise[1]) / det
-    stretch = 1.0 + tension * (spans.c1 + spans.c2 * tension if curved else spans.c1)
+    stretch = 1.0 + tension * (spans.c1 + spans.c2 * tension if spans.curved else spans.c1)
     own *= stretch
     rise *= w
     return own[0] + rise[0], own[1] - rise[1], stretch[0] * stretch[1] * cross * cross
