@@ -49,10 +49,14 @@ class _Signature(NamedTuple):
     required: tuple[str, ...]
     checks: Mapping[str, Check | None]
     rest: str
+    open: bool
+    """Whether all is allowed: as the laws of a component, which the solvers call."""
 
     def admit(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[Any, ...]:
         """Positional arguments as they are used; those by name are replaced in place. Raises InputError."""
         checks, positional, given = self.checks, self.positional, len(args)
+        if self.open and given == len(positional) and not kwargs:
+            return args
         if given > len(positional) and not self.rest:
             bound = positional[:1] in (("self",), ("cls",))
             raise InputError(
@@ -144,7 +148,8 @@ def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signatur
             positional.append(name)
         if parameter.default is parameter.empty:
             required.append(name)
-    return _Signature(owner, tuple(positional), tuple(required), checks, rest)
+    everything = not rest and len(checks) == len(positional) and not any(checks.values())
+    return _Signature(owner, tuple(positional), tuple(required), checks, rest, everything)
 
 
 def _hints_of(function: Any, kind: type | None = None) -> dict[str, Any]:

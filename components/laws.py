@@ -20,7 +20,7 @@ class Law(NamedTuple):
 
 def tension(force: np.ndarray) -> np.ndarray:
     """Size of a force [N]."""
-    return np.asarray(np.sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]))
+    return np.asarray(np.sqrt((force * force).sum(axis=0)))
 
 
 def wrap(coming: np.ndarray, going: np.ndarray) -> np.ndarray:

@@ -88,9 +88,11 @@ def tension_law(v: Any, t_in: Any, t_out: Any) -> Any:
 
 def free_or_held(v: Any, by: np.ndarray | float = 1.0) -> laws.Law:
     """The law of a wheel that turns freely: tensions in the ratio `by`, or the travel at which a load stands on it."""
-    free = laws.ratio(v.a.force, v.b.force, by)
+    free, held = laws.ratio(v.a.force, v.b.force, by), v.held > 0.0
+    if not held.any():
+        return free
     standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as the residual has it
-    return laws.Law(np.where(v.held > 0.0, standing, free.miss), free.size)
+    return laws.Law(np.where(held, standing, free.miss), free.size)
 
 
 @checked

@@ -10,6 +10,7 @@ import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -17,8 +18,8 @@ import pandas as pd
 
 from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.certificate_layout import ENDS, SPAN, CertificateLayout, SpanPlaces, layout_of
-from ropeway.systems.certificate_spans import Hung, Shape, Spans, hung, pulls, read_spans, shape
+from ropeway.systems.certificate_layout import CertificateLayout, SpanPlaces, layout_of
+from ropeway.systems.certificate_spans import Hung, Shape, Spans, closures, hung, pulls, read_spans, shape
 from ropeway.systems.certificate_stability import least_pivots
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Buffered, Point, dense, outputs_of
@@ -47,8 +48,7 @@ _BATCH = 200_000
 """Numbers in one array of a batch of records, about: more take memory and save no time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Check:
+class Check(NamedTuple):
     """One check: its worst `value`, its `limit`, and the `component` and `record` where it is worst. The value is at
     most the limit; of `lower` limits it is above it."""
 
@@ -122,14 +122,15 @@ class Certificate:
         )
 
     @classmethod
-    def worst(cls, certificates: Iterable[Certificate]) -> Certificate:
-        """Of each check the worst, or the first that failed."""
+    def worst(cls, checks: Iterable[Check]) -> Certificate:
+        """Of the checks of each name the worst, or the first that failed."""
         found: dict[str, Check] = {}
-        for certificate in certificates:
-            for check in (*certificate.checks, *([certificate.utilisation] if certificate.utilisation else [])):
-                if check.name not in found or check.worse_than(found[check.name]):
-                    found[check.name] = check
-        return cls(tuple(c for name, c in found.items() if name != UTILISATION), found.get(UTILISATION))
+        for check in checks:
+            known = found.get(check.name)
+            if known is None or check.worse_than(known):
+                found[check.name] = check
+        used = found.pop(UTILISATION, None)
+        return cls(tuple(found.values()), used)
 
 
 SPANS_END = "distance of a span's end from its support over its chord"
@@ -182,7 +183,7 @@ def certify(
     checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held, INSIDE)
     if given:
         checks.append(_given(model, point, runs, passed, given))
-    return Certificate.worst([Certificate(tuple(checks))])
+    return Certificate.worst(checks)
 
 
 def certify_records(
@@ -192,20 +193,16 @@ def certify_records(
     `passed` as in `certify`. A check that fails is that of the first state in which it does."""
     layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
-    found, first = [], 0
+    found: list[Check] = []
+    first = 0
     while chunk := list(itertools.islice(states, size)):
         points = [point for point, _ in chunk]
         values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
-        found.append(
-            Certificate(tuple(_later(c, first) for c in _checks(model, values, points, runs, beyond, (), (), IN_RUN)))
-        )
+        checks = _checks(model, values, points, runs, beyond, (), (), IN_RUN)
+        found += [check._replace(record=check.record + first) for check in checks]
         first += len(chunk)
     return Certificate.worst(found)
-
-
-def _later(check: Check, first: int) -> Check:
-    return Check(check.name, check.value, check.limit, check.component, check.record + first, check.lower)
 
 
 def _stacked(*vectors: np.ndarray) -> np.ndarray:
@@ -225,8 +222,7 @@ def _checks(
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
-    start = len(model.x) + len(model.z) + len(model.u)
-    gravity = values[:, start : start + 1]
+    gravity = values[:, places.gravity, None]
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
             spans = read_spans(places, values, gravity)
@@ -236,7 +232,7 @@ def _checks(
             pull = pulls(spans, found)
         else:
             pull = np.zeros((3, len(values), 1))
-        checks += _law_checks(model, layout, values, pull)
+        checks += _law_checks(layout, values, pull)
         if len(layout.others):
             checks.append(_other_equations(model, layout, points))
         quick = None
@@ -265,16 +261,15 @@ def _stability(
             pivot, balance = least_pivot(model, point, free)
             name = component_of(model.z.names[balance.travel])
             found.append(Check(STABLE, pivot, 0.0, name, i if quick is None else quick[1], lower=True))
-    return list(Certificate.worst(Certificate((check,)) for check in found).checks)
+    return list(Certificate.worst(found).checks)
 
 
 def _worst(name: str, misses: np.ndarray, limit: float, components: Sequence[str], *, lower: bool = False) -> Check:
     """The worst of misses (records, components): the largest in the first record that fails, else in all."""
     flat = int(misses.argmin() if lower else misses.argmax())  # both stop at the first that is not a number
-    check = Check(
-        name, float(misses.flat[flat]), limit, components[flat % misses.shape[1]], flat // misses.shape[1], lower
-    )
-    if check.holds or len(misses) == 1:
+    record, place = divmod(flat, misses.shape[1])
+    check = Check(name, misses.item(flat), limit, components[place], record, lower)
+    if len(misses) == 1 or check.holds:
         return check
     good = misses > limit if lower else misses <= limit
     record = int(np.argmax(~good.all(axis=1)))
@@ -292,50 +287,55 @@ def _span_checks(
     inside: float,
 ) -> list[Check]:
     places = layout.spans
-    off = found.reach - spans.way
-    miss = np.sqrt((off * off).sum(axis=1))
+    miss = closures(spans, found)
     size = spans.chord + 1e-5 * (np.abs(spans.length) + spans.coordinates)
     checks = [
         _worst(SPANS_END, miss / size, CLOSURE, places.names),
         _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
-        _worst(UTILISATION, np.maximum(found.t0[:, :, 0], found.t1[:, :, -1]) / spans.breaking_load, 1.0, places.names),
+        _worst(
+            UTILISATION,
+            np.maximum(found.tension[0, :, 0], found.tension[1, :, -1]) / spans.breaking_load,
+            1.0,
+            places.names,
+        ),
     ]
     if loads is not None:
         checks += _load_checks(places, values, spans, loads, inside)
     if rope:
-        ends = places.runs
-        read = values[0, places.read]
-        own = read[SPAN.index("length_start")] + read[len(SPAN)] - read[len(SPAN) + len(ENDS)]
-        totals = np.array([own[a:b].sum() for a, b in itertools.pairwise(ends)])  # rope on shoes counts
-        missing = np.abs(totals - np.asarray(rope)) / np.asarray(rope)
-        checks.append(_worst(ROPE_SUM, missing[None], ROPE, [places.names[a] for a in ends[:-1]]))
+        missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
+        checks.append(_worst(ROPE_SUM, missing, ROPE, [places.names[a] for a in places.runs[:-1]]))
     return checks
 
 
 def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung, inside: float) -> list[Check]:
     """The slots of the model hold the loads of the runs, and these hang within their spans."""
-    used = loads.distance.shape[2]
-    slots, mean = values[:, places.slots[:, :, :used]], spans.chord.sum(axis=1)[:, None] / len(places.names)
-    read = slots[:, 1] + slots[:, 2] * spans.travel_a[:, :, None] + slots[:, 3] * spans.length[:, :, None]
-    away = np.where(loads.there, np.abs(read - loads.distance), 0.0)
+    used = loads.distance.shape[1]
+    slots = values.take(places.slots[:, :used], axis=1)
+    read = slots[:, 2] * spans.travel_a[:, None] + slots[:, 3] * spans.length[:, None]
+    read += slots[:, 1]
+    away = np.abs(read - loads.distance) * loads.there
     away[slots[:, 0] != loads.mass] = np.inf
-    away = away.max(axis=2) / mean
-    away[loads.lost | (values[:, places.slots[0, :, used:]] != 0.0).any(axis=2)] = np.inf
-    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, :, None]) * loads.there
+    away, mean = away.max(axis=1), spans.chord.sum(axis=1)[:, None] / len(places.names)
+    away /= mean
+    lost = loads.lost
+    if used < places.slots.shape[1]:
+        lost = lost | (values.take(places.slots[0, used:], axis=1) != 0.0).any(axis=1)
+    away[lost] = np.inf
+    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, None])
     return [
         _worst(ON_ROPE, away, PLACE, places.names),
-        _worst(IN_SPAN, beyond.max(axis=2) / mean, inside, places.names),
+        _worst(IN_SPAN, beyond.max(axis=1) / mean, inside, places.names),
     ]
 
 
-def _law_checks(model: Model, layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:
+def _law_checks(layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:
     checks = []
     for kind in layout.kinds:
         for name, law in kind.laws(values, pull).items():
-            miss = np.broadcast_to(np.abs(law.miss) / law.size, (len(values), len(kind.names)))
-            k = model.r.index.get(f"{kind.names[0]}.{name}")
-            text = name if k is None else model.r.descriptions[k]
-            checks.append(_worst(f"{type(kind.first).__name__}: {text}", miss, LAW, kind.names))
+            miss, shape = np.abs(law.miss / law.size), (len(values), len(kind.names))
+            if miss.shape != shape:
+                miss = np.broadcast_to(miss, shape)
+            checks.append(_worst(kind.titles[name], miss, LAW, kind.names))
     return checks
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,26 +31,29 @@ ENDS = ("travel", "x", "y", "z", "rope", "aside_x", "aside_z")
 @dataclass(frozen=True, eq=False)
 class SpanPlaces:
     """Places of all spans, run after run. `read` (22, spans): of `SPAN`, and of `ENDS` at both ends; `slots`
-    (4, spans, slots): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
-    behind; `shoes`: whether a rope leaves a node beside its place anywhere."""
+    (4, slots, spans): mass, at, ride, empty of each load slot; `runs`: the first span of each run, and their number
+    behind; `gravity`: its place; `shoes`: whether a rope leaves a node beside its place anywhere."""
 
     names: tuple[str, ...]
     read: np.ndarray
     slots: np.ndarray
     slot_counts: np.ndarray
     runs: tuple[int, ...]
+    gravity: int
     shoes: bool
 
 
 @dataclass(frozen=True, eq=False)
 class Kindred:
     """Components of one kind: `first` stands for all `names`. `variables`: places of each (components,); `seats`:
-    for each seat the rope end that sits there, a number of `force_at_ends`, and the place of the rope's speed."""
+    for each seat the rope end that sits there, a number of `force_at_ends`, and the place of the rope's speed;
+    `titles`: what each law says, by the name of its residual."""
 
     first: Component
     names: tuple[str, ...]
     variables: dict[str, np.ndarray]
     seats: dict[str, tuple[np.ndarray, np.ndarray]]
+    titles: dict[str, str]
 
     def laws(self, values: np.ndarray, pulls: np.ndarray) -> Any:
         """Laws of the components for values (records, all) and pulls (3, records, ends)."""
@@ -65,27 +67,40 @@ class _Reading:
         self._kind, self._values, self._pulls = kind, values, pulls
 
     def __getattr__(self, name: str) -> Any:
-        if name == "gravity":
-            return self._values[:, self._kind.variables["gravity"]]
-        if name in self._kind.seats:
-            end, speed = self._kind.seats[name]
-            return SimpleNamespace(force=self._pulls[:, :, end], speed=self._values[:, speed])
-        try:
-            return self._values[:, self._kind.variables[name]]
-        except KeyError:
-            raise AttributeError(name) from None
+        seat = self._kind.seats.get(name)
+        if seat is not None:
+            return _Seat(self._values, self._pulls, *seat)
+        place = self._kind.variables.get(name)
+        if place is None:
+            raise AttributeError(name)
+        return self._values.take(place, axis=1)
+
+
+class _Seat:
+    """What `Component.laws` reads of a seat, when it is asked for."""
+
+    def __init__(self, values: np.ndarray, pulls: np.ndarray, end: np.ndarray, speed: np.ndarray) -> None:
+        self._values, self._pulls, self._end, self._speed = values, pulls, end, speed
+
+    @property
+    def force(self) -> np.ndarray:
+        return self._pulls.take(self._end, axis=2)
+
+    @property
+    def speed(self) -> np.ndarray:
+        return self._values.take(self._speed, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
 class CertificateLayout:
     """All places of a model. `kinds`: components with laws of their own; `others`: residuals that no law stands
-    for; `travels`: place of the travel of each support, run after run, of an idler or a drum that keeps its tension,
-    -1 of another; `held`: place of what says that a load stands on it; `plain`: whether ropes hold no node."""
+    for; `free`: whether a support, run after run, is an idler or a drum that keeps its tension; `held`: place of what
+    says that a load stands on it; `plain`: whether ropes hold no node."""
 
     spans: SpanPlaces
     kinds: tuple[Kindred, ...]
     others: np.ndarray
-    travels: np.ndarray
+    free: np.ndarray
     held: np.ndarray
     supports: tuple[str, ...]
     plain: bool
@@ -100,13 +115,17 @@ def layout_of(model: Model) -> CertificateLayout:
     with np.errstate(all="ignore"):  # only the names count
         for kind in kinds:
             found = kind.laws(places.declared, np.ones((3, 1, 2 * len(places.spans) + 1)))
+            for residual in found:
+                k = model.r.index.get(f"{kind.names[0]}.{residual}")
+                text = residual if k is None else model.r.descriptions[k]
+                kind.titles[residual] = f"{type(kind.first).__name__}: {text}"
             known.update(f"{name}.{residual}" for name in kind.names for residual in found)
     supports = [(run, k) for run in model.runs for k in range(len(run.nodes))]
     return CertificateLayout(
         spans=_span_places(model, places),
         kinds=kinds,
         others=np.array([i for i, name in enumerate(model.r.names) if name not in known], dtype=int),
-        travels=np.array([_free_travel(model, run, k) for run, k in supports], dtype=int),
+        free=np.array([_is_free(model, run, k) for run, k in supports], dtype=bool),
         held=np.array([places(f"{run.nodes[k].name}.held") for run, k in supports], dtype=int),
         supports=tuple(run.nodes[k].name for run, k in supports),
         plain=all(f"{node.name}.{axis}" in model.p.index for run in model.runs for node in run.nodes for axis in "xyz"),
@@ -144,15 +163,16 @@ def _span_places(model: Model, places: _Places) -> SpanPlaces:
     counts = np.array([n for layout in model.layouts for n in layout.slots.count], dtype=int)
     most = int(counts.max(initial=0))
     slots = [
-        [[places(f"{name}.slot_{what}[{j + 1}]") for j in range(most)] for name in places.spans]
+        [[places(f"{name}.slot_{what}[{j + 1}]") for name in places.spans] for j in range(most)]
         for what in ("mass", "at", "ride", "empty")
     ]
     return SpanPlaces(
         names=tuple(places.spans),
         read=np.array(read, dtype=int).reshape(-1, len(SPAN) + 2 * len(ENDS)).T.copy(),
-        slots=np.array(slots, dtype=int).reshape(4, len(places.spans), most),
+        slots=np.array(slots, dtype=int).reshape(4, most, len(places.spans)),
         slot_counts=counts,
         runs=tuple(firsts),
+        gravity=places("gravity"),
         shoes=any(seat.offset for run in model.runs for node in run.nodes for seat in node.seats),
     )
 
@@ -191,14 +211,15 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
                     )
                     for seat in seats
                 },
+                {},
             )
         )
     return tuple(found)
 
 
-def _free_travel(model: Model, run: Run, k: int) -> int:
-    """Place of a support's travel in the algebraic variables where tensions balance it, else -1."""
+def _is_free(model: Model, run: Run, k: int) -> bool:
+    """Whether tensions balance a support's travel."""
     node, seat = run.nodes[k], run.seats[k]
     if seat.travel is None or node.balance_at(seat) is None:
-        return -1
-    return model.z.index.get(f"{node.name}.{seat.travel}", -1)
+        return False
+    return f"{node.name}.{seat.travel}" in model.z.index

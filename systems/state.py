@@ -277,17 +277,20 @@ class LineState:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Gives parameters, inputs, drives' states and masses of loads other values. Raises InputError."""
-        owners = {name: r for r, run in enumerate(self.runs) for name in run.loads.names}
+        owners: dict[str, list[tuple[int, int]]] = {}  # a load comes round an endless rope more than once
+        for r, run in enumerate(self.runs):
+            for i, name in enumerate(run.loads.names):
+                owners.setdefault(name, []).append((r, i))
         masses = [run.loads.mass.copy() for run in self.runs]
         for name, value in values.items():
             if not np.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
             owner, _, quantity = name.partition(".")
             if quantity == "mass" and owner in owners:
-                r = owners[owner]
-                if value < 0.0 or (value == 0.0 and self.runs[r].feed is None):
+                if value < 0.0 or (value == 0.0 and self.runs[owners[owner][0][0]].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                masses[r][[name == owner for name in self.runs[r].loads.names]] = value
+                for r, i in owners[owner]:
+                    masses[r][i] = value
                 continue
             kind, k = self.find(self.model.swaps.get(name, name))
             if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
