@@ -117,7 +117,7 @@ def _drive(rng: np.random.Generator, span: float, mass: float) -> rw.HydraulicDr
         friction=float(rng.choice([0.0, 0.01])),
         command_lag=float(rng.choice([0.0, 0.3])),
         recovers=bool(rng.random() < 0.7),
-        drag=float(rng.choice([0.0, 300.0])),
+        drag=float(rng.choice([100.0, 400.0])),  # without any a drive that has lost its pressure swings for ever
     )
 
 

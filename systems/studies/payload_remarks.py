@@ -75,9 +75,7 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
     return high
 
 
-def remarks(
-    rig: SkylineRig, missed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None
-) -> list[str]:
+def remarks(missed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None) -> list[str]:
     """Sentences for a headline."""
     found = []
     if len(missed):
