@@ -70,6 +70,7 @@ MAY_BE_NAN = {
     "sensitivities",
     "fmu.Fmu",
     "fmu.Fmu.shaped",
+    "fmu.Fmu.values",
     "fmu.CoSimulation.add",
     "fmu.component",
     "Equilibrium",
