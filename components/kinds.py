@@ -262,10 +262,10 @@ def iterable(value: Any) -> Any:
 
 
 def function_of(count: int | None) -> Check:
-    """A function that can be called with this number of values; None: with any."""
+    """A function that can be called with this number of values, no class; None: whatever can be called."""
 
     def function(value: Any) -> Any:
-        if not callable(value):
+        if not callable(value) or (count is not None and isinstance(value, type)):
             raise RefusedError(value, "a function")
         try:
             if count is not None:
