@@ -81,14 +81,15 @@ def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
 def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:
     """atanh(gain / (t0 + t1)) for gain = v1 - v0 not below 0, half of what asinh(v / h) gains along a piece; written so
     that nothing cancels near a fold, where the argument is all but one."""
+    if xp is np:
+        share = gain / (t0 + t1)
+        # NumPy's log1p of complex numbers, whose parts are derivatives, is not exact near zero.
+        if np.iscomplexobj(share) or np.max(share, initial=0.0) < 0.9:
+            return np.arctanh(share)
     choose = ca.if_else if xp is ca else np.where
     up0, up1 = v0 >= 0, v1 <= 0
     steep0, steep1 = t0 + choose(up0, v0, -v0), t1 + choose(up1, -v1, v1)
     rest = choose(up0, steep0, h2 / steep0) + choose(up1, steep1, h2 / steep1)  # t0 + t1 - gain
-    if xp is np and np.iscomplexobj(
-        rest
-    ):  # NumPy's log1p of complex numbers is not exact near zero; these are derivatives
-        return np.arctanh(gain / (t0 + t1))
     return xp.log1p(2 * gain / rest) / 2
 
 
