@@ -176,6 +176,8 @@ def payload(
         typer.echo(
             f"Largest payload {at_most(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}."
         )
+        for remark in study.remarks:
+            typer.echo(f"{remark}.")
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 

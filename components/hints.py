@@ -119,7 +119,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     if origin is tuple and arguments[-1] is not Ellipsis:
         return kinds.tuple_like([check_of(a) for a in arguments], f"{len(arguments)} values")
     if origin is Callable:
-        return kinds.with_members(("__call__",), "a function")
+        return kinds.function_of(len(arguments[0]) if isinstance(arguments[0], list) else None)
     if issubclass(origin, np.ndarray):
         return kinds.array
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
@@ -131,7 +131,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
     if issubclass(origin, Sequence):
         return kinds.sequence_of(checks[0], f"a sequence of {what}")
     if origin in (Iterable, Collection):
-        return kinds.with_members(("__iter__",), f"several {what}")
+        return kinds.iterable
     return kinds.instance_of((origin,), _name(origin))
 
 

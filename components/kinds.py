@@ -6,6 +6,7 @@ Series becomes an array.
 
 from __future__ import annotations
 
+import inspect
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
@@ -251,6 +252,31 @@ def with_members(members: Sequence[str], expected: str) -> Check:
         raise RefusedError(value, expected)
 
     return having
+
+
+def iterable(value: Any) -> Any:
+    """Several values, no text."""
+    if hasattr(value, "__iter__") and not isinstance(value, (type, *_TEXTS)):
+        return value
+    raise RefusedError(value, "several values")
+
+
+def function_of(count: int | None) -> Check:
+    """A function that can be called with this number of values, no class; None: whatever can be called."""
+
+    def function(value: Any) -> Any:
+        if not callable(value) or (count is not None and isinstance(value, type)):
+            raise RefusedError(value, "a function")
+        try:
+            if count is not None:
+                inspect.signature(value).bind(*range(count))
+        except TypeError:
+            raise RefusedError(value, f"a function of {count} arguments") from None
+        except ValueError:
+            pass  # what is compiled need not say what it takes
+        return value
+
+    return function
 
 
 def one_of(words: tuple[Any, ...]) -> Check:

@@ -4,7 +4,7 @@ over from one to the next."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import NamedTuple
 
@@ -14,10 +14,14 @@ import numpy as np
 from ropeway.components import check, shoe
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.rounding import at_least
 from ropeway.systems.model import Limits, Table
 from ropeway.systems.newton import Point
+from ropeway.systems.rigs.joining import with_supports
 from ropeway.systems.rigs.skyline import SkylineRig
 from ropeway.systems.state import LineState
+from ropeway.systems.studies.load_path import default_stations
+from ropeway.systems.studies.payload_remarks import haulback_that_hauls
 from ropeway.systems.studies.places import EDGE, TOUCH, Places, require_pulled
 from ropeway.systems.studies.rig_check import SLACK
 from ropeway.systems.studies.span_model import Place, SpanModel, span_model
@@ -59,6 +63,16 @@ class Corridor:
         if station is None:
             station = 0.5 * (rig.stands[0].at[0] + rig.stands[1].at[0])
         rig.span_of(station)
+        try:
+            self._build(rig, station, mass)
+        except EquilibriumError as error:
+            tension = haulback_that_hauls(rig, default_stations(rig, 10.0), mass)
+            if tension is None or tension <= (rig.haulback_tension or 0.0):
+                raise
+            remedy = f"A haulback tension of {at_least(tension / 1e3, 1)} kN holds the carriage at all stations"
+            raise EquilibriumError(error.cause, remedy, error.component) from error
+
+    def _build(self, rig: SkylineRig, station: float, mass: float) -> None:
         self.rig, self._places = rig, Places(rig, mass)
         self._require_way()
         placed = self._places.placed(station)
@@ -131,7 +145,8 @@ class Corridor:
         for support in rig.supports:
             if support.radius <= 0.0:
                 raise InputError(
-                    f"On the point saddle of {support.name!r} a carriage waits, then jumps", "Give it a radius"
+                    f"On the point saddle of {support.name!r} a carriage waits, then jumps",
+                    "Give it a radius, of 1.5 m for example",
                 )
 
     def _zeroed(self, at: SpanModel, point: Point) -> Point:
@@ -158,8 +173,22 @@ class Corridor:
         if start.on == k or paid[0][0] <= paid[1][1] or paid[1][0] >= paid[0][1]:
             raise InputError(
                 f"The carriage neither rolls over the shoe of {shoe_of!r} as the drum turns nor runs over it at once",
-                "Give the support another radius, or the carriage another start",
+                f"{self._radius_that_rolls(k)}, or give the carriage another start",
             )
+
+    def _radius_that_rolls(self, k: int) -> str:
+        """The first of some radii with which the carriage rolls over the shoe of support k, as a remedy."""
+        supports = self.rig.supports
+        for radius in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0):
+            if radius <= supports[k].radius:
+                continue
+            shod = [replace(s, radius=radius if i == k else s.radius, slope=None) for i, s in enumerate(supports)]
+            try:
+                if Places(with_supports(self.rig, shod), self._places.payload).rolls(k):
+                    return f"It rolls with a radius of {radius:g} m"
+            except (EquilibriumError, InputError):
+                continue
+        return "Give the support another radius"
 
     def _to(self, k: int, way: int) -> Place:
         """The place that the carriage comes to off the shoe of support k, or when it runs over it."""

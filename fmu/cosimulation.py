@@ -182,7 +182,7 @@ class CoSimulation:
             with record.kept():
                 self._begin(coupling, until)
                 record.add(start_time)
-                while record.times[-1] < until and coupling.ended is None:
+                while record.times[-1] < until - 1e-9 * self.step and coupling.ended is None:
                     time = self._take(coupling, stepper, given, len(record.times), start_time, until)
                     if not coupling.aligned:
                         break

@@ -78,7 +78,7 @@ def export(
     check.positive(tolerance, "export", "tolerance")
     target = Path(path)
     if target.suffix != ".fmu":
-        raise InputError(f"{target.name!r} does not end in .fmu", f"Call it {target.with_suffix('.fmu').name}")
+        raise InputError(f"{str(path)!r} does not end in .fmu", f"Call it {target.stem or 'line'}.fmu")
     if not target.parent.is_dir():
         raise InputError(f"There is no folder {target.parent}", "Make it, or choose another")
     names = compiler.resolved(platforms)

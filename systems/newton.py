@@ -63,21 +63,23 @@ class Buffered:
         """Results as nonzeros; they are overwritten by the next call of this thread. Raises Interrupted."""
         stop_if_interrupted()
         try:
-            set_argument, call, results = self._own.buffers
+            set_argument, call, results, known = self._own.buffers
         except AttributeError:
-            set_argument, call, results = self._own.buffers = self._buffers()
+            set_argument, call, results, known = self._own.buffers = self._buffers()
         for i, argument in enumerate(arguments):
-            set_argument(i, argument.data)
+            if argument is not known[i]:  # most stay the same arrays over the steps of one solve
+                set_argument(i, argument.data)
+                known[i] = argument
         call()
         return results
 
-    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray]]:
-        """What sets an argument, what calls, and where the results stand."""
+    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray], list[object]]:
+        """What sets an argument, what calls, where the results stand, and the arrays that are set."""
         buffer, call = self.function.buffer()
         results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
         for i, result in enumerate(results):
             buffer.set_res(i, result.data)
-        return buffer.set_arg, call, results
+        return buffer.set_arg, call, results, [None] * self.function.n_in()
 
 
 class Newton:
@@ -267,7 +269,9 @@ def damped(
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
         coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            # That is foreseen, not seen: only a small residual makes it a root.
+            if last < 1e-2 and size <= 1e-3 * last and after <= 1e-6:  # seen over two full steps
+                return v - move, sides
+            # Otherwise it is foreseen only: a small residual makes it a root.
             left = value(v - move).copy()
             if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
                 return v - move, sides

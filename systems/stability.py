@@ -49,6 +49,12 @@ def free_balances(model: Model, point: Point, held: Collection[str] = ()) -> tup
     for layout in model.layouts:
         can = np.flatnonzero(layout.held >= 0)
         kept.update(layout.travel.algebraic[can[point.d[layout.held[can]] > 0.0]].tolist())
+        # Of the rope on a shoe each side counts what lies from the shoe's middle on: where all of it lies on one side,
+        # the other gives way by less than nothing. Its tensions are taken as equal there.
+        (leaves, arrives), z = layout.aside, point.z
+        shod = np.flatnonzero((leaves[1:] >= 0) & (arrives[:-1] >= 0))
+        one_sided = shod[(z[leaves[1:][shod]] > 0.0) | (z[arrives[:-1][shod]] < 0.0)]
+        kept.update(layout.travel.algebraic[one_sided + 1].tolist())
     return tuple(b for b in model.balances if b.travel not in kept)
 
 

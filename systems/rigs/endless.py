@@ -45,8 +45,8 @@ def endless(
     which the rope also ends, one is the return. tension: of the empty rope where it leaves the drive [N].
     take_up: constant force on the return wheel [N], by default what the empty rope draws with. speed [m/s or
     Schedule], drive: of the drive; any further controls follow the same speed. load_mass [kg, a number or a
-    sequence used in order and repeated; 0 is a missing load] and load_spacing [m], rounded so that the loads
-    are evenly spread around. Raises InputError, SlackRopeError.
+    sequence used in order and repeated; 0 is a missing load; they go round either way] and load_spacing [m],
+    rounded so that the loads are evenly spread around. Raises InputError, SlackRopeError.
     """
     table = read_supports(supports, endless=True)
     check.positive(tension, "endless", "tension", "N")

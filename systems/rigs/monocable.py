@@ -49,7 +49,9 @@ def monocable(
     empty rope has there. speed [m/s, from the first support to the last, or a Schedule]: of the rope at all control
     sheaves; on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
     load_spacing [m of rope]: the rope starts full of loads, more are put on at the first support at the same
-    spacing, and all are taken off at the last; a mass of 0 is a missing load. drive and response: of the
+    spacing, and all are taken off at the last; a mass of 0 is a missing load. Loads keep their places on the
+    rope: on a line that runs backwards they leave at the first support, those taken off at the last come in again
+    there, and beyond where the run started the rope comes in empty. drive and response: of the
     control sheaves, one for all or one for each name (ideal drives and no response otherwise); columns of
     the table such as drive.relief_pressure or response.increment change single values for a support;
     precedence: who acts first when several respond. Raises InputError, SlackRopeError.

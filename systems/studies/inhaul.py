@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
+from ropeway.components.check import Range
 from ropeway.components.checked import checked
 from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
 from ropeway.systems.equilibrium import Equilibrium
@@ -37,6 +38,10 @@ class Happening(NamedTuple):
     time: float
     event: str
     station: float
+
+
+FASTEST = Range(0.0, 100.0, above=True)
+"""Speeds of a carriage [m/s]; more is a mistake of units."""
 
 
 @checked
@@ -85,7 +90,7 @@ def inhaul(
     mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
     SimulationError that holds what has run so far.
     """
-    check.positive(speed, rig.name, "speed", "m/s")
+    check.number(speed, rig.name, "speed", "m/s", FASTEST)
     check.positive(every, rig.name, "every", "s")
     check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")

@@ -75,15 +75,22 @@ class PayloadSearch:
         """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
         hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
         room = self._room(station, height)
+        alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # where it ends counts on its steps
 
-        def found(gap: float) -> bool:
-            """Whether it can hang this far below the chord [m]."""
-            return self._try(station, 0.0, height + room - gap).limit != NO_EQUILIBRIUM
+        def found(gap: float, *, quick: bool = True) -> bool:
+            """Whether it can hang this far below the chord [m]; each is started from the last that can."""
+            return alone._try(station, 0.0, height + room - gap, quick=quick).limit != NO_EQUILIBRIUM
 
-        low, high = next((gap for gap in (0.05, 5e-3, 5e-4) if gap < room and found(gap)), room), room
-        while high > 1.002 * low:
-            middle = (low * high) ** 0.5
-            low, high = (middle, high) if found(middle) else (low, middle)
+        gaps = [gap for gap in (0.05, 0.2, 5e-3, 0.5, 5e-4) if gap < room]
+        first = (gap for quick in (True, False) for gap in gaps if found(gap, quick=quick))
+        low, ratio = next(first, room), 1.3
+        while low < room and ratio > 1.001:  # down by steps, shorter ones where there is nothing
+            deeper = min(ratio * low, room)
+            sure = ratio > 1.1 or ratio**0.5 <= 1.001
+            if found(deeper) or (sure and found(deeper, quick=False)):
+                low = deeper
+            else:
+                ratio **= 0.5
         return height + room - low
 
     def _raised(self, station: float, height: float) -> tuple[float, Tried]:

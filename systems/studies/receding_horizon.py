@@ -80,7 +80,7 @@ def receding_horizon(
         check.positive(value, "receding_horizon", name, "s")
     check_intervals(intervals)
     step = horizon / intervals
-    if every > horizon or abs(every / step - round(every / step)) > 1e-9:
+    if not 0.5 * step < every <= horizon or abs(every / step - round(every / step)) > 1e-9:
         raise InputError(
             f"every is {every:g} s, the plans have intervals of {step:g} s",
             "Give a whole number of intervals, up to the horizon",

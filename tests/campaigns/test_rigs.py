@@ -154,7 +154,9 @@ def test_payload_curves_have_no_isolated_zero_or_peak(campaign: Campaign) -> Non
         for k in range(1, len(mass) - 1):
             around = (mass[k - 1], mass[k + 1])
             hole = mass[k] < 0.5 * min(around) - 50.0 and limit[k] == "no equilibrium"
-            peak = mass[k] > 1.5 * max(around) + 50.0
+            # Over a support the pull jumps, and with it what limits.
+            over = min(abs(frame.station[k] - node.at[0]) for node in rig.stands) < 1.5
+            peak = mass[k] > 1.5 * max(around) + 50.0 and not over
             if hole or peak:
                 wrong.append((i, float(frame.station[k]), mass[k - 1 : k + 2].tolist(), limit[k - 1 : k + 2].tolist()))
     assert not wrong, wrong

@@ -14,6 +14,8 @@ from lines import GRAVITY, random_line
 import ropeway as rw
 
 Point = tuple[float, float, float]
+# Drawn without a look at their strength.
+pytestmark = pytest.mark.filterwarnings("ignore::ropeway.components.errors.RopewayWarning")
 
 
 @dataclass(frozen=True)

@@ -291,9 +291,9 @@ def test_wrong_input_comes_before_the_first_case() -> None:
         rw.sweep(area, {"length": [1.0]})
     with pytest.raises(rw.InputError, match=r"study is 1\.0\. Give a function or a System or a Model"):
         rw.sweep(1.0, {"length": [1.0]})  # type: ignore[arg-type]
-    with pytest.raises(rw.InputError, match="list of its values"):
+    with pytest.raises(rw.InputError, match="Give several values"):
         rw.sweep(area, {"width": 1.0})
-    with pytest.raises(rw.InputError, match="The cases are a list"):
+    with pytest.raises(rw.InputError, match=r"parameters is \[1\.0\]\. Give a mapping"):
         rw.sweep(area, [1.0])  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="named 'error'"):
         rw.sweep(lambda error: error, {"error": [1.0]}, workers=1)
