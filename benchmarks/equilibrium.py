@@ -4,7 +4,8 @@
 
 Each time is the least of several tries. A solver that is foreseen to outlast its budget, by what it took on a
 shorter line, is not run. Columns: `first` makes the solver's functions too; `cold` and `warm` are public calls
-after it; `Newton` is the bare method on what hybr solves, from the same start; `difference` is the largest
+after it; `Newton` is the bare method on what hybr solves, from the same start; `certificate` is the check of one
+state, which every solve contains once, stability included; `difference` is the largest
 relative one in tension.
 """
 
@@ -23,6 +24,7 @@ from scipy.optimize import root
 
 import ropeway as rw
 from ropeway.systems.assembly import assemble
+from ropeway.systems.certificate import certify
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Buffered, Newton, newton_of
@@ -39,6 +41,7 @@ class Ours(NamedTuple):
     cold: float
     warm: float
     newton: float
+    certificate: float
     model: Model
     rest: Equilibrium
 
@@ -72,12 +75,14 @@ def ours(build: Callable[[int], rw.System], spans: int) -> Ours:
     rest = rw.equilibrium(model)
     heavier = {f"{load.load}.mass": 1.02 * load.mass for load in rest.loads.itertuples()}
     start, newton = LineState.cold(model).point, newton_of(model)
+    rope = [float(rest.point.p[layout.length_start].sum()) for layout in model.layouts]
     return Ours(
         assembly,
         first,
         least(lambda: rw.equilibrium(model)),
         least(lambda: rw.equilibrium(model, start=rest, parameters=heavier)),
         least(lambda: newton.solve(start.copy())),
+        least(lambda: certify(model, rest.point, rest.runs, rest.passed, rope=rope), tries=300),
         model,
         rest,
     )
@@ -179,12 +184,14 @@ def main(
     found: dict[tuple[str, int], Ours] = {}
     for kind, build in KINDS.items():
         table = Table(title=f"ropeway, {kind} line, two loads a span [ms]")
-        for name in ("spans", "unknowns", "assembly", "first", "cold", "warm", "Newton", "cold/span", "warm/span"):
+        for name in ("spans", "unknowns", "assembly", "first", "cold", "warm", "Newton", "certificate"):
+            table.add_column(name, justify="right")
+        for name in ("certificate/warm", "cold/span", "warm/span"):
             table.add_column(name, justify="right")
         for n in sizes:
             our = found[kind, n] = ours(build, n)
-            times = [*our[:5], our.cold / n, our.warm / n]
-            table.add_row(str(n), str(len(our.model.z)), *(f"{1e3 * t:.3g}" for t in times))
+            own, by_span = [f"{1e3 * t:.3g}" for t in our[:6]], [f"{1e3 * t / n:.3g}" for t in (our.cold, our.warm)]
+            table.add_row(str(n), str(len(our.model.z)), *own, f"{our.certificate / our.warm:.0%}", *by_span)
         console.print(table)
     if not others:
         return

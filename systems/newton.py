@@ -253,7 +253,8 @@ def damped(
             now, sides = step(v)
             after = float(np.linalg.norm(now))
             if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
-                if last < 1e-6 and _rounded(v, now, value):
+                # The step from here is small where a single long one has led down to the rounding.
+                if min(last, float(np.abs(sides[:n]).max())) < 1e-6 and _rounded(v, now, value):
                     return v - sides[:n], sides
                 v = _shortened(v, move, before, value, residual, names)
                 last = np.inf

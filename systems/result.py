@@ -104,10 +104,14 @@ class Result:
     def _certified(self, which: Sequence[int], states: Iterable[LineState]) -> Certificate:
         """The certificate of records `which`, whose states they are. Raises SimulationError."""
         found = certify_records(self.model, self.runs, ((state.point, state.passed) for state in states))
+        self._require(found, int(which[found.failed.record]) if found.failed else 0)
+        return found
+
+    def _require(self, certificate: Certificate, i: int) -> None:
+        """Raises SimulationError, with the result before record i, where a check fails."""
         try:
-            found.require(self.model)
+            certificate.require(self.model)
         except EquilibriumError as error:
-            i = int(which[found.failed.record if found.failed else 0])
             before = replace(
                 self,
                 records=self.records[:i],
@@ -116,7 +120,6 @@ class Result:
                 noted=tuple(event for event in self.noted if event.time <= self.records[i].time),
             )
             raise SimulationError(error.cause, error.remedy, self.records[i].time, before) from error
-        return found
 
     @property
     def outputs(self) -> np.ndarray:
@@ -186,7 +189,7 @@ class Result:
 
     def at(self, time: float) -> Equilibrium:
         """The line at a time [s], after an event at that time: `simulate(start=...)` goes on from it as the run did.
-        Raises InputError outside the run."""
+        Raises InputError outside the run, SimulationError where its certificate fails."""
         times = self.times
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
@@ -203,11 +206,12 @@ class Result:
         return self._line(state, i)
 
     def record(self, i: int) -> Equilibrium:
-        """The line at a record, by its place in `full_frame`."""
+        """The line at a record, by its place in `full_frame`. Raises SimulationError where its certificate fails."""
         check.index(i, len(self.records), "Result.record", "i")
         return self._line(self._state(i), i)
 
     def _line(self, state: LineState, i: int) -> Equilibrium:
+        self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
         pending = self.records[i].pending.after(state.point.t)
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 

@@ -244,6 +244,11 @@ def test_a_run_ends_before_a_record_that_fails() -> None:
         broken.require_certified()
     assert info.value.time == records[6].time
     assert len(info.value.result.records) == 6
+    for ask in (lambda: broken.at(records[6].time), lambda: broken.record(6)):
+        with pytest.raises(rw.SimulationError, match="fails its check") as info:
+            ask()
+        assert info.value.time == records[6].time
+    assert broken.at(records[5].time).certificate["holds"].all()
 
 
 def test_the_point_of_a_certificate_is_not_changed() -> None:

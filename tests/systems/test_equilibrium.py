@@ -234,3 +234,19 @@ def test_length_of_one_span_over_idlers_counts_from_those_at_rest(name: str) -> 
     assert sum(longer[f"{span.name}.length"] for span in spans) == pytest.approx(303.1, abs=1e-9)
     warm = rw.equilibrium(s, parameters={name: eq["a_s1.length"] + 0.1}, start=eq)
     assert longer["s2_b.tension_b"] == pytest.approx(warm["s2_b.tension_b"], rel=1e-9)
+
+
+@pytest.mark.parametrize(("easting", "stiffness"), [(3.1e6, 11.2e6), (3.5e6, 14.3e6), (3.9e6, 18.3e6)])
+def test_a_stiff_spring_in_national_coordinates_is_solved(easting: float, stiffness: float) -> None:
+    """The residual is at the rounding of the coordinates after one long step already."""
+
+    def solved(origin: float) -> rw.Equilibrium:
+        s, rope = rw.System("far"), rw.Rope(mass_per_length=1.9, axial_stiffness=75e6, breaking_load=1e6)
+        nodes = [rw.Drum("d", at=(origin, 0.0, 900.0)), rw.Sheave("m", at=(origin + 23.0, 0.0, 899.0))]
+        end = rw.SpringAnchor("e", at=(origin + 47.0, 0.0, 900.6), stiffness=stiffness)
+        s.hang(rw.Load("l", mass=35.0), s.string(rope, *nodes, end, tension=50e3), at=6.0)
+        return rw.equilibrium(s)
+
+    near, far = solved(0.0), solved(easting)
+    for name in ("d_m.tension_a", "m_e.tension_b"):
+        assert far[name] == pytest.approx(near[name], rel=1e-6)
