@@ -41,8 +41,6 @@ def host() -> str:
 
 def resolved(platforms: Sequence[str]) -> tuple[str, ...]:
     """Platforms by name, "host" replaced. Raises InputError."""
-    if isinstance(platforms, str):
-        raise InputError(f"platforms is the text {platforms!r}", f'Give a sequence: platforms=("{platforms}",)')
     names = dict.fromkeys(host() if name == "host" else name for name in platforms)
     for name in names:
         if name not in _TARGETS and name != host():

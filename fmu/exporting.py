@@ -73,8 +73,6 @@ def export(
 
     Raises InputError, UnknownNameError, EquilibriumError, FmuExportError, WriteError, Interrupted.
     """
-    if fmi not in _HEADERS:
-        raise InputError(f"fmi is {fmi!r}", 'Choose "2.0" or "3.0"')
     check.positive(tolerance, "export", "tolerance")
     target = Path(path)
     if target.suffix != ".fmu":

@@ -313,8 +313,6 @@ class Interface:
 
 
 def _known(names: Sequence[str], every: Sequence[str], what: str) -> list[str]:
-    if isinstance(names, str):
-        raise InputError(f"The text {names!r} is given for names", f"Give a sequence: ({names!r},)")
     known = set(every)
     for name in names:
         if name not in known:

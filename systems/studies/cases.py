@@ -44,12 +44,7 @@ def table_of(parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path
         cases = _from_file(parameters)
     elif isinstance(parameters, pd.DataFrame):
         cases = parameters.reset_index(drop=True)
-    elif not isinstance(parameters, Mapping):
-        raise InputError(f"The cases are a {type(parameters).__name__}", "Give a table, or values by parameter")
     else:
-        for name, values in parameters.items():
-            if isinstance(values, str) or not isinstance(values, Iterable):
-                raise InputError(f"Parameter {name!r} is {values!r}", "Give a list of its values")
         cases = pd.DataFrame(list(product(*parameters.values())), columns=list(parameters))
     if cases.empty or cases.columns.has_duplicates:
         raise InputError("The sweep has no cases, or two parameters of one name", "Give each parameter its values")

@@ -43,8 +43,6 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
     emergency stop.
     """
     wanted, varied = ([v] if isinstance(v, str) else list(v) for v in (of, to))
-    if not isinstance(solution, (Equilibrium, Result)):
-        raise InputError(f"There is nothing to derive in a {type(solution).__name__}", "Solve or simulate it first")
     if not wanted or not varied:
         raise InputError("sensitivities has nothing to derive", "Name at least one result and one parameter")
     frame = (

@@ -188,8 +188,6 @@ def _require_numbers(cases: pd.DataFrame) -> None:
 
 def _require_fitting(study: Study, cases: pd.DataFrame) -> None:
     """Raises InputError for a function that does not take the parameters."""
-    if not callable(study):
-        raise InputError(f"The study is a {type(study).__name__}", "Give a function, a System or a Model")
     try:
         signature(study).bind(**cases.iloc[0].to_dict())
     except TypeError as error:

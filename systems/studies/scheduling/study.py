@@ -146,13 +146,9 @@ class Study:
             found = smoothed(self.balanced, self.grid, self.names)
         else:
             given = warm_start.schedules if isinstance(warm_start, SchedulePlan) else warm_start
-            if not isinstance(given, Mapping):
-                raise InputError(f"warm_start is {given!r}", "Give an earlier plan, or a rw.Schedule by sheave")
             if missing := [n for n in self.names if n not in given]:
                 raise InputError(f"warm_start has no schedule of {missing[0]!r}", "Give one for each control sheave")
             for name in self.names:
-                if not isinstance(given[name], Schedule):
-                    raise InputError(f"warm_start has {given[name]!r} for {name!r}", "Give a rw.Schedule")
                 given[name].require(self.until)
             found = {name: given[name].on(self.grid.tolist()) for name in self.names}
         if self.lead in found:
