@@ -29,6 +29,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from call_objects import CARRIAGE, HEAD, ROPE, TAIL
 
 import ropeway as rw
 
@@ -62,13 +63,14 @@ ODD: tuple[Any, ...] = (
     Decimal("1.5"), Fraction(1, 3), Path("x"), Path("/"), Path("/nowhere/x"), "/", rw.Load("other", 3.0),
     rw.Anchor("other", at=(1.0, 2.0)), rw.Sheave("a", at=(0.0, 0.0)), rw.Drum("a", at=(0.0, 0.0)), rw.Elastic(),
     rw.ThresholdResponse(low=1.0, high=2.0, increment=0.1), rw.Schedule([0.0, 1.0], [1.0, -1.0]), rw.System("other"),
-    rw.Schedule([0.0], [1e300]), rw.Profile([0.0, 1.0], [0.0, 1e9]), calls.ROPE, calls.HEAD, calls.TAIL, calls.CARRIAGE,
+    rw.Schedule([0.0], [1e300]), rw.Profile([0.0, 1.0], [0.0, 1e9]), ROPE, HEAD, TAIL, CARRIAGE,
 )  # fmt: skip
 """Values that some argument takes."""
 
 MAY_BE_NAN = {
     "sensitivities",
     "fmu.Fmu",
+    "fmu.load",
     "fmu.Fmu.shaped",
     "fmu.Fmu.values",
     "fmu.CoSimulation.add",
