@@ -3,7 +3,7 @@ taut rope comes to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,9 @@ from ropeway.systems.state import LineState
 
 _STEP = 1.0 / 40.0
 """Share of a taut rope's way to its length in one step."""
+_LIGHT = 0.25
+"""Weight of the loads in one span, over the highest tension, below which loads are not the reason of a failure: they
+turn the rope by less than this angle [rad], far from where a rope kept at a tension gives way."""
 
 
 def solve(state: LineState, *, quick: bool = False) -> None:
@@ -86,7 +89,7 @@ def keep_taut_root(state: LineState) -> None:
 
 def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
     """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
-    no less than a share `least_step` of the way. Raises EquilibriumError."""
+    at least a share `least_step` of the way. Raises EquilibriumError."""
     trial = _afresh(state)
     lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
     runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
@@ -140,6 +143,22 @@ def _afresh(state: LineState) -> LineState:
     return trial
 
 
+def _heaviest(state: LineState, masses: Sequence[np.ndarray]) -> float:
+    """Weight of the loads in the span that has most [N]; `masses` of the loads of each run."""
+    heaviest = 0.0
+    for mass, passed in zip(masses, state.passed, strict=True):
+        total = np.concatenate([[0.0], np.cumsum(mass)])
+        counts = np.clip(passed, 0, len(mass))
+        heaviest = max(heaviest, float((total[counts[:-1]] - total[counts[1:]]).max()))
+    return heaviest * state.model.system.gravity
+
+
+def _highest(state: LineState) -> float:
+    """Highest tension at an end of a span [N]."""
+    y, names = state.outputs(), state.model.y.names
+    return max(value for name, value in zip(names, y, strict=True) if name.endswith((".tension_a", ".tension_b")))
+
+
 def too_heavy(state: LineState) -> EquilibriumError | None:
     """The error for a state that has an equilibrium with a part of its loads only; None where loads are not the
     reason."""
@@ -165,7 +184,7 @@ def too_heavy(state: LineState) -> EquilibriumError | None:
         low, near, strongest = share, trial, certified(trial).utilisation
         if strongest is not None and not strongest.holds:
             break
-    if strongest is None:
+    if strongest is None or (strongest.holds and high * _heaviest(near, masses) < _LIGHT * _highest(near)):
         return None
     cause = f"The loads of system {state.model.name!r} are too heavy for its rope"
     if strongest.holds:

@@ -11,7 +11,9 @@ from oracle import Material, by_quadrature
 from scipy.integrate import quad
 
 import ropeway as rw
+from ropeway.systems import at_rest
 from ropeway.systems.newton import damped
+from ropeway.systems.state import LineState
 
 G = 9.80665
 ROPE = rw.Rope(mass_per_length=2.9, axial_stiffness=27e6, breaking_load=480e3)
@@ -166,6 +168,25 @@ def test_loads_above_the_breaking_load_are_warned_of() -> None:
     with pytest.warns(rw.RopewayWarning, match=r"span 'a_b' at rest is 1\.\d+ times .* breaking load\. Take lighter"):
         eq = rw.equilibrium(s)
     assert max(eq["a_b.tension_a"], eq["a_b.tension_b"]) > 480e3
+
+
+@pytest.mark.parametrize(("mass", "blamed"), [(60.0, False), (2600.0, True)])
+def test_light_loads_are_not_the_reason_of_a_numerical_failure(
+    mass: float, blamed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A solver that fails from 30 % of the loads on: only loads whose weight compares with the tension are blamed."""
+    s = one_span(ROPE, (150.0, 12.0), 175.0)
+    s.hang(rw.Load("turn", mass=mass), s.components["a_b"], at=70.0)  # type: ignore[arg-type]
+    solve = at_rest.solve
+
+    def failing(state: LineState, *, quick: bool = False) -> None:
+        if state.runs[0].loads.mass[0] > 0.3 * mass:
+            raise rw.EquilibriumError("no convergence")
+        solve(state, quick=quick)
+
+    monkeypatch.setattr(at_rest, "solve", failing)
+    error = at_rest.too_heavy(LineState.cold(rw.assemble(s)))
+    assert (error is not None) == blamed
 
 
 @pytest.mark.slow
