@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -122,7 +123,7 @@ def payload_figure(study: PayloadStudy) -> Figure:
     top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
     corridor(top, rig, ways, _shown(study))
     figure.suptitle(_headline(study))
-    top.set_title(_given(study), fontsize="small")
+    top.set_title("\n".join([_given(study), *_remarks(study)]), fontsize="small")
     _payloads(middle, study)
     _tensions(bottom, study, ways[-1].path if ways else study.frame)
     for axis in (middle, bottom):
@@ -153,6 +154,11 @@ def _given(study: PayloadStudy) -> str:
     given.append("no clearance asked" if study.clearance is None else f"clearance {study.clearance:g} m")
     given.append(f"carriage {rig.carriage.mass:g} kg")
     return "; ".join(given)
+
+
+def _remarks(study: PayloadStudy) -> list[str]:
+    """The remarks of a study, in lines as wide as the picture."""
+    return [line for remark in study.remarks for line in wrap(remark, 165)]
 
 
 def _ways(study: PayloadStudy) -> list[Way]:
