@@ -55,7 +55,7 @@ def simulate(
     line: Annotated[
         Path,
         typer.Argument(
-            help="Supports: CSV with columns name,x,y,z,kind (metres; kind: anchor, "
+            help="Supports: CSV or Excel with columns name,x,y,z,kind (metres; kind: anchor, "
             "drum, idler, control, return), in the order of the rope."
         ),
     ],
@@ -123,7 +123,9 @@ def optimise(
 
 @app.command()
 def payload(
-    corridor: Annotated[Path, typer.Argument(help="Ground of the corridor: CSV with columns station,elevation [m].")],
+    corridor: Annotated[
+        Path, typer.Argument(help="Ground of the corridor: CSV or Excel with columns station,elevation [m].")
+    ],
     skyline: Annotated[str, typer.Option(help="Name of the skyline; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
     mainline: Annotated[
         str | None,

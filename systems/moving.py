@@ -27,7 +27,7 @@ _LOOK = 1.0
 
 _SWING, _STRIDE = 0.05, 0.05
 """Part of their nominals by which states may move otherwise than rates tell in stretches longer than this [s]: else
-the rope may have swung to and fro."""
+the rope may have swung back and forth."""
 
 
 class _UnforeseenError(Exception):

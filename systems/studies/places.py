@@ -20,7 +20,7 @@ EDGE = 1e-3
 
 TOUCH = 0.5 * EDGE
 """A carriage comes on to a shoe where so much rope [m] is left between them: less than is there when it has left, so
-that it does not go to and fro."""
+that it does not alternate."""
 
 
 @dataclass(frozen=True)
