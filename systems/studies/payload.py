@@ -80,7 +80,7 @@ class PayloadStudy:
 
     @cached_property
     def remarks(self) -> list[str]:
-        """What has to be said besides the payload: stations at which it is not hauled, a rope under the ground."""
+        """Sentences besides the payload: stations at which it is not hauled, a rope under the ground."""
         return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope)
 
     @cached_property

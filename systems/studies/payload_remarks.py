@@ -1,4 +1,4 @@
-"""What a payload study has to say besides its numbers: stations where the carriage cannot be hauled, and a bare rope
+"""Remarks of a payload study: stations where the carriage cannot be hauled, and a bare rope
 that lies under the ground."""
 
 from __future__ import annotations
