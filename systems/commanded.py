@@ -30,13 +30,25 @@ class Commanded:
         rate = ca.Function("rate", [t, u, p, d], [ca.densify(ode[self.rows])])
         ends = [rate(t + share * h, u + share * h * slope, p, d) for share in (0.0, 0.5, 1.0)]
         gain = h / 6.0 * (ends[0] + 4.0 * ends[1] + ends[2])
-        self._gain = Buffered(ca.Function("gain", [h, t, u, slope, p, d], [gain]))
+        self._model, self._one = model, ca.Function("gain", [h, t, u, slope, p, d], [gain])
+        self._gains: dict[int, Buffered] = {}
 
-    def put(self, x: np.ndarray, point: Point, h: float, slope: np.ndarray) -> None:
-        """Writes the commanded states `h` seconds after a point into `x`, with inputs of rate `slope`."""
+    def _gain(self, count: int) -> Buffered:
+        """Gains over `count` stretches, one after the other; made when first used."""
+        if count not in self._gains:
+            make = self._model.sym
+            rest = [make(self._one.name_in(i), self._one.numel_in(i)) for i in range(1, self._one.n_in())]
+            stretches = [make(f"h{i}") for i in range(count)]
+            gains = ca.vertcat(*(self._one(h, *rest) for h in stretches))
+            self._gains[count] = Buffered(ca.Function("gains", [ca.vertcat(*stretches), *rest], [gains]))
+        return self._gains[count]
+
+    def put(self, x: np.ndarray, point: Point, h: np.ndarray, slope: np.ndarray) -> None:
+        """Writes the commanded states after `h` (n,) seconds from a point into `x` (n, nx), with inputs of rate
+        `slope`."""
         if self.rows:
-            gain = self._gain(np.array([h]), np.array([point.t]), point.u, slope, point.p, point.d)[0]
-            x[self.rows] = point.x[self.rows] + gain
+            gain = self._gain(len(h))(h, np.array([point.t]), point.u, slope, point.p, point.d)[0]
+            x[:, self.rows] = point.x[self.rows] + gain.reshape(len(h), -1)
 
 
 @lru_cache(maxsize=16)

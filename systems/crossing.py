@@ -62,9 +62,7 @@ def gaps(state: LineState, r: int) -> Gaps:
     if run.around:  # the wheel where the rope begins and ends counts once
         ahead[-1] = behind[-1] = np.inf
     # Over a sheave on which a load stands none goes.
-    held = state.model.layouts[r].held
-    can = np.flatnonzero(held >= 0)
-    busy = can[state.point.d[held[can]] > 0.0]
+    busy = state.busy(r)
     ahead[busy] = behind[busy] = np.inf
     return Gaps(ahead, behind)
 

@@ -100,6 +100,8 @@ class Drives:
             options = {
                 "abstol": strict(tolerance, 0.1),
                 "reltol": 0.0,
+                # The deviations and their rates begin at zero.
+                "calc_ic": False,
                 "linear_solver": "csparse",
                 "step0": 0.1,
                 "max_num_steps": 100_000,
@@ -140,8 +142,7 @@ class Drives:
                 point.t,
             ) from error
         line[1:] += found.reshape(len(_NODES) - 1, len(nominal)) * nominal
-        for values, node in zip(line[1:], _NODES[1:], strict=True):
-            self._commanded.put(values, point, node * h, slope)
+        self._commanded.put(line[1:], point, _NODES[1:] * h, slope)
         return Window(point.t, h, line)
 
 

@@ -98,5 +98,5 @@ class Idas:
                 point.t,
             ) from error
         x = point.x + h * x_rate + end[0] * m.x.nominals
-        self._commanded.put(x, point, h, slope)
+        self._commanded.put(x[None], point, np.array([h]), slope)
         return x, point.z + h * z_rate + end[1][self._places] * m.z.nominals

@@ -52,16 +52,22 @@ class Travel:
     def read(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Travels [m] out of the states and algebraic variables."""
         q = np.zeros(len(self.state))
-        in_x, in_z = self.state >= 0, self.algebraic >= 0
-        q[in_x] = x[self.state[in_x]]
-        q[in_z] = z[self.algebraic[in_z]]
+        (in_x, from_x), (in_z, from_z) = self._places
+        q[in_x] = x[from_x]
+        q[in_z] = z[from_z]
         return q
 
     def write(self, q: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
         """Puts travels into the states and algebraic variables."""
-        in_x, in_z = self.state >= 0, self.algebraic >= 0
-        x[self.state[in_x]] = q[in_x]
-        z[self.algebraic[in_z]] = q[in_z]
+        (in_x, from_x), (in_z, from_z) = self._places
+        x[from_x] = q[in_x]
+        z[from_z] = q[in_z]
+
+    @cached_property
+    def _places(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """The supports whose travel is a state, and the places of these; the same for algebraic variables."""
+        in_x, in_z = np.flatnonzero(self.state >= 0), np.flatnonzero(self.algebraic >= 0)
+        return (in_x, self.state[in_x]), (in_z, self.algebraic[in_z])
 
 
 @dataclass(frozen=True)
@@ -89,19 +95,22 @@ class Slots:
         self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
     ) -> None:
         """Fills the slots of all spans, or of some, with the loads that `passed` puts there; `start`
-        (supports,) is the rope at each support at zero travel [m]."""
+        (supports,) is the rope at each support at zero travel [m]. `d` (..., nd) and `passed` (..., supports) can
+        be those of many records."""
         span, slot = self._cells if spans is None else _cells(spans, self.count[spans])
         loads = run.loads
         if len(loads.place) == 0:
             return
-        load = passed[span] - 1 - slot
-        full = load >= passed[span + 1]
+        load = passed[..., span] - 1 - slot
+        full = load >= passed[..., span + 1]
         load = np.where(full, load, 0)
         pinned = full & (loads.pinned[load] >= 0)
-        d[self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
-        d[self.at[span] + slot] = np.where(pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0))
-        d[self.ride[span] + slot] = full & ~pinned
-        d[self.empty[span] + slot] = ~full
+        d[..., self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
+        d[..., self.at[span] + slot] = np.where(
+            pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0)
+        )
+        d[..., self.ride[span] + slot] = full & ~pinned
+        d[..., self.empty[span] + slot] = ~full
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -131,7 +140,14 @@ class Layout:
 
     def start(self, p: np.ndarray) -> np.ndarray:
         """The rope at each support at zero travel [m], shape (supports,)."""
-        return np.concatenate([[0.0], np.cumsum(p[self.length_start])])
+        found = np.zeros(len(self.length_start) + 1)
+        p[self.length_start].cumsum(out=found[1:])
+        return found
+
+    @cached_property
+    def holding(self) -> np.ndarray:
+        """The supports whose idlers can hold a load."""
+        return np.flatnonzero(self.held >= 0)
 
     def free(self, z: np.ndarray) -> np.ndarray:
         """By how much each span is longer than the rope between its nodes, (spans,) [m]: on shoes it is shorter."""

@@ -23,13 +23,16 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.moving import Moving
-from ropeway.systems.newton import newton_of
+from ropeway.systems.newton import Point, newton_of, outputs_of
 from ropeway.systems.report import Summary, energy, power, summary
 from ropeway.systems.run import Run
-from ropeway.systems.state import LineState, Record
+from ropeway.systems.state import LineState, Record, restored_points
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_BATCH = 64
+"""Records that are restored together."""
 
 
 class Event(NamedTuple):
@@ -75,19 +78,21 @@ class Result:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
 
-        def states() -> Iterator[LineState]:
-            for i in range(len(self.records)):
-                state = self._state(i)
-                y[i], z[i] = state.outputs(), state.point.z
-                yield state
+        which = range(len(self.records))
 
-        self.__dict__["checks"] = self._certified(range(len(self.records)), states())
+        def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            for i, (point, passed) in enumerate(self._points(which)):
+                y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
+                yield point, passed
+
+        self.__dict__["checks"] = self._certified(which, states())
         return y, z
 
     @cached_property
     def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
-        return self._certified(range(len(self.records)), (self._state(i) for i in range(len(self.records))))
+        which = range(len(self.records))
+        return self._certified(which, self._points(which))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -99,11 +104,22 @@ class Result:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
         solved: list[int] = np.flatnonzero(self.exact).tolist()
-        self._certified(solved, (self._state(i) for i in solved))
+        self._certified(solved, self._points(solved))
 
-    def _certified(self, which: Sequence[int], states: Iterable[LineState]) -> Certificate:
-        """The certificate of records `which`, whose states they are. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, ((state.point, state.passed) for state in states))
+    def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+        """The solved points of records `which`, and the loads passed."""
+        for first in range(0, len(which), _BATCH):
+            part = which[first : first + _BATCH]
+            records = [self.records[i] for i in part]
+            restored = restored_points(self.model, self.runs, self.parameters, records)
+            for i, point, passed in zip(part, *restored, strict=True):
+                if not self.exact[i]:
+                    newton_of(self.model).solve(point)
+                yield point, passed
+
+    def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
+        """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
+        found = certify_records(self.model, self.runs, states)
         self._require(found, int(which[found.failed.record]) if found.failed else 0)
         return found
 

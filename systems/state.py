@@ -203,12 +203,16 @@ class LineState:
         """Lets an idler turn again."""
         self.point.d[self.model.layouts[r].held[k]] = 0.0
 
+    def busy(self, r: int) -> np.ndarray:
+        """The supports of a run on which a load stands."""
+        layout = self.model.layouts[r]
+        return layout.holding[self.point.d[layout.held[layout.holding]] > 0.0]
+
     def standing(self) -> tuple[tuple[int, int, float], ...]:
         """Run, support and travel of each idler on which a load stands."""
         found = []
         for r, layout in enumerate(self.model.layouts):
-            can = np.flatnonzero(layout.held >= 0)
-            for k in can[self.point.d[layout.held[can]] > 0.0]:
+            for k in self.busy(r):
                 found.append((r, int(k), float(self.point.d[layout.held_travel[k]])))
         return tuple(found)
 
@@ -301,6 +305,20 @@ class LineState:
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
         ]
+
+
+def restored_points(
+    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[Record]
+) -> tuple[list[Point], list[list[np.ndarray]]]:
+    """The points of many snapshots, and the loads passed in each run, as `LineState.restored` makes them one by one;
+    none may have more loads in a span than the model has slots."""
+    d = np.repeat(model.d.values[None], len(records), axis=0)
+    d[:, model.kept] = [record.kept for record in records]
+    passed = [np.array([record.passed[r] for record in records]) - run.loads.first for r, run in enumerate(runs)]
+    for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
+        layout.slots.write(d, run, beyond, layout.start(p))
+    points = [Point(q.time, q.x.copy(), q.z.copy(), q.u.copy(), p, own) for q, own in zip(records, d, strict=True)]
+    return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
 
 
 def declared_point(model: Model) -> Point:

@@ -81,7 +81,9 @@ class Disturbance:
         newton_of(state.model).solve(state.point)
         while not state.settle():
             newton_of(state.model).solve(state.point)
-        return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), planned.held)
+        return Equilibrium(
+            state.model, state.point, tuple(state.runs), tuple(state.passed), planned.held, planned.pending
+        )
 
 
 def usual_disturbances(sheave: str) -> tuple[Disturbance, ...]:
