@@ -16,7 +16,7 @@ from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
-from ropeway.systems.studies.terrain import Piece, Profile, deflection
+from ropeway.systems.studies.terrain import Piece, Profile, deflection, least_height
 
 UNITS = {
     "station": "m",
@@ -134,7 +134,7 @@ def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
 
 
 def row(solved: Solved, station: float, *, lines: bool = True) -> dict[str, float | str | int]:
-    """The row of a load path at a solved station. lines: with the clearances of mainline and haulback."""
+    """The row of a load path at a solved station. lines: with the clearances of the ropes."""
     rig, model = solved.at.rig, solved.at.model
     name, head, tail = rig.carriage.name, rig.headspar, rig.tailspar
     x, y, z = (solved[f"{name}.{axis}"] for axis in "xyz")
@@ -193,9 +193,9 @@ def row(solved: Solved, station: float, *, lines: bool = True) -> dict[str, floa
         values["front_clearance"] = solved[f"{log}.z"] - float(rig.terrain.elevations(solved[f"{log}.x"]))
     elif isinstance(rig.terrain, Profile):
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
-    if isinstance(rig.terrain, Profile):
+    if lines and isinstance(rig.terrain, Profile):
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
-        ropes = {"mainline": rig.mainline, "haulback": rig.haulback} if lines else {}
+        ropes = {"mainline": rig.mainline, "haulback": rig.haulback}
         for role in (name for name, rope in ropes.items() if rope is not None):
             values[f"{role}_clearance"] = rope_clearance(solved, rig.terrain, role)
     return values
@@ -220,6 +220,7 @@ def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> fl
     for r, run in enumerate(at.model.runs):
         if at.roles[r] != role:
             continue
+        weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
         first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
         for k, span in enumerate(run.spans[first:], first):
             start, force, length = (
@@ -227,12 +228,11 @@ def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> fl
                 np.array(at.curve(solved.point, k, r)),
                 solved[f"{span.name}.length"],
             )
-            weight = run.rope.mass_per_length * rig.gravity
             if force[0] < 0.0:  # it runs back: looked at from its other end
                 start, force = solved.start(r, k + 1), -force - np.array([0.0, 0.0, weight * length])
             if force[0] > 0.0:
-                piece = Piece((start[0], start[2]), tuple(force), weight, length, run.rope.strain)
-                heights.append(ground.clearance(piece).height)
+                piece = Piece((start[0], start[2]), tuple(force), weight, length, strain)
+                heights.append(least_height(ground, piece).height)
             if role == "skyline" and run.nodes[k + 1].name == rig.tailspar.name:
                 break
     return float(min(heights, default=np.nan))

@@ -188,7 +188,7 @@ class _Search:
             solved = solver.solve(x, self.payload)
         except EquilibriumError:
             return "no equilibrium"
-        values = row(solved, x)
+        values = row(solved, x, lines=False)
         name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
         return name if margin < 0.0 else None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import stations_of, units_of
+from ropeway.systems.studies.load_path import rope_clearance, stations_of, units_of
 from ropeway.systems.studies.payload_remarks import BareRope, bare_rope, haulback_that_hauls, not_hauled, remarks
 from ropeway.systems.studies.payload_search import Margin, PayloadSearch
 from ropeway.systems.studies.span_model import Solved
@@ -178,6 +178,10 @@ def margins_of(
     def pressed(column: str) -> Margin:
         return lambda r, s: r[column] / skyline
 
+    def clear(limit: float) -> Margin:
+        ground = cast(Profile, rig.terrain)
+        return lambda r, s: (rope_clearance(s, ground) - limit) / 10.0
+
     def standing(spar: GuyedSpar) -> Margin:
         return lambda r, s: s[f"{spar.name}.compression"] / skyline
 
@@ -198,7 +202,7 @@ def margins_of(
     if of_load is not None and not is_lowered(rig):
         over = "clearance" if rig.turn is None else "front_clearance"
         found["clearance"] = lambda r, s: (r[over] - of_load) / 10.0
-        found["rope clearance"] = lambda r, s: (r["rope_clearance"] - of_rope) / 10.0
+        found["rope clearance"] = clear(of_rope)
     for support in rig.supports:
         if lift_off:
             found[f"lift-off at {support.name}"] = pressed(f"{support.name}_force")

@@ -10,9 +10,10 @@ from scipy.optimize import brentq
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import carriage_height, row
+from ropeway.systems.studies.load_path import carriage_height, rope_clearance, row
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
+from ropeway.systems.studies.terrain import Profile
 
 Row = dict[str, Any]
 Margin = Callable[[Row, Solved], float]
@@ -26,6 +27,9 @@ NO_EQUILIBRIUM = "no equilibrium"
 
 _ALIKE = 1e-9
 """Margins that differ by less are one: of guylines that stand alike the first is named."""
+
+_ZERO = 1e-10
+"""A margin so small is none: the search ends there, without a try to close its bracket."""
 
 _FIRST = 1000.0
 """The first payload tried [kg]: the same at each station, so that no answer depends on another."""
@@ -55,7 +59,7 @@ class PayloadSearch:
         if (mass, best.limit) == (0.0, NO_EQUILIBRIUM):
             height = self._lowest(station, height)
             mass, best = self._largest(station, height)
-        if self._rope_clearance(station, best) < self.of_rope - 1e-6:
+        if self._rope_clearance(best) < self.of_rope - 1e-6:
             mass, best = self._raised(station, height)
         return self._row(station, mass, best)
 
@@ -63,9 +67,12 @@ class PayloadSearch:
         values = {} if best.solved is None else row(best.solved, station)
         return {"station": station, "payload": mass, "limited_by": best.limit, **values}
 
-    def _rope_clearance(self, station: float, best: Tried) -> float:
+    def _rope_clearance(self, best: Tried) -> float:
         """Of the skyline in a solved state [m]; inf where there is none."""
-        return np.inf if best.solved is None else float(row(best.solved, station, lines=False)["rope_clearance"])
+        ground = self.rig.terrain
+        if best.solved is None or not isinstance(ground, Profile):
+            return np.inf
+        return rope_clearance(best.solved, ground)
 
     def _room(self, station: float, height: float) -> float:
         """From a height of the carriage up to the chord of its span [m]."""
@@ -99,7 +106,7 @@ class PayloadSearch:
 
         def short(extra: float) -> float:
             _, found = self._largest(station, height + extra)
-            return -np.inf if found.solved is None else self._rope_clearance(station, found) - self.of_rope
+            return -np.inf if found.solved is None else self._rope_clearance(found) - self.of_rope
 
         top = self._room(station, height) - 0.05
         if top <= 0.0 or not short(top) >= 0.0:
@@ -148,7 +155,7 @@ class PayloadSearch:
             high = 1.5 * low
             while least(high) >= 0.0 and high < MOST:
                 low, high = high, 1.5 * high
-        mass = float(brentq(least, low, high, xtol=1e-9, rtol=1e-13))
+        mass = float(brentq(lambda m: least(m) if abs(least(m)) > _ZERO else 0.0, low, high, xtol=1e-7, rtol=1e-11))
         least(mass)
         if tried[mass].solved is None:
             mass = max(m for m, found in tried.items() if found.margin >= 0.0 and m <= mass)

@@ -197,43 +197,7 @@ class Profile:
     def clearance(self, piece: Piece) -> Clearance:
         """Least height of a rope piece over the ground, exact: at the ends, over the ground's vertices, and
         where the rope is parallel to the ground between them. (inf, nan) where there is no ground below."""
-        fx, fy, v0 = piece.force
-        ends = segment(piece.force, piece.weight, piece.length, piece.strain).reach
-        x0, z0 = piece.start
-        low, high = max(x0, self.station[0]), min(x0 + ends[0], self.station[-1])
-        if not low <= high:
-            return Clearance(math.inf, math.nan)
-        slopes = np.diff(self.elevation) / np.diff(self.station)
-        parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
-        inside = self.station[(self.station > low) & (self.station < high)]
-        along = np.concatenate([parallel, self._distances(piece, np.array([low, *inside, high]))])
-        shape = np.ones_like(along)
-        reach = segment((fx * shape, fy * shape, v0 * shape), piece.weight, along, piece.strain).reach
-        x = x0 + reach[0]
-        height = z0 + reach[2] - np.interp(x, self.station, self.elevation)
-        height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
-        k = int(np.argmin(height))
-        return Clearance(float(height[k]), float(x[k]))
-
-    @staticmethod
-    def _distances(piece: Piece, x: np.ndarray) -> np.ndarray:
-        """Unstretched distances from the start of a piece at which it is over `x`: Newton's method, kept
-        inside the piece."""
-        fx, fy, v0 = piece.force
-        total = segment(piece.force, piece.weight, piece.length, piece.strain).reach[0]
-        wanted = x - piece.start[0]
-        d = np.clip(wanted / total, 0.0, 1.0) * piece.length
-        one = np.ones_like(d)
-        for _ in range(50):
-            reach = segment((fx * one, fy * one, v0 * one), piece.weight, d, piece.strain).reach[0]
-            v = v0 + piece.weight * d
-            tension = np.hypot(np.hypot(fx, fy), v)
-            rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
-            move = (wanted - reach) / rate
-            d = np.clip(d + move, 0.0, piece.length)
-            if np.max(np.abs(move), initial=0.0) <= 1e-13 * (1.0 + abs(total)):
-                break
-        return d
+        return least_height(self, piece)
 
     def clearance_of_line(self, points: Sequence[tuple[float, float]] | np.ndarray) -> Clearance:
         """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
@@ -248,6 +212,47 @@ class Profile:
             return Clearance(math.inf, math.nan)
         k = int(np.nanargmin(height))
         return Clearance(float(height[k]), float(x[k]))
+
+
+def least_height(ground: Profile, piece: Piece) -> Clearance:
+    """`Profile.clearance` without its check of arguments, for the many calls of a search."""
+    fx, fy, v0 = piece.force
+    total, _, _ = segment(piece.force, piece.weight, piece.length, piece.strain).reach
+    x0, z0 = piece.start
+    low, high = max(x0, ground.station[0]), min(x0 + total, ground.station[-1])
+    if not low <= high:
+        return Clearance(math.inf, math.nan)
+    slopes = np.diff(ground.elevation) / np.diff(ground.station)
+    parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
+    inside = ground.station[(ground.station > low) & (ground.station < high)]
+    along = np.concatenate([parallel, _distances(piece, np.array([low, *inside, high]), float(total))])
+    reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
+    x = x0 + reach[0]
+    height = z0 + reach[2] - np.interp(x, ground.station, ground.elevation)
+    height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
+    k = int(np.argmin(height))
+    return Clearance(float(height[k]), float(x[k]))
+
+
+def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
+    """Unstretched distances from the start of a piece, which reaches over `total`, at which it is over `x`: Newton's
+    method, kept inside the piece."""
+    fx, fy, v0 = piece.force
+    flat, wanted = math.hypot(fx, fy), x - piece.start[0]
+    # The first guess is exact without stretch: equal shares of the angle asinh(v / h).
+    first, last = (math.asinh(v / flat) for v in (v0, v0 + piece.weight * piece.length))
+    share = np.clip(wanted / total, 0.0, 1.0)
+    d = np.clip((flat * np.sinh(first + share * (last - first)) - v0) / piece.weight, 0.0, piece.length)
+    for _ in range(50):
+        reach = segment((fx, fy, v0), piece.weight, d, piece.strain).reach[0]
+        tension = np.hypot(flat, v0 + piece.weight * d)
+        rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
+        move = (wanted - reach) / rate
+        d = np.clip(d + move, 0.0, piece.length)
+        # Convergence is quadratic: after a move of 1e-8 nothing is left but rounding.
+        if np.abs(move).max(initial=0.0) <= 1e-8 * (1.0 + abs(total)):
+            break
+    return d
 
 
 def deflection(sag: float, span: float) -> float:
