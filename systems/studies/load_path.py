@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
@@ -16,7 +16,7 @@ from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
-from ropeway.systems.studies.terrain import Piece, Profile, deflection, least_height
+from ropeway.systems.studies.terrain import Piece, Profile, above_tangents, deflection, least_height
 
 UNITS = {
     "station": "m",
@@ -215,24 +215,28 @@ def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
 def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> float:
     """Least height of a rope over the ground [m], from the headspar's top on where it runs over that, and for the
     skyline as far as the tailspar. NaN where there is no such rope."""
+    return float(min((least_height(ground, piece).height for piece, _ in _pieces(solved, role)), default=np.nan))
+
+
+def least_rope_clearance(solved: Solved, ground: Profile) -> float:
+    """A height over the ground [m] that the skyline keeps at least: cheaper than `rope_clearance`, and below it."""
+    return min((above_tangents(ground, piece, end) for piece, end in _pieces(solved, "skyline")), default=-np.inf)
+
+
+def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, float]]]:
+    """The pieces of a rope over the corridor, towards growing x, and where each ends (x, z) [m]."""
     rig, at = solved.at.rig, solved.at
-    heights = []
     for r, run in enumerate(at.model.runs):
         if at.roles[r] != role:
             continue
         weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
         first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
         for k, span in enumerate(run.spans[first:], first):
-            start, force, length = (
-                solved.start(r, k),
-                np.array(at.curve(solved.point, k, r)),
-                solved[f"{span.name}.length"],
-            )
+            start, end = solved.start(r, k), solved.start(r, k + 1)
+            force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
             if force[0] < 0.0:  # it runs back: looked at from its other end
-                start, force = solved.start(r, k + 1), -force - np.array([0.0, 0.0, weight * length])
+                start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])
             if force[0] > 0.0:
-                piece = Piece((start[0], start[2]), tuple(force), weight, length, strain)
-                heights.append(least_height(ground, piece).height)
+                yield Piece((start[0], start[2]), tuple(force), weight, length, strain), (end[0], end[2])
             if role == "skyline" and run.nodes[k + 1].name == rig.tailspar.name:
                 break
-    return float(min(heights, default=np.nan))

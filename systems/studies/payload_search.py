@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import carriage_height, rope_clearance, row
+from ropeway.systems.studies.load_path import carriage_height, least_rope_clearance, rope_clearance, row
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -24,6 +24,9 @@ MOST = 1e7
 
 NO_EQUILIBRIUM = "no equilibrium"
 """What limits a payload where there is nothing else to say."""
+
+ROPE_CLEARANCE = "rope clearance"
+"""The margin that costs most: found only where it can be the smallest."""
 
 _ALIKE = 1e-9
 """Margins that differ by less are one: of guylines that stand alike the first is named."""
@@ -73,6 +76,14 @@ class PayloadSearch:
         if best.solved is None or not isinstance(ground, Profile):
             return np.inf
         return rope_clearance(best.solved, ground)
+
+    def _rope_may_limit(self, solved: Solved, least: float) -> bool:
+        """Whether the skyline's clearance can be a margin smaller than the least of the others."""
+        ground = self.rig.terrain
+        return (
+            not isinstance(ground, Profile)
+            or (least_rope_clearance(solved, ground) - self.of_rope) / 10.0 <= least + _ALIKE
+        )
 
     def _room(self, station: float, height: float) -> float:
         """From a height of the carriage up to the chord of its span [m]."""
@@ -169,7 +180,10 @@ class PayloadSearch:
         except EquilibriumError:
             return Tried(-1.0, NO_EQUILIBRIUM, None)
         values = row(solved, station, lines=False)
-        found = {name: margin(values, solved) for name, margin in self.margins.items()}
+        found = {name: margin(values, solved) for name, margin in self.margins.items() if name != ROPE_CLEARANCE}
         least = min(found.values())
+        if ROPE_CLEARANCE in self.margins and self._rope_may_limit(solved, least):
+            found[ROPE_CLEARANCE] = self.margins[ROPE_CLEARANCE](values, solved)
+            least = min(least, found[ROPE_CLEARANCE])
         name = next(n for n, margin in found.items() if margin <= least + _ALIKE)
         return Tried(max(least, -0.999), name, solved)

@@ -234,6 +234,21 @@ def least_height(ground: Profile, piece: Piece) -> Clearance:
     return Clearance(float(height[k]), float(x[k]))
 
 
+def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> float:
+    """Least height over the ground [m] of the tangents at a piece's start and `end` (x, z) [m]: as the rope lies above
+    both, it has no less. inf where there is no ground below."""
+    (x0, z0), (x1, z1), force = piece.start, end, piece.force
+    low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
+    if not low <= high:
+        return math.inf
+    a, b = force[2] / force[0], (force[2] + piece.weight * piece.length) / force[0]
+    crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
+    inside = ground.station[(ground.station > low) & (ground.station < high)]
+    x = np.array([low, min(max(crossing, low), high), high, *inside])
+    line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
+    return float((line - np.interp(x, ground.station, ground.elevation)).min())
+
+
 def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
     """Unstretched distances from the start of a piece, which reaches over `total`, at which it is over `x`: Newton's
     method, kept inside the piece."""
