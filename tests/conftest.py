@@ -1,5 +1,6 @@
 """Makes the helpers of this folder importable from every test, and gives the campaigns their options."""
 
+import signal
 import sys
 from pathlib import Path
 from typing import NamedTuple
@@ -10,6 +11,8 @@ from hypothesis import settings
 sys.path.insert(0, str(Path(__file__).parent))
 settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ropeway")
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a job that a shell runs in the background
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class Campaign(NamedTuple):
