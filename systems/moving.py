@@ -93,6 +93,11 @@ class Moving(LineStepper):
         self._motion_now = motion
         self.set_time(stop)
 
+    @property
+    def disturbed(self) -> bool:
+        """Whether the line has not been solved since something else than time has changed it."""
+        return self._motion_now is None
+
     def disturb(self) -> None:
         """Says that something else than time has changed how the line moves."""
         self._motion_now = None

@@ -310,7 +310,7 @@ class _Simulation:
         """Writes the state down; exact when all its sections are solved."""
         self.records.append(self.state.snapshot(self.pending))
         self.on_grid.append(on_grid)
-        self.exact.append(exact)
+        self.exact.append(exact and not self.line.disturbed)
 
     def stopped(self) -> bool:
         """Whether an event has come at which the run stops."""
