@@ -56,7 +56,7 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What a component is told of its surroundings: typical `force` [N] and `length` [m] for scaling, and for
+    """What a component knows of its surroundings: typical `force` [N] and `length` [m] for scaling, and for
     a span its number of load `slots` and the `tension` vector [N] at its end a to start from."""
 
     force: float

@@ -148,7 +148,7 @@ class HydraulicDrive:
         return flow, clip_above(namespace(power).fmax(power, 0.0), v.engine_power)
 
     def _wish(self, v: Any) -> Any:
-        """Speed that is asked of the pump."""
+        """Speed demanded of the pump."""
         return v.command if self.command_lag > 0.0 else v.speed + v.correction
 
     def _needed(self, v: Any, reference: Any) -> Any:

@@ -85,7 +85,7 @@ class Stepper:
                         raise
                     error = math.inf
                 if self.coupling.held.switched and size > self.control.least:
-                    error = math.inf  # a switch is told at the end of a step: the shorter, the nearer to its time
+                    error = math.inf  # a switch acts at the end of a step: a shorter step is nearer to its time
                 self._adapt(size, error, limit)
                 if error <= 1.0 or size <= self.control.least:
                     return self._reached(until, error)

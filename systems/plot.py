@@ -110,7 +110,7 @@ def power_over_time(result: Result) -> Figure:
     figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
     powers = frame[[f"{n}.power" for n in sheaves.index]] / 1e3
-    # A dashed line with a jump at each crossing looks solid: the sum is told by its width.
+    # A dashed line with a jump at each crossing looks solid: its width marks the sum.
     over_time.plot(frame.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")
     for name in sheaves.index[:_SHEAVES]:
         over_time.plot(frame.index, powers[f"{name}.power"], lw=1.0, label=name)

@@ -23,6 +23,7 @@ from ropeway.systems.line_stepper import Signal, breaks_of
 from ropeway.systems.model import Model, component_of, nearest
 from ropeway.systems.moving import Moving
 from ropeway.systems.newton import Buffered, dense
+from ropeway.systems.pending import Pending
 from ropeway.systems.progress import bar
 from ropeway.systems.result import Event, Result
 from ropeway.systems.sampling import Clock
@@ -153,8 +154,7 @@ class _Simulation:
         self.interventions = sorted(interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
         self.ticks = [0] * len(start.model.clocks)
-        self.pending = start.pending
-        self.pending = replace(start.pending, ticks=self.next_ticks())
+        self.pending = self.ticking(start.pending)
         self.drop = self.mark()
 
     @property
@@ -218,11 +218,13 @@ class _Simulation:
             if self.stop_at and self.stopped():
                 return
 
-    def next_ticks(self) -> dict[tuple[float, float], float]:
-        """Time of the next tick of each clock, by its period and phase [s]; none after an emergency stop."""
+    def ticking(self, pending: Pending) -> Pending:
+        """What is pending, with the time of the next tick of each clock, by its period and phase [s]; none after an
+        emergency stop."""
         clocks = zip(self.state.model.clocks, self.first_tick, self.ticks, strict=True)
-        responding = self.pending.stopping is None
-        return {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+        responding = pending.stopping is None
+        ticks = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+        return replace(pending, ticks=ticks)
 
     def next_act(self) -> float:
         """Time of the next tick of a clock or intervention [s]."""
@@ -263,8 +265,7 @@ class _Simulation:
         point.d[:] = d
         for clock in due:
             self.ticks[self.state.model.clocks.index(clock)] += 1
-        self.pending = pending
-        self.pending = replace(pending, ticks=self.next_ticks())
+        self.pending = self.ticking(pending)
         self.events += notes
         if not notes:
             return bool(due)

@@ -235,8 +235,8 @@ def least_height(ground: Profile, piece: Piece) -> Clearance:
 
 
 def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> float:
-    """Least height over the ground [m] of the tangents at a piece's start and `end` (x, z) [m]: as the rope lies above
-    both, it has no less. inf where there is no ground below."""
+    """Least height over the ground [m] of the tangents at a piece's start and `end` (x, z) [m]: the rope
+    lies above both. inf where there is no ground below."""
     (x0, z0), (x1, z1), force = piece.start, end, piece.force
     low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
     if not low <= high:

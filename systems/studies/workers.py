@@ -21,7 +21,7 @@ from ropeway.systems.interrupts import next_of, stop_if_interrupted
 
 
 class DaskClient(Protocol):
-    """What is asked of a `dask.distributed.Client`."""
+    """The part of a `dask.distributed.Client` that is used."""
 
     def get_executor(self, **settings: Any) -> Executor:
         """The cluster as an executor."""

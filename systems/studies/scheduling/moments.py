@@ -38,7 +38,7 @@ class Moment:
 
     @property
     def keys(self) -> frozenset[tuple[int, int, bool]]:
-        """The crossings, as they are told from others."""
+        """Support, load and direction of each crossing, which identify it."""
         return frozenset((c.support, c.load, c.forward) for c in self.crossings)
 
 

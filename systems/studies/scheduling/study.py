@@ -156,7 +156,7 @@ class Study:
         return found
 
     def task(self, weights: Mapping[str, float], first: Simulated, *, held: bool) -> Task:
-        """What is asked of the problems around the simulation `first` and later ones; held: speeds stay as they are."""
+        """The task of the problems around the simulation `first` and later ones; held: speeds stay as they are."""
         equations = first.equations
         bounds = Bounds(self.tension, tuple(self._rows(equations, node) for node in equations.nodes))
         return Task(
@@ -320,7 +320,7 @@ class Study:
                 more.update(np.round(np.array(times) / record) * record)
             around = after
         raise ScheduleError(
-            f"Plan and simulation have not come together in {_ROUNDS} rounds: crossings {gap.crossing_time:.3g} s and "
+            f"Plan and simulation did not converge in {_ROUNDS} rounds: crossings {gap.crossing_time:.3g} s and "
             f"highest tension {gap.peak_tension:.3g} N apart, objective {expected:.6g} by plan, {objective:.6g} by "
             "simulation",
             f"Take more intervals, or a shorter time{_and(broken)}",

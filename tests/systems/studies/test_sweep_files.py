@@ -1,4 +1,4 @@
-"""A sweep's files: one sweep at a time, damaged files are told, and what was found outlives lost workers."""
+"""A sweep's files: one sweep at a time, damaged files named, and rows that outlive lost workers."""
 
 import subprocess
 import sys
@@ -105,8 +105,8 @@ def test_a_lost_worker_leaves_the_rows_so_far() -> None:
 
 @pytest.mark.slow
 def test_a_lost_dask_worker_leaves_the_rows_so_far() -> None:
-    distributed = pytest.importorskip("distributed")
     import dask
+    import distributed
 
     with (
         dask.config.set({"distributed.scheduler.allowed-failures": 0}),
