@@ -126,7 +126,7 @@ def _declared(
 ) -> Known:  # fmt: skip
     n = len(length)
     top = float(max(np.linalg.norm(force, axis=1).max(), np.linalg.norm(end, axis=1).max()))
-    rope = rw.Rope(mass_per_length=mass, axial_stiffness=stiff, breaking_load=20.0 * top)
+    rope = rw.Rope(mass_per_length=mass, axial_stiffness=stiff, breaking_load=max(20.0 * top, 2e3))
     springs: dict[int, tuple[np.ndarray, float]] = {}
     kept: dict[int, float] = {}
     nodes = []
