@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,9 @@ class Anchor(Node):
     @property
     def seats(self) -> tuple[Seat, ...]:
         return (self.rope,)
+
+    def structure(self, site: Site) -> Hashable:
+        return ()
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         return (

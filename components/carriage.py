@@ -91,7 +91,7 @@ class Carriage(Node):
         return () if self.holding is not None else tuple((axis, f"balance_{axis}") for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
-        return (Carriage, self.clamped, self.holding)
+        return (self.clamped, self.holding)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT

@@ -41,7 +41,8 @@ class Kind(Enum):
 class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
     the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
-    `range`: values that a parameter may have."""
+    `range`: values that a parameter may have; `kept_at_rest`: `equilibrium` leaves this state at its value, as the
+    travel of a drum that holds its rope, instead of solving for a rate of zero."""
 
     name: str
     kind: Kind
@@ -52,6 +53,7 @@ class Variable:
     size: int = 1
     freed_by: str | None = None
     range: Range = ANY
+    kept_at_rest: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,6 +173,12 @@ class Component(ABC):
         return {}
 
     @property
+    def has_laws(self) -> bool:
+        """Whether `laws` are of these equations: a subclass with equations of its own does not keep its parent's."""
+        laws, equations = (next(k for k in type(self).__mro__ if n in vars(k)) for n in ("laws", "equations"))
+        return laws is not Component and issubclass(laws, equations)
+
+    @property
     def signals(self) -> tuple[str, ...]:
         """Names of quantities that come from other components besides ports, read as attributes of `v`."""
         return ()
@@ -205,8 +213,18 @@ class Component(ABC):
             raise UnknownNameError(f"{self.name!r} has no {what} {name!r}", f"It has {', '.join(known[:12]) or 'none'}")
 
     def structure(self, site: Site) -> Hashable:
-        """Components of one class and structure share one CasADi function."""
-        return (type(self), site.slots)
+        """What shapes the equations besides the values of the variables.
+
+        A class that defines this shares one function among all its components of equal structure: its equations may
+        use numbers of the component only as variables, or through what is returned here. Each component of another
+        class, a subclass too, has a function of its own.
+        """
+        return self.name
+
+    def form(self, site: Site) -> Hashable:
+        """Components of equal form have equal equations."""
+        shared = "structure" in vars(type(self))
+        return (type(self), self.structure(site) if shared else self.name, site.slots)
 
 
 @checked

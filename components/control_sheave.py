@@ -83,7 +83,7 @@ class ControlSheave(Wheel):
 
     def structure(self, site: Site) -> Hashable:
         drive = None if self.hydraulic is None else self.hydraulic.structure
-        return (ControlSheave, drive, None if self.response is None else self.response.structure)
+        return (drive, None if self.response is None else self.response.structure)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, out = Kind.PARAMETER, Kind.OUTPUT
@@ -93,7 +93,7 @@ class ControlSheave(Wheel):
             Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, range=POSITIVE),
             Variable("turns", par, "1", "turns of the rope around the sheave", self.turns, range=NOT_NEGATIVE),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over"),
+            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over", kept_at_rest=True),
             Variable("correction", Kind.DISCRETE, "m/s", "what the response adds to the commanded speed"),
             Variable("brake", Kind.DISCRETE, "1", "1: the brake holds the sheave"),
             *(() if self.response is None else self.response.variables()),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,6 +89,9 @@ class DieselHydraulicUnit(Component):
             Limit("speed_ratio", "engine overspeed", high=OVERSPEED),
         )
 
+    def structure(self, site: Site) -> Hashable:
+        return ()
+
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, state, out = Kind.PARAMETER, Kind.STATE, Kind.OUTPUT
         torque = self.rated_power / self.rated_speed
@@ -125,9 +129,11 @@ class DieselHydraulicUnit(Component):
                 "volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency, range=SHARE
             ),
             Variable("load_power", Kind.INPUT, "W", "power that the drives take", nominal=1e4),
-            Variable("speed", state, "rad/s", "speed of the engine", speed, 1e2),
-            Variable("rack", state, "1", "fuel rack, 0 to 1", rack),
-            Variable("pressure", state, "Pa", "pressure that the pump can hold", self.relief_pressure, 1e7),
+            Variable("speed", state, "rad/s", "speed of the engine", speed, 1e2, kept_at_rest=True),
+            Variable("rack", state, "1", "fuel rack, 0 to 1", rack, kept_at_rest=True),
+            Variable(
+                "pressure", state, "Pa", "pressure that the pump can hold", self.relief_pressure, 1e7, kept_at_rest=True
+            ),
             Variable("flow", out, "m3/s", "flow that the pump can give", nominal=1e-2),
             Variable("given_power", out, "W", "power that the drives get", nominal=1e4),
             Variable("torque", out, "N.m", "torque of the engine", nominal=torque),

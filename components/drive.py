@@ -112,10 +112,10 @@ class HydraulicDrive:
         """Variables that the drive adds to its sheave, which starts at a rope speed [m/s]."""
         par, dis, out = Kind.PARAMETER, Kind.DISCRETE, Kind.OUTPUT
         limit = 10.0 * self.relief_force if self.brake_force is None else self.brake_force
-        lag = Variable("command", Kind.STATE, "m/s", "command after its lag", speed)
+        lag = Variable("command", Kind.STATE, "m/s", "command after its lag", speed, kept_at_rest=True)
         delayed = (lag, _given("command_lag", "s", "time constant of the command", self.command_lag))
         return (
-            Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed),
+            Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed, kept_at_rest=True),
             *(delayed if self.command_lag > 0.0 else ()),
             _given("volume_per_metre", "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
             _given("relief_pressure", "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),

@@ -58,7 +58,7 @@ class Drum(Node):
         return None if self.tension is None else "tension_kept"
 
     def structure(self, site: Site) -> Hashable:
-        return (Drum, self.tension is None)
+        return self.tension is None
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         pull = Variable("rope_tension", Kind.OUTPUT, "N", "tension of the rope at the drum", nominal=site.force)
@@ -67,7 +67,7 @@ class Drum(Node):
             return (
                 *self.place(),
                 Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-                Variable("travel", Kind.STATE, "m", travel),
+                Variable("travel", Kind.STATE, "m", travel, kept_at_rest=True),
                 pull,
             )
         return (

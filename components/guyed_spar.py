@@ -71,6 +71,9 @@ class SpringAnchor(Node):
     def free(self) -> tuple[tuple[str, str], ...]:
         return tuple((axis, f"spring_{axis}") for axis in "xyz")
 
+    def structure(self, site: Site) -> Hashable:
+        return ()
+
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par = Kind.PARAMETER
         return (
@@ -199,7 +202,7 @@ class GuyedSpar(HeadSpar):
         return () if self.capacity is None else (Limit("compression", "above capacity", high=self.capacity),)
 
     def structure(self, site: Site) -> Hashable:
-        return (GuyedSpar, self.blocks, tuple(g.name for g in self.guylines))
+        return (self.blocks, tuple(g.name for g in self.guylines))
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out, force = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.force

@@ -70,7 +70,7 @@ class IntermediateSupport(Standing, Wheel):
         return (*super().limits(), *carried)
 
     def structure(self, site: Site) -> Hashable:
-        return (IntermediateSupport, self.friction > 0.0, self.radius > 0.0)
+        return (self.friction > 0.0, self.radius > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         rough = (

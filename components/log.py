@@ -82,7 +82,7 @@ class Log(Node):
         return (self.front,)
 
     def structure(self, site: Site) -> Hashable:
-        return Log
+        return ()
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,6 +43,9 @@ class HydraulicPowerUnit(Component):
     @property
     def signals(self) -> tuple[str, ...]:
         return ("flow", "power")
+
+    def structure(self, site: Site) -> Hashable:
+        return ()
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, out = Kind.PARAMETER, Kind.OUTPUT

@@ -44,7 +44,7 @@ class TensionedReturn(Wheel):
         return "tension_law"
 
     def structure(self, site: Site) -> Hashable:
-        return TensionedReturn
+        return ()
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL

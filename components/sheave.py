@@ -120,7 +120,7 @@ class Sheave(Wheel):
         return "tension_law"
 
     def structure(self, site: Site) -> Hashable:
-        return (Sheave, self.friction > 0.0)
+        return self.friction > 0.0
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         described = "bearing friction referred to the rope"

@@ -51,7 +51,7 @@ class Span(Component):
         )
 
     def structure(self, site: Site) -> Hashable:
-        return (Span, site.slots, self._constructional)
+        return self._constructional
 
     @property
     def _constructional(self) -> bool:

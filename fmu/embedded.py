@@ -197,5 +197,6 @@ def _variables(
             nominal = max(1.0, abs(float(start))) if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0
             scales[name] = factor, offset
             value = float(factor * start + offset)
-            owned.append(Variable(name, kind, unit, str(row["description"]), value, abs(factor) * nominal))
+            described = str(row["description"])
+            owned.append(Variable(name, kind, unit, described, value, abs(factor) * nominal, kept_at_rest=True))
     return tuple(owned), scales

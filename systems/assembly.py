@@ -59,6 +59,12 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
             _in_order(runs), system.precedence, outputs, {kind: table.index for kind, table in tables.items()}
         ),
         kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
+        free_states=tuple(
+            f"{c}.{v.name}"
+            for c, owned in variables.items()
+            for v in owned
+            if v.kind is Kind.STATE and not v.kept_at_rest
+        ),
     )
     stop_if_interrupted()
     _check_structure(model, system)

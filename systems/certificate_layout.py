@@ -191,8 +191,8 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
     """Components with laws, by their kind."""
     groups: dict[Any, list[Component]] = {}
     for c in model.system.components.values():
-        if type(c).laws is not Component.laws:
-            groups.setdefault((type(c), c.structure(Site(1.0, 1.0))), []).append(c)
+        if c.has_laws:
+            groups.setdefault(c.form(Site(1.0, 1.0)), []).append(c)
     numbers = {name: k for k, name in enumerate(places.spans)}
     sits = {
         seat: numbers[span] + (len(numbers) if end == "b" else 0)

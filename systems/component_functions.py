@@ -9,8 +9,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ropeway.components.checked import checked
 from ropeway.components.component import Component, Kind, RopeEnd, Site, Variable
 from ropeway.components.control_sheave import ControlSheave
+from ropeway.systems import component_rules
 from ropeway.systems.interrupts import stop_if_interrupted
 
 SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
@@ -38,21 +40,48 @@ class ComponentFunctions:
         stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
-            self._functions[key] = _component_function(
+            component_rules.require_declared(component, component.variables(site))
+            self._functions[key] = component_function(
                 component, variables, f"{type(component).__name__}_{len(self._functions)}"
             )
         return self._functions[key]
 
 
+@checked
+def check_component(component: Component) -> None:
+    """Checks a component of your own as scikit-learn's `check_estimator` checks an estimator.
+
+    The same is checked when a system with the component is assembled.
+
+    Parameters
+    ----------
+    component
+        Any component, added to a system or not.
+
+    Raises
+    ------
+    InputError
+        What is wrong and how to mend it: a variable with a reserved, repeated or invalid name, or of an unknown unit; a
+        missing or superfluous residual, rate, output or rope force; a limit, travel or balance that names a variable
+        which does not exist; more or fewer residuals than algebraic variables; a Python `if`, `max` or `math` function
+        on a symbol; results that are not numbers.
+    """
+    site = Site(1e4, 100.0)
+    variables = component.variables(site)
+    component_rules.require_declared(component, variables)
+    component_function(component, variables, "check")
+
+
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Components of one form share their functions: a driven input is not where an open one is."""
-    return (component.structure(site), tuple(v.kind for v in variables))
+    return (component.form(site), tuple(v.kind for v in variables))
 
 
-def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
+def component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
     """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
     v, inputs = _symbols(component, variables)
-    eq = component.equations(v)
+    eq = component_rules.evaluated(component, v)
+    component_rules.require_complete(component, variables, eq)
 
     def stacked(kind: Kind, by_name: Any) -> Any:
         return ca.vertcat(ca.DM(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
@@ -69,7 +98,12 @@ def _component_function(component: Component, variables: tuple[Variable, ...], n
         stacked(Kind.OUTPUT, eq.outputs),
         *forces,
     ]
-    return ca.Function(name, inputs, results)
+    found = ca.Function(name, inputs, results)
+    if not component.external:
+        kinds = (Kind.STATE, Kind.RESIDUAL, Kind.OUTPUT)
+        names = [[var.name for var in variables if var.kind is kind for _ in range(var.size)] for kind in kinds]
+        component_rules.require_numbers(component, found, names)
+    return found
 
 
 def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:

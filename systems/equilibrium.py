@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,7 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Point, outputs_of
 from ropeway.systems.pending import Pending
+from ropeway.systems.resting import at_rest_model, on_model
 from ropeway.systems.run import Run
 from ropeway.systems.state import LOAD_OUTPUTS, LineState, find, support_points
 from ropeway.systems.system import System, caller
@@ -199,17 +200,18 @@ def equilibrium(
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
     freed = [model.swaps.get(name, name) for name in freed]
+    still = at_rest_model(model) if model.free_states else model
     first: EquilibriumError | None = None
     for way in ("near", "from geometry", "let out") if start is not None else ("from geometry", "let out"):
-        state = _near(model, start, parameters) if way == "near" and start else _cold(model, parameters)
+        state = _near(model, start, parameters) if way == "near" and start else _cold(still, parameters)
         try:
-            found, certificate = _at_rest(state, wanted, freed, way)
+            found, certificate = _at_rest(state if state.model is still else on_model(state, still), wanted, freed, way)
         except EquilibriumError as error:
             first = first or error
             continue
         _warn(certificate)
-        return found
-    heavy = None if wanted else too_heavy(_cold(model, parameters))
+        return found if still is model else _of(model, found)
+    heavy = None if wanted else too_heavy(_cold(still, parameters))
     raise heavy or first or EquilibriumError(f"{model.name!r} has no equilibrium")
 
 
@@ -260,6 +262,12 @@ def _at_rest(
     certificate.require(state.model)
     runs, passed = tuple(state.runs), tuple(state.passed)
     return Equilibrium(state.model, state.point, runs, passed, state.held, given=tuple(wanted.items())), certificate
+
+
+def _of(model: Model, rest: Equilibrium) -> Equilibrium:
+    """An equilibrium of `at_rest_model(model)` as one of the model."""
+    state = on_model(LineState(rest.model, rest.point, rest.runs, rest.passed), model)
+    return replace(rest, model=state.model, point=state.point)
 
 
 def _rope(state: LineState, r: int, declared: np.ndarray) -> float:

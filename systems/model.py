@@ -191,7 +191,8 @@ class Model:
     units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
     a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
     the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
-    follow from where the loads are. `system` holds the declarations it was made from.
+    follow from where the loads are. `free_states`: the states that come to rest by themselves. `system` holds the
+    declarations it was made from.
     """
 
     system: System
@@ -206,6 +207,7 @@ class Model:
     limits: Limits
     clocks: tuple[Clock, ...]
     kept: np.ndarray
+    free_states: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{len(table)} {kind.value}" for kind, table in self.tables.items())
