@@ -42,9 +42,7 @@ def certificate(solved: Solved, **how: float) -> Certificate:
 @pytest.mark.parametrize("how", [{}, {"mainline": None}, {"mainline": None, "holding": "horizontal"}])
 @pytest.mark.parametrize("station", [60.0, 137.5, ON, 140.6, 220.0])
 @pytest.mark.parametrize("payload", [0.0, 1900.0])
-def test_all_states_beside_and_on_a_shoe_hold_their_laws(
-    how: dict[str, object], station: float, payload: float
-) -> None:
+def test_states_beside_and_on_a_shoe_hold_their_laws(how: dict[str, object], station: float, payload: float) -> None:
     solved = Stations(rig(**how)).solve(station, payload)
     checks = solved.at.certificate([solved.point]).checks
     assert all(check.holds for check in checks)
