@@ -60,8 +60,8 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         ),
         kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
         free_states=tuple(
-            f"{c}.{v.name}"
-            for c, owned in variables.items()
+            f"{name}.{v.name}"
+            for name, owned in variables.items()
             for v in owned
             if v.kind is Kind.STATE and not v.kept_at_rest
         ),

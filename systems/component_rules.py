@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components import units
-from ropeway.components.component import Component, Equations, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.component import Component, Equations, Kind, Node, RopeEnd, Variable
 from ropeway.components.errors import InputError, RopewayError
 
 RESERVED = ("time", "gravity")
@@ -42,9 +42,9 @@ def require_declared(component: Component, variables: Sequence[Variable]) -> Non
 def _require_names(component: Component, variables: Sequence[Variable]) -> None:
     owner = _owner(component)
     read = [v.name for v in variables if v.kind not in (Kind.OUTPUT, Kind.RESIDUAL)]
-    taken = {name: "a quantity of every component" for name in RESERVED}
+    taken = dict.fromkeys(RESERVED, "a quantity of every component")
     taken.update({port.name: "a port" for port in component.ports})
-    taken.update({name: "a signal" for name in component.signals})
+    taken.update(dict.fromkeys(component.signals, "a signal"))
     for v in variables:
         if not v.name.isidentifier() and v.kind is not Kind.RESIDUAL:
             raise InputError(f"{owner}: {v.name!r} is no name for a variable", "Use letters, digits and _")

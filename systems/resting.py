@@ -12,7 +12,6 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import VECTORS
 from ropeway.systems.state import LineState, declared_point
-from ropeway.systems.system import System
 
 _SUFFIX = " at rest"
 
