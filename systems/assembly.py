@@ -48,7 +48,11 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         dae=dae,
         outputs=outputs,
         signals=tuple(
-            system.components[component_of(name)].driver(name.split(".", 1)[1]) for name in tables[Kind.INPUT].names
+            system.components[name].driver(v.name)
+            for name, owned in variables.items()
+            for v in owned
+            if v.kind is Kind.INPUT
+            for _ in range(v.size)
         ),
         runs=runs,
         layouts=tuple(_layout(run, tables) for run in runs),
@@ -56,7 +60,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
         clocks=clocks(
-            _in_order(runs), system.precedence, outputs, {kind: table.index for kind, table in tables.items()}
+            _in_order(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
         ),
         kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
         free_states=tuple(

@@ -40,7 +40,7 @@ def declared_alike(start: Equilibrium, system: System) -> bool:
     old = start.model.system
     if old is system:
         return True
-    alike = old.precedence == system.precedence
+    alike = old.precedences == system.precedences
     for name in {**old.components, **system.components}:
         one, other = old.components.get(name), system.components.get(name)
         if one is other or one == other:

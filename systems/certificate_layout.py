@@ -202,7 +202,7 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
     speeds = drive_speeds(model.runs)
     owned: dict[str, set[str]] = {}
     for name in places.index:
-        owned.setdefault(component_of(name), set()).add(name.split(".", 1)[-1])
+        owned.setdefault(component_of(name), set()).add(name.rpartition(".")[2])
     found = []
     for group in groups.values():
         names = [c.name for c in group]

@@ -277,8 +277,8 @@ class Model:
 
 
 def component_of(name: str) -> str:
-    """The component that a variable belongs to."""
-    return name.split(".", 1)[0]
+    """The component that a variable belongs to, `a.c1` for one of a subsystem."""
+    return name.rpartition(".")[0] or name
 
 
 def nearest(name: str, names: Sequence[str]) -> str:

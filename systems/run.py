@@ -218,7 +218,7 @@ def fed(feed: Feed, length: float) -> Loads:
     and the next few that wait there; on an endless rope those that go round."""
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     first = Loads(
-        ("l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
+        (f"{feed.prefix}l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
     )
     return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
@@ -228,7 +228,7 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
     number = len(loads.place) + np.arange(more)
     masses = np.array(feed.masses)[number % len(feed.masses)]
     return Loads(
-        loads.names + tuple(f"l{i + 1}" for i in number),
+        loads.names + tuple(f"{feed.prefix}l{i + 1}" for i in number),
         np.concatenate([loads.mass, masses]),
         np.concatenate([loads.place, loads.place[-1] - feed.spacing * np.arange(1, more + 1)]),
         np.concatenate([loads.pinned, np.full(more, -1)]),

@@ -6,7 +6,7 @@ Every update is a CasADi function of the model's vectors, so that an exported mo
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +17,10 @@ import numpy as np
 from ropeway.components.component import Kind
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import Response
+
+
+Precedence = Callable[[str], tuple[str, str]]
+"""For a component the subsystem that it belongs to, and who acts first there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,12 +38,13 @@ class Clock:
 
 def clocks(
     sheaves: Sequence[ControlSheave],
-    precedence: str,
+    precedence_of: Precedence,
     outputs: ca.Function,
     index: Mapping[Kind, Mapping[str, int]],
 ) -> tuple[Clock, ...]:
     """The clocks of a system's control sheaves, given in the order of the rope. Delayed effects come before
-    samples at the same time. `index`: place of each variable in its vector."""
+    samples at the same time. `precedence_of`: the subsystem that a sheave belongs to, and the precedence there;
+    `index`: place of each variable in its vector."""
     by_period: dict[float, list[ControlSheave]] = defaultdict(list)
     by_effect: dict[tuple[float, float], list[ControlSheave]] = defaultdict(list)
     for sheave in sheaves:
@@ -51,13 +56,19 @@ def clocks(
     point = [ca.MX.sym(name, *outputs.size_in(i)) for i, name in enumerate(("t", "x", "z", "u", "p", "d"))]
     effects = [_effect(period, phase, group, point, index) for (period, phase), group in sorted(by_effect.items())]
     samples = [
-        _sample(period, group, precedence, point, outputs(*point), index) for period, group in sorted(by_period.items())
+        _sample(period, group, precedence_of, point, outputs(*point), index)
+        for period, group in sorted(by_period.items())
     ]
     return (*effects, *samples)
 
 
 def _sample(
-    period: float, group: Sequence[ControlSheave], precedence: str, point: Sequence[ca.MX], y: ca.MX, index: Any
+    period: float,
+    group: Sequence[ControlSheave],
+    precedence_of: Precedence,
+    point: Sequence[ca.MX],
+    y: ca.MX,
+    index: Any,
 ) -> Clock:
     """All sheaves of one period decide; those that may act do."""
     decisions = []
@@ -65,10 +76,14 @@ def _sample(
         function, names = _rule(sheave)
         values = [_read(f"{sheave.name}.{name}", point, y, index) for name, _ in names.inputs]
         decisions.append((sheave, names, function.call(values)))
-    wants = [d[2][0] for d in decisions]
-    needs = [d[2][1] for d in decisions]
+    grants: dict[str, ca.MX] = {}
+    for line in dict.fromkeys(precedence_of(sheave.name) for sheave in group):
+        own = [(sheave, found[0], found[1]) for sheave, _, found in decisions if precedence_of(sheave.name) == line]
+        names = [sheave.name for sheave, _, _ in own]
+        grants.update(zip(names, _grants(line[1], [w for _, w, _ in own], [n for _, _, n in own]), strict=True))
     entries, values, corrections = [], [], {}
-    for (sheave, names, results), grant in zip(decisions, _grants(precedence, wants, needs), strict=True):
+    for sheave, names, results in decisions:
+        grant = grants[sheave.name]
         count = len(names.outputs)
         for i, (name, size) in enumerate(names.outputs):
             values.append(ca.if_else(grant, results[2 + i], results[2 + count + i]))

@@ -125,7 +125,7 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
                 "Brake that sheave",
             )
         if intervention.component is not None and intervention.entry[0] not in model.d.index:
-            known = [component_of(n) for n in model.d.names if n.endswith(intervention.entry[0].split(".")[1])]
+            known = [component_of(n) for n in model.d.names if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]]
             raise UnknownNameError(
                 f"{intervention.action!r} does not apply to {intervention.component!r}",
                 f"It applies to {', '.join(known) or 'nothing in this system'}",
@@ -279,7 +279,7 @@ class _Simulation:
         model, t = self.state.model, self.state.point.t
         signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
-            if not _is_speed(model.system, *name.split(".", 1)):
+            if not _is_speed(model.system, *name.rpartition(".")[::2]):
                 continue
             entry = model.d.index.get(f"{component_of(name)}.correction")
             if entry is not None:

@@ -289,7 +289,7 @@ class LineState:
         for name, value in values.items():
             if not np.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
-            owner, _, quantity = name.partition(".")
+            owner, _, quantity = name.rpartition(".")
             if quantity == "mass" and owner in owners:
                 if value < 0.0 or (value == 0.0 and self.runs[owners[owner][0][0]].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
@@ -352,7 +352,7 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
     for kind in (Kind.OUTPUT, *VECTORS):
         if name in model.tables[kind].index:
             return kind, model.tables[kind].index[name]
-    owner, _, quantity = name.partition(".")
+    owner, _, quantity = name.rpartition(".")
     for run, beyond in zip(runs, passed, strict=True):
         if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
             # Loads of an endless rope are listed once for each round.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeVar, overload
 
 from ropeway.components import check, units
 from ropeway.components.checked import checked
@@ -29,6 +29,7 @@ from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
 from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
+from ropeway.systems.subsystem import Subsystem, include
 
 GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
@@ -61,6 +62,7 @@ class Feed:
     spacing: float
     masses: tuple[float, ...]
     around: int | None = None
+    prefix: str = ""
 
 
 @checked
@@ -74,7 +76,7 @@ class System:
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
         self.name = name
         self.gravity = gravity
-        self.precedence = precedence
+        self.precedences = {"": precedence}
         self.components: dict[str, Component] = {}
         self.connections: dict[tuple[str, str], tuple[str, str]] = {}
         self.supplies: dict[str, str] = {}
@@ -84,8 +86,61 @@ class System:
         self._origins: dict[str, str] = {}
         self._seated: set[tuple[str, str]] = set()  # the seats in `connections`
 
-    def add(self, component: _Added) -> _Added:
-        """Add a component and return it. Raises InputError when its name is taken by another."""
+    def __repr__(self) -> str:
+        spans = sum(isinstance(c, Span) for c in self.components.values())
+        feeds = f", {len(self.feeds)} feeds" if self.feeds else ""
+        return (
+            f"<System {self.name!r}: {len(self.components) - spans} components, {spans} spans, {len(self.hung)} loads"
+            f"{feeds}>"
+        )
+
+    @property
+    def precedence(self) -> str:
+        """Who acts first when several control sheaves respond."""
+        return self.precedences[""]
+
+    @precedence.setter
+    def precedence(self, value: str) -> None:
+        check_precedence(value)
+        self.precedences = dict.fromkeys(self.precedences, value)
+
+    def precedence_of(self, component: str) -> tuple[str, str]:
+        """The subsystem that a component belongs to, "" for none, and who acts first among its control sheaves."""
+        own = max((g for g in self.precedences if not g or component.startswith(f"{g}.")), key=len)
+        return own, self.precedences[own]
+
+    @overload
+    def add(self, component: _Added) -> _Added: ...
+
+    @overload
+    def add(self, component: System, name: str) -> Subsystem: ...
+
+    def add(self, component: _Added | System, name: str | None = None) -> _Added | Subsystem:
+        """Add a component, or a system as a part of this one.
+
+        Parameters
+        ----------
+        component
+            A component, or a system: its components become `name.component`, its loads `name.load`; ports that it
+            leaves open are connected here. Its sheaves keep a precedence of their own.
+        name
+            Of the subsystem.
+
+        Returns
+        -------
+        Component or Subsystem
+            The component itself; of a system its components under their new names, by their own:
+            `line = outer.add(inner, name="a")`, `line["c1"].supply`.
+
+        Raises
+        ------
+        InputError
+            The name is taken, or the system has another gravity.
+        """
+        if isinstance(component, System):
+            return self._include(component, name)
+        if name is not None:
+            raise InputError(f"{component.name!r} has a name", "Give name= with a system")
         known = self.components.get(component.name)
         if known is component:
             return component
@@ -97,6 +152,19 @@ class System:
         self.components[component.name] = component
         self._origins[component.name] = caller()
         return component
+
+    def _include(self, inner: System, name: str | None) -> Subsystem:
+        if name is None:
+            raise InputError(f"System {inner.name!r} needs a name as a part of {self.name!r}", "Give name=")
+        check.name(name, "Subsystem")
+        if inner is self:
+            raise InputError(f"System {self.name!r} cannot be a part of itself", "Add another one")
+        if inner.gravity != self.gravity:
+            raise InputError(f"{inner.name!r} has another gravity than {self.name!r}", "Give both the same")
+        taken = [n for n in (*self.components, *self._load_names()) if n == name or n.startswith(f"{name}.")]
+        if taken:
+            raise InputError(f"The name {name!r} is taken by {taken[0]!r}", "Give each part a name of its own")
+        return include(self, inner, name, caller())
 
     def connect(self, one: Port, other: Port) -> None:
         """Join a rope end to a seat: one position, one rope travel, forces that sum to zero. Or the supply of a
@@ -256,7 +324,8 @@ class System:
 
     def copy(self) -> System:
         """The same declarations, so that later ones do not change a model made before."""
-        other = System(self.name, gravity=self.gravity, precedence=self.precedence)
+        other = System(self.name, gravity=self.gravity)
+        other.precedences = dict(self.precedences)
         other.components, other.connections = dict(self.components), dict(self.connections)
         other.supplies, other.links = dict(self.supplies), dict(self.links)
         other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)

@@ -319,7 +319,7 @@ class Solved:
 
     def __getitem__(self, name: str) -> float:
         m, on = self.at.model, self.at.on
-        owner, _, quantity = name.partition(".")
+        owner, _, quantity = name.rpartition(".")
         if on is not None and owner == self.at.rig.supports[on].name:  # the carriage on it speaks for both
             name = f"{self.at.rig.carriage.name}.{quantity}"
         if name in m.y.index:

@@ -39,7 +39,7 @@ class Varied:
         nominal = np.ones(k)
         vectors = {Kind.STATE: x, Kind.INPUT: u, Kind.PARAMETER: p}
         for j, name in enumerate(names):
-            owner, _, quantity = name.partition(".")
+            owner, _, quantity = name.rpartition(".")
             loads = [np.array([n == owner for n in run.loads.names], dtype=bool) for run in runs]
             if quantity == "mass" and any(np.any(is_load) for is_load in loads):
                 for rates, is_load in zip(mass, loads, strict=True):
