@@ -58,6 +58,9 @@ if TYPE_CHECKING:
         IntermediateSupport as IntermediateSupport,
     )
     from ropeway.components import (
+        Joint as Joint,
+    )
+    from ropeway.components import (
         Load as Load,
     )
     from ropeway.components import (
@@ -230,7 +233,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "ropeway.components": (
         "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic "
-        "GuyedSpar Guyline HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Load Log "
+        "GuyedSpar Guyline HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Joint Load Log "
         "ProportionalResponse Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn "
         "ThresholdResponse"
     ),

@@ -9,6 +9,7 @@ from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.joint import Joint
 from ropeway.components.load import Load
 from ropeway.components.log import Log
 from ropeway.components.power_unit import HydraulicPowerUnit
@@ -38,6 +39,7 @@ __all__ = [
     "HydraulicPowerUnit",
     "IdealDrive",
     "IntermediateSupport",
+    "Joint",
     "Load",
     "Log",
     "ProportionalResponse",

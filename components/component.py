@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 from ropeway.components import check
 from ropeway.components.catenary import Vector
@@ -42,7 +42,7 @@ class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
     the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
     `range`: values that a parameter may have; `kept_at_rest`: `equilibrium` leaves this state at its value, as the
-    travel of a drum that holds its rope, instead of solving for a rate of zero."""
+    travel of a drum that holds its rope, instead of solving for a rate of zero; `hidden`: an array that results do not show."""
 
     name: str
     kind: Kind
@@ -54,6 +54,7 @@ class Variable:
     freed_by: str | None = None
     range: Range = ANY
     kept_at_rest: bool = False
+    hidden: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +131,15 @@ class Equations:
     carried: Mapping[str, Any] = field(default_factory=dict)
 
 
+class Energies(NamedTuple):
+    """Of a component in a run: `kinetic` energy [J], `loss` [W], and the work `supplied` from outside so far [J], as by
+    a weight that sinks; arrays over the records, or zero."""
+
+    kinetic: Any = 0.0
+    loss: Any = 0.0
+    supplied: Any = 0.0
+
+
 @dataclass(frozen=True, slots=True)
 class Limit:
     """An output that must stay within `low` and `high`; `event` says what happens when it does not."""
@@ -187,6 +197,10 @@ class Component(ABC):
         """What is reported when it happens."""
         return ()
 
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        """What `Result.energy` counts besides the work on ropes; read(name): a variable of the component over time."""
+        return Energies()
+
     def output(self, name: str) -> SignalOutput:
         """An output or a state by its name, to be connected to inputs. Raises UnknownNameError."""
         self._require(name, Kind.OUTPUT, Kind.STATE)
@@ -232,6 +246,9 @@ class Component(ABC):
 class Node(Component):
     """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit. `label`: any text, which pictures and
     messages show; by default its name."""
+
+    interchangeable: ClassVar[bool] = False
+    """Whether a rope takes any seat that is still open."""
 
     at: tuple[float, ...]
     label: str = field(default="", kw_only=True)

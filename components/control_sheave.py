@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,7 @@ from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.checked import checked
-from ropeway.components.component import Equations, Kind, Limit, Site, Supply, Variable
+from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable
 from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
 from ropeway.components.errors import InputError
 from ropeway.components.response import Response
@@ -122,6 +122,11 @@ class ControlSheave(Wheel):
             # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
             outputs={**outputs, "drive_force": force, "power": speed * (v.a.carried - v.b.carried)},
         )
+
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        if self.hydraulic is None:
+            return Energies()
+        return Energies(kinetic=self.hydraulic.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
 
     def demand(self, v: Any) -> tuple[Any, Any]:
         """Flow [m3/s] and power [W] that the drive asks of a power unit."""

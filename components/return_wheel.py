@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.check import POSITIVE
 from ropeway.components.checked import checked
-from ropeway.components.component import Equations, Kind, Site, Variable
+from ropeway.components.component import Energies, Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
 
@@ -85,6 +85,9 @@ class TensionedReturn(Wheel):
             },
             outputs=outputs,
         )
+
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        return Energies(supplied=self.take_up * read("slide"))
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
         way, pull = np.stack([v.way_x, v.way_y, v.way_z]), v.a.force + v.b.force

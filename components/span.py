@@ -66,7 +66,7 @@ class Span(Component):
         stretch = "construction strain per tension squared"
 
         def slots(name: str, unit: str, description: str, value: float = 0.0) -> Variable:
-            return Variable(name, dis, unit, description, (value,) * n, 1.0, n)
+            return Variable(name, dis, unit, description, (value,) * n, 1.0, n, hidden=True)
 
         return (
             Variable(
@@ -98,8 +98,10 @@ class Span(Component):
             Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
             Variable("gravity_energy", out, "J", "energy of the weight of rope and loads over z = 0", nominal=1e6),
             Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
-            *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n) for x in "xyz"),
-            Variable("slot_distance", out, "m", "unstretched distance of each slot from end a", nominal=length, size=n),
+            *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n, hidden=True) for x in "xyz"),
+            Variable(
+                "slot_distance", out, "m", "unstretched distance of each slot from end a", 0.0, length, n, hidden=True
+            ),
         )
 
     def equations(self, v: Any) -> Equations:

@@ -309,7 +309,9 @@ class Corridor:
     def _shows(self, at: SpanModel) -> dict[str, tuple[str, ...]]:
         """What a place shows, by its own outputs: the carriage on a shoe speaks for both, a rope for all its spans."""
         carriage = self.rig.carriage.name
-        shows: dict[str, tuple[str, ...]] = {name: (name,) for name in at.model.y.names if ".slot_" not in name}
+        shows: dict[str, tuple[str, ...]] = {
+            name: (name,) for name in at.model.y.names if name not in at.model.y.hidden
+        }
         if at.on is not None:
             own = [name.partition(".")[2] for name in shows if name.startswith(f"{carriage}.")]
             shows |= {f"{self.rig.supports[at.on].name}.{quantity}": (f"{carriage}.{quantity}",) for quantity in own}

@@ -99,7 +99,7 @@ class Interface:
         places = [n for n, unit in zip(m.z.names, m.z.units, strict=True) if unit == "m" and n not in local]
         discrete = [*self.limit_names, *self.passed_names.values()]
         if names is None:
-            return (*(n for n in m.y.names if ".slot_" not in n), *m.x.names, *places, *discrete)
+            return (*(n for n in m.y.names if n not in m.y.hidden), *m.x.names, *places, *discrete)
         return tuple(_known(names, (*m.y.names, *everywhere, *m.x.names, *discrete), "an output"))
 
     def _parameters(self, names: Sequence[str] | None) -> tuple[str, ...]:

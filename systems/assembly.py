@@ -62,7 +62,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
         clocks=clocks(
             _in_order(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
         ),
-        kept=np.array([i for i, name in enumerate(tables[Kind.DISCRETE].names) if ".slot_" not in name], dtype=int),
+        kept=np.array(tables[Kind.DISCRETE].shown, dtype=int),
         free_states=tuple(
             f"{name}.{v.name}"
             for name, owned in variables.items()
@@ -106,6 +106,7 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     values: list[float] = []
     nominals: list[float] = []
     ranges: list[Range] = []
+    hidden: list[str] = []
     if kind is Kind.PARAMETER:
         names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
         values, nominals, ranges = [system.gravity], [system.gravity], [POSITIVE]
@@ -114,8 +115,10 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
             if v.kind is not kind:
                 continue
             array = v.value if isinstance(v.value, tuple) else (v.value,) * v.size
-            indexed = isinstance(v.value, tuple) or v.size != 1 or v.name.startswith("slot_")
-            names += [f"{component}.{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{component}.{v.name}"]
+            indexed = isinstance(v.value, tuple) or v.size != 1 or v.hidden
+            own = [f"{component}.{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{component}.{v.name}"]
+            names += own
+            hidden += own if v.hidden else []
             units += [v.unit] * v.size
             descriptions += [v.description] * v.size
             values += array
@@ -128,6 +131,7 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
         np.array(values, float),
         np.array(nominals, float),
         tuple(ranges),
+        frozenset(hidden),
     )
 
 

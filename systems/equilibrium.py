@@ -80,15 +80,16 @@ class Equilibrium:
         """All values: index name; columns value, unit, description."""
         m = self.model
         rows = [(m.y, self.outputs), (m.z, self.point.z), (m.x, self.point.x), (m.u, self.point.u), (m.p, self.point.p)]
+        shown = [(table, vector, i) for table, vector in rows for i in table.shown]
         table = pd.DataFrame(
             {
-                "name": [n for t, _ in rows for n in t.names],
-                "value": np.concatenate([v for _, v in rows]),
-                "unit": [n for t, _ in rows for n in t.units],
-                "description": [n for t, _ in rows for n in t.descriptions],
+                "name": [t.names[i] for t, _, i in shown],
+                "value": [float(vector[i]) for _, vector, i in shown],
+                "unit": [t.units[i] for t, _, i in shown],
+                "description": [t.descriptions[i] for t, _, i in shown],
             }
         ).set_index("name")
-        return pd.concat([table[~table.index.str.contains(r"\.slot_")], self._load_rows()])
+        return pd.concat([table, self._load_rows()])
 
     def _load_rows(self) -> pd.DataFrame:
         words = {"x": "x of the load", "y": "y of the load", "z": "z of the load", "mass": "mass of the load"}

@@ -23,7 +23,8 @@ from ropeway.systems.system import System
 
 @dataclass(frozen=True)
 class Table:
-    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,)."""
+    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,). `hidden`: names
+    of those that results do not show."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -31,11 +32,17 @@ class Table:
     values: np.ndarray
     nominals: np.ndarray
     ranges: tuple[Range, ...]
+    hidden: frozenset[str] = frozenset()
 
     @cached_property
     def index(self) -> dict[str, int]:
         """Place of each name."""
         return {name: i for i, name in enumerate(self.names)}
+
+    @cached_property
+    def shown(self) -> tuple[int, ...]:
+        """Places of those that results show."""
+        return tuple(i for i, name in enumerate(self.names) if name not in self.hidden)
 
     def __len__(self) -> int:
         return len(self.names)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,9 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.component import Node
-from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import ThresholdResponse
-from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.model import component_of
@@ -43,7 +41,7 @@ def summary(result: Result) -> Summary:
     spans = pd.DataFrame(_span_rows(result))
     happened = result.events
     held = Counter(happened.loc[happened["event"] == "load held", "component"])
-    supports = pd.DataFrame([_support_row(result.full_frame, node, held[node.name]) for node in _each(result.runs)])
+    supports = pd.DataFrame([_support_row(result, node, held[node.name]) for node in _each(result.runs)])
     return Summary(supports.set_index("support"), spans.set_index("span"), _text(result, supports, spans))
 
 
@@ -79,12 +77,9 @@ def _span_row(frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name
     }
 
 
-def _support_row(frame: pd.DataFrame, node: Node, held: int) -> dict[str, object]:
-    sides = [
-        c for c in (f"{node.name}.{q}" for q in ("tension_in", "tension_out", "rope_tension", "tension")) if c in frame
-    ]
-    tension = frame[sides].to_numpy()
-    time = frame.index.to_numpy()
+def _support_row(result: Result, node: Node, held: int) -> dict[str, object]:
+    frame, time = result.full_frame, result.full_frame.index.to_numpy()
+    tension = frame[_ends_at(result.runs, node)].to_numpy()
     row: dict[str, object] = {
         "support": node.name,
         "kind": type(node).__name__,
@@ -97,12 +92,23 @@ def _support_row(frame: pd.DataFrame, node: Node, held: int) -> dict[str, object
             row[column] = frame[f"{node.name}.{quantity}"].min()
     if f"{node.name}.relief_open" in frame:
         row["relief_open_time"] = np.trapezoid(frame[f"{node.name}.relief_open"], time)
-    response = node.response if isinstance(node, ControlSheave) else None
+    response = getattr(node, "response", None)
     if isinstance(response, ThresholdResponse):
         outside = ((tension > response.high) | (tension < response.low)).any(axis=1)
         row["time_outside_range"] = np.trapezoid(outside.astype(float), time)
     row["loads_held"] = held
     return row
+
+
+def _ends_at(runs: Sequence[Run], node: Node) -> list[str]:
+    """The tensions of the ropes at a node, as names of outputs."""
+    found = []
+    for run in runs:
+        for k, other in enumerate(run.nodes):
+            if other is node:
+                found += [f"{run.spans[k - 1].name}.tension_b"] if k > 0 else []
+                found += [f"{run.spans[k].name}.tension_a"] if k < len(run.spans) else []
+    return found
 
 
 def _text(result: Result, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
@@ -156,20 +162,22 @@ def power(result: Result) -> pd.DataFrame:
 def energy(result: Result) -> pd.Series:
     """The energy balance of a run [J].
 
-    drives (work of the control sheaves' drives), ends (work of drums, and energy of the rope that they pay
-    out or wind in), loads (weight put on and taken off), take_up (work of a tensioned return) go in; gravity,
-    elastic, kinetic (of the drives) is what is gained; friction and crossings (what a line loses when it
-    jumps as a load passes an idler) is what is spent; residual is what is left, zero but for the integration.
+    drives (work of the control sheaves' drives), ends (work of drums and of supports that move, and energy of the rope
+    that drums pay out or wind in), loads (weight put on and taken off), take_up (work that components take from
+    outside, as a tensioned return) go in; gravity, elastic, kinetic (of the components) is what is gained; friction
+    and crossings (what a line loses when it jumps as a load passes an idler) is what is spent; residual is the rest,
+    zero but for the integration.
     """
     frame, times = result.full_frame, result.times
     still = np.diff(times) == 0.0
-    parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction"), np.zeros(len(still)))
-    for run in result.runs:
-        for name, value in _run_energy(result, run).items():
-            parts[name] = parts[name] + value
+    parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), np.zeros(len(still)))
+    for r in range(len(result.runs)):
+        _add(parts, _rope_work(result, r))
+    for node in _each(result.runs):
+        _add(parts, _own_work(result, node))
     elastic = np.diff(frame.filter(regex=r"\.elastic_energy$").sum(axis=1))
     gravity = np.diff(frame.filter(regex=r"\.gravity_energy$").sum(axis=1))
-    kinetic = np.diff(_kinetic(result))
+    kinetic = parts.pop("kinetic")
     work = parts["drives"] + parts["ends"] + parts["loads"] + parts["take_up"] - parts["friction"]
     left = work - elastic - gravity - kinetic
     return pd.Series(
@@ -186,43 +194,88 @@ def energy(result: Result) -> pd.Series:
     )
 
 
-def _run_energy(result: Result, run: Run) -> dict[str, np.ndarray]:
-    """Work in each interval between records, by kind."""
-    frame, times = result.full_frame, result.times
+def _add(parts: dict[str, np.ndarray], more: Mapping[str, np.ndarray]) -> None:
+    for name, value in more.items():
+        parts[name] = parts[name] + value
+
+
+def _mean(values: np.ndarray | pd.Series) -> np.ndarray:
+    """In each interval between records."""
+    array = np.asarray(values)
+    return (array[1:] + array[:-1]) / 2.0
+
+
+def _drives(node: Node) -> bool:
+    """Whether a node drives a rope that runs over it."""
+    return node.drive_speed is not None and node.through(node.arriving) is not None
+
+
+def _rope_work(result: Result, r: int) -> dict[str, np.ndarray]:
+    """Work of supports and loads on a rope in each interval, by kind."""
+    frame, run = result.full_frame, result.runs[r]
     weight, strain = run.rope.mass_per_length * result.parameters[0], run.rope.strain
-    none = np.zeros(len(times) - 1)
-    parts = {"drives": none, "ends": none, "loads": _load_work(result, run), "take_up": none, "friction": none}
-
-    def mean(values: np.ndarray | pd.Series) -> np.ndarray:
-        array = np.asarray(values)
-        return (array[1:] + array[:-1]) / 2.0
-
-    last = len(run.nodes) - 1
-    for k, node in enumerate(run.nodes[: last if run.closed else None]):
-        if f"{node.name}.travel" not in frame:
+    none = np.zeros(len(result.times) - 1)
+    parts = {"drives": none, "ends": none, "loads": _load_work(result, run), "friction": none}
+    last, moves = len(run.nodes) - 1, np.diff(result.times) > 0.0
+    for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+        coming = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
+        going = None if k == last else frame[f"{run.spans[k].name}.tension_a"]
+        parts["ends"] = parts["ends"] + _shift_work(result, r, k)
+        if f"{node.name}.{seat.travel}" not in frame or (run.closed and k == last):
             continue
-        moved = np.diff(frame[f"{node.name}.travel"])
-        if k in (0, last) and not run.closed:
-            height = result.parameters[result.model.p.index[f"{node.name}.z"]]
-            carried = strain.potential(frame[f"{node.name}.rope_tension"].to_numpy()) - weight * height
-            parts["ends"] = parts["ends"] + (1.0 if k else -1.0) * mean(carried) * moved
+        if run.closed and k == 0:
+            coming = frame[f"{run.spans[-1].name}.tension_b"]
+        moved = np.diff(frame[f"{node.name}.{seat.travel}"])
+        if coming is None or going is None:
+            tension, sign = (going, -1.0) if coming is None else (coming, 1.0)
+            carried = strain.potential(np.asarray(tension)) - weight * _coordinate(result, node, "z")
+            parts["ends"] = parts["ends"] + sign * _mean(carried) * moved
             continue
-        gained = strain.potential(frame[f"{node.name}.tension_in"]) - strain.potential(
-            frame[f"{node.name}.tension_out"]
-        )
-        if not isinstance(node, ControlSheave):
-            parts["friction"] = parts["friction"] - mean(gained) * moved * (np.diff(times) > 0.0)
-        elif node.hydraulic is None:
-            parts["drives"] = parts["drives"] + mean(gained) * moved
+        gained = _mean(strain.potential(coming) - strain.potential(going)) * moved
+        if _drives(node):
+            parts["drives"] = parts["drives"] + gained
         else:
-            # What the drive gives goes into the rope, its losses and its own motion: smoother than its force.
-            lost = mean(frame[f"{node.name}.loss"]) * np.diff(times)
-            own = node.hydraulic.inertia / 2.0 * np.diff(frame[f"{node.name}.rope_speed"] ** 2)
-            parts["drives"] = parts["drives"] + mean(gained) * moved + lost + own
-            parts["friction"] = parts["friction"] + lost
-        if isinstance(node, TensionedReturn):
-            parts["take_up"] = parts["take_up"] + node.take_up * np.diff(frame[f"{node.name}.slide"])
+            parts["friction"] = parts["friction"] - gained * moves
     return parts
+
+
+def _coordinate(result: Result, node: Node, axis: str) -> np.ndarray | float:
+    """Of a node, over time where it moves [m]."""
+    name = f"{node.name}.{axis}"
+    place = result.model.p.index.get(name)
+    return result.full_frame[name].to_numpy() if place is None else float(result.parameters[place])
+
+
+def _shift_work(result: Result, r: int, k: int) -> np.ndarray | float:
+    """Work on a rope of a node that moves, by the forces at the rope's ends there."""
+    run, frame, work = result.runs[r], result.full_frame, 0.0
+    node, first = run.nodes[k], result.model.layouts[r].force
+    for i, axis in enumerate("xyz"):
+        if f"{node.name}.{axis}" not in frame:
+            continue
+        force = np.zeros(len(result.times))
+        for span, end, sign in ((k, "a", -1.0), (k - 1, "b", 1.0)):
+            if 0 <= span < len(run.spans):
+                tension = result.algebraic[:, first[span] + i]
+                force += frame[f"{run.spans[span].name}.vertical_{end}"] if axis == "z" else sign * tension
+        work = work + _mean(force) * np.diff(frame[f"{node.name}.{axis}"])
+    return work
+
+
+def _own_work(result: Result, node: Node) -> dict[str, np.ndarray]:
+    """What a component takes from outside, stores and loses in each interval: what it gives goes into ropes, its own
+    motion and its losses."""
+    own = node.energies(lambda name: result.full_frame[f"{node.name}.{name}"].to_numpy())
+    none = np.zeros(len(result.times))
+    kinetic, supplied = np.diff(none + own.kinetic), np.diff(none + own.supplied)
+    lost = _mean(none + own.loss) * np.diff(result.times)
+    given = lost + kinetic - supplied
+    return {
+        "drives" if _drives(node) else "ends": given,
+        "kinetic": kinetic,
+        "friction": lost,
+        "take_up": supplied,
+    }
 
 
 def _load_work(result: Result, run: Run) -> np.ndarray:
@@ -238,14 +291,6 @@ def _load_work(result: Result, run: Run) -> np.ndarray:
         height = result.parameters[result.model.p.index[f"{run.nodes[k].name}.z"]]
         work += sign * np.diff(total[passed]) * gravity * height
     return work
-
-
-def _kinetic(result: Result) -> np.ndarray:
-    frame, value = result.full_frame, np.zeros(len(result.times))
-    for node in _each(result.runs):
-        if isinstance(node, ControlSheave) and node.hydraulic is not None:
-            value = value + node.hydraulic.inertia / 2.0 * frame[f"{node.name}.rope_speed"].to_numpy() ** 2
-    return value
 
 
 def _each(runs: Sequence[Run]) -> list[Node]:

@@ -142,6 +142,11 @@ class Result:
         """All outputs at all records, shape (records, ny)."""
         return self._solved[0]
 
+    @property
+    def algebraic(self) -> np.ndarray:
+        """All algebraic variables at all records, shape (records, nz)."""
+        return self._solved[1]
+
     def _state(self, i: int) -> LineState:
         state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
         if not self.exact[i]:
@@ -152,11 +157,11 @@ class Result:
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, at all records: both sides of each event."""
         m = self.model
-        keep = [i for i, name in enumerate(m.y.names) if ".slot_" not in name]
+        keep = m.y.shown
         moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
         z = self._solved[1][:, moves]
         blocks = [
-            self.outputs[:, keep],
+            self.outputs[:, list(keep)],
             z,
             np.array([r.x for r in self.records]),
             np.array([r.u for r in self.records]),

@@ -217,9 +217,8 @@ def fed(feed: Feed, length: float) -> Loads:
     """Loads of a feed that fills `length` metres of rope, the last half a spacing inside the first support,
     and the next few that wait there; on an endless rope those that go round."""
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
-    first = Loads(
-        (f"{feed.prefix}l1",), np.array([feed.masses[0]]), np.array([(on_line - 0.5) * feed.spacing]), np.array([-1]), np.zeros(1)
-    )
+    foremost = np.array([(on_line - 0.5) * feed.spacing])
+    first = Loads((f"{feed.prefix}l1",), np.array([feed.masses[0]]), foremost, np.array([-1]), np.zeros(1))
     return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
 

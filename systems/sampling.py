@@ -18,7 +18,6 @@ from ropeway.components.component import Kind
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.response import Response
 
-
 Precedence = Callable[[str], tuple[str, str]]
 """For a component the subsystem that it belongs to, and who acts first there."""
 

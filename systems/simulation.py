@@ -125,7 +125,11 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
                 "Brake that sheave",
             )
         if intervention.component is not None and intervention.entry[0] not in model.d.index:
-            known = [component_of(n) for n in model.d.names if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]]
+            known = [
+                component_of(n)
+                for n in model.d.names
+                if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]
+            ]
             raise UnknownNameError(
                 f"{intervention.action!r} does not apply to {intervention.component!r}",
                 f"It applies to {', '.join(known) or 'nothing in this system'}",

@@ -184,12 +184,23 @@ class System:
             raise InputError(f"{one} and {other} cannot be joined", "Join a rope end to a seat of a support")
         for port in (end, seat):
             self._require_part(port.owner)
+        seat = self._open(seat)
         ends = self.connections
         if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in self._seated:
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
         self._seated.add((seat.owner.name, seat.name))
+
+    def _open(self, seat: Seat) -> Seat:
+        """The seat, or another open one where all are alike. Raises InputError where none is open."""
+        node = seat.owner
+        if not (isinstance(node, Node) and node.interchangeable):
+            return seat
+        found = next((s for s in node.seats if (node.name, s.name) not in self._seated), None)
+        if found is None:
+            raise InputError(f"All {len(node.seats)} ends of {node.described} are taken", "Give it more with ends=")
+        return found
 
     def _connect_signal(self, one: Port, other: Port) -> None:
         source, target = (one, other) if isinstance(one, SignalOutput) else (other, one)

@@ -37,7 +37,7 @@ def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] |
     """The study of a line; `outputs` by default all but those of the load slots, and the parameters. Raises
     UnknownNameError, InputError for a parameter or an output that it does not have."""
     state = LineState.cold(model)
-    known = [name for name in model.y.names if ".slot_" not in name and name not in parameters]
+    known = [name for name in model.y.names if name not in model.y.hidden and name not in parameters]
     names = known if outputs is None else list(outputs)
     for name in names:
         if name in parameters:

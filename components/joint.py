@@ -1,0 +1,88 @@
+"""A place where ropes meet: ropes in series, bridles and nets."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ropeway.components import check, laws
+from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.checked import checked
+from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+
+
+@checked
+@dataclass(frozen=True)
+class Joint(Node):
+    """A shackle, ring or knot that nothing but its ropes holds: it goes to where their forces balance its weight.
+
+    Each rope that is strung to it, or connected to `rope`, takes an end of its own. After Broughton and Ndumbaro (1994)
+    and Peyrot and Goulois (1979), who assemble cable nets from exact catenaries at such points.
+
+    Parameters
+    ----------
+    name
+        Of the joint.
+    at
+        Where it is about, (x, z) or (x, y, z) [m]: the initial guess.
+    mass
+        Of the joint and what is fixed to it [kg].
+    ends
+        Most rope ends that meet.
+
+    Raises
+    ------
+    InputError
+        A negative mass, or less than two ends.
+    """
+
+    interchangeable: ClassVar[bool] = True
+
+    mass: float = 0.0
+    ends: int = 8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.not_negative(self.mass, self.described, "mass", "kg")
+        check.index(self.ends - 2, 98, self.described, "ends less 2")
+
+    @property
+    def rope(self) -> Seat:
+        """An open end."""
+        return self.seats[0]
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return tuple(Seat(self, f"end_{i + 1}", optional=True) for i in range(self.ends))
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def structure(self, site: Site) -> Hashable:
+        return self.ends
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return (
+            *(
+                Variable(axis, Kind.ALGEBRAIC, "m", f"{axis} of the joint", value, 100.0)
+                for axis, value in zip("xyz", self.at, strict=True)
+            ),
+            Variable("mass", Kind.PARAMETER, "kg", "mass of the joint", self.mass, 1000.0, range=NOT_NEGATIVE),
+            *(
+                Variable(f"balance_{axis}", Kind.RESIDUAL, "N", f"forces on the joint, {axis}", 0.0, site.force)
+                for axis in "xyz"
+            ),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        pulls = [getattr(v, seat.name).force for seat in self.seats]
+        total = [sum(pull[i] for pull in pulls) for i in range(3)]
+        total[2] = total[2] - v.mass * v.gravity
+        return Equations(residuals={f"balance_{axis}": total[i] for i, axis in enumerate("xyz")})
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        pulls = [getattr(v, seat.name).force for seat in self.seats]
+        found = laws.balance(*pulls, laws.weight(v.mass * v.gravity))
+        return {f"balance_{axis}": law for axis, law in found.items()}
