@@ -42,7 +42,8 @@ class Variable:
     """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
     the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
     `range`: values that a parameter may have; `kept_at_rest`: `equilibrium` leaves this state at its value, as the
-    travel of a drum that holds its rope, instead of solving for a rate of zero; `hidden`: an array that results do not show."""
+    travel of a drum that holds its rope, instead of solving for a rate of zero; `hidden`: results do not show
+    it, and number its entries."""
 
     name: str
     kind: Kind
@@ -138,6 +139,12 @@ class Energies(NamedTuple):
     kinetic: Any = 0.0
     loss: Any = 0.0
     supplied: Any = 0.0
+
+
+def form_of(part: Any) -> Hashable:
+    """Of what a component is made of, as its drive: its type and what shapes its equations where its own class says
+    that by `structure`; else all its values. Frozen dataclasses are both equal and hashable by these."""
+    return (type(part), part.structure) if "structure" in vars(type(part)) else part
 
 
 @dataclass(frozen=True, slots=True)

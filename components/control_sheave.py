@@ -11,9 +11,8 @@ from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.checked import checked
-from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable
-from ropeway.components.drive import Drive, HydraulicDrive, IdealDrive
-from ropeway.components.errors import InputError
+from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable, form_of
+from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
@@ -56,8 +55,6 @@ class ControlSheave(Wheel):
         check_speed(self.speed, self.described)
         check.positive(self.grip_friction, self.described, "grip_friction")
         check.not_negative(self.turns, self.described, "turns")
-        if not isinstance(self.drive, (IdealDrive, HydraulicDrive)):
-            raise InputError(f"{self.described}: drive is {self.drive!r}", "Give an IdealDrive or a HydraulicDrive")
 
     @property
     def supply(self) -> Supply:
@@ -65,29 +62,21 @@ class ControlSheave(Wheel):
         return Supply(self, "supply")
 
     @property
-    def hydraulic(self) -> HydraulicDrive | None:
-        """The drive, if it is a hydraulic one."""
-        return self.drive if isinstance(self.drive, HydraulicDrive) else None
-
-    @property
     def drive_speed(self) -> str:
-        return "speed" if self.hydraulic is None else "rope_speed"
+        return self.drive.rope_speed
 
     @property
     def signals(self) -> tuple[str, ...]:
-        return () if self.hydraulic is None else ("flow_share", "power_share")
+        return self.drive.signals
 
     def limits(self) -> tuple[Limit, ...]:
-        relief = (Limit("relief_open", "relief valve open", high=0.5),) if self.hydraulic is not None else ()
-        return (*super().limits(), Limit("grip_margin", "grip lost", low=0.0), *relief)
+        return (*super().limits(), Limit("grip_margin", "grip lost", low=0.0), *self.drive.limits())
 
     def structure(self, site: Site) -> Hashable:
-        drive = None if self.hydraulic is None else self.hydraulic.structure
-        return (drive, None if self.response is None else self.response.structure)
+        return (form_of(self.drive), form_of(self.response))
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, out = Kind.PARAMETER, Kind.OUTPUT
-        drive = () if self.hydraulic is None else self.hydraulic.variables(site.force, first_speed(self.speed))
         return (
             *self.place(),
             Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, range=POSITIVE),
@@ -101,7 +90,7 @@ class ControlSheave(Wheel):
             Variable("drive_force", out, "N", "force of the drive on the rope, in its direction", nominal=site.force),
             Variable("power", out, "W", "power of the drive into the rope", nominal=1e3),
             Variable("grip_margin", out, "1", "exp(mu wrap) less tight over slack tension"),
-            *drive,
+            *self.drive.variables(site.force, first_speed(self.speed)),
         )
 
     def equations(self, v: Any) -> Equations:
@@ -110,32 +99,24 @@ class ControlSheave(Wheel):
         xp = namespace(t_in)
         tight, slack = xp.fmax(t_in, t_out), xp.fmin(t_in, t_out)
         outputs["grip_margin"] = grip_margin(v.grip_friction, outputs["wrap"], v.turns, tight, slack)
-        if self.hydraulic is None:
-            speed, force, rates = (v.speed + v.correction) * (1 - v.brake), t_in - t_out, {}
-        else:
-            v.tension_in, v.tension_out, v.bearing_load = t_in, t_out, outputs["bearing_load"]
-            motion = self.hydraulic.motion(v)
-            speed, force, rates = v.rope_speed, motion.force, motion.rates
-            outputs.update(motion.outputs)
+        v.tension_in, v.tension_out, v.bearing_load = t_in, t_out, outputs["bearing_load"]
+        motion = self.drive.motion(v)
+        # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
+        power = motion.speed * (v.a.carried - v.b.carried)
         return Equations(
-            rates={"travel": speed, **rates},
-            # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
-            outputs={**outputs, "drive_force": force, "power": speed * (v.a.carried - v.b.carried)},
+            rates={"travel": motion.speed, **motion.rates},
+            outputs={**outputs, **motion.outputs, "drive_force": motion.force, "power": power},
         )
 
     def energies(self, read: Callable[[str], Any]) -> Energies:
-        if self.hydraulic is None:
-            return Energies()
-        return Energies(kinetic=self.hydraulic.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
+        return self.drive.energies(read)
 
     def demand(self, v: Any) -> tuple[Any, Any]:
         """Flow [m3/s] and power [W] that the drive asks of a power unit."""
-        if self.hydraulic is None:
-            raise InputError(f"{self.described} has no hydraulic drive", "Only hydraulic drives take a power unit")
         outputs = self.wheel_equations(v)
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]
-        return self.hydraulic.demand(v)
+        return self.drive.demand(v)
 
 
 def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:

@@ -7,15 +7,17 @@ headings survive: the equations here are ours, from the textbook relations of a 
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, ClassVar, NamedTuple
 
 from ropeway.components import check
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
 from ropeway.components.checked import checked
-from ropeway.components.component import Kind, Variable
+from ropeway.components.component import Energies, Kind, Limit, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
 
@@ -23,15 +25,64 @@ STANDSTILL = 0.01
 """Speed within which a drive passes from driving to braking [m/s]."""
 
 
+class Motion(NamedTuple):
+    """What a drive does to its sheave: `speed` of the rope [m/s], `force` on the rope [N], and by name the rates of its
+    states and its outputs."""
+
+    speed: Any
+    force: Any
+    rates: Mapping[str, Any] = MappingProxyType({})
+    outputs: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Drive(ABC):
+    """What turns a control sheave. A drive of your own is a frozen dataclass that inherits from this one.
+
+    Its equations read `v`: its own variables; of the sheave `tension_in`, `tension_out`, `bearing_load` [N], the input
+    `speed` [m/s], the `correction` of its response [m/s], `brake` (1: it holds); and where it takes a power unit the
+    shares `flow_share` and `power_share`.
+    """
+
+    rope_speed: ClassVar[str] = "speed"
+    """The variable of the sheave that is the rope's speed, or is commanded."""
+    signals: ClassVar[tuple[str, ...]] = ()
+    """What it takes from a power unit."""
+
+    @abstractmethod
+    def motion(self, v: Any) -> Motion:
+        """The rope's speed, the force on it, rates of the drive's states and its outputs."""
+
+    def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
+        """Variables that the drive adds to its sheave: force is a typical tension [N], speed the rope's at the start
+        [m/s]."""
+        return ()
+
+    def limits(self) -> tuple[Limit, ...]:
+        """What is reported when it happens."""
+        return ()
+
+    def demand(self, v: Any) -> tuple[Any, Any]:
+        """Flow [m3/s] and power [W] that the drive asks of its power unit. Raises InputError where it takes none."""
+        raise InputError(f"{type(self).__name__} takes no power unit", "Only hydraulic drives do")
+
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        """Kinetic energy and losses over a run; see `Component.energies`."""
+        return Energies()
+
+
 @checked
 @dataclass(frozen=True, slots=True)
-class IdealDrive:
+class IdealDrive(Drive):
     """Turns its sheave at the commanded speed, whatever force that needs."""
 
+    def motion(self, v: Any) -> Motion:
+        return Motion((v.speed + v.correction) * (1 - v.brake), v.tension_in - v.tension_out)
+
 
 @checked
 @dataclass(frozen=True, slots=True)
-class HydraulicDrive:
+class HydraulicDrive(Drive):
     """A hydraulic motor on a sheave, in a closed circuit with its pump.
 
     displacement of the motor [m3/rad]; gear_ratio: turns of the motor per turn of the sheave; sheave_radius
@@ -46,6 +97,9 @@ class HydraulicDrive:
     The drive gives the force that its speed control asks for, unless the relief valve (force), the pump flow
     (speed) or the engine (force times speed) limits it. Raises InputError.
     """
+
+    rope_speed: ClassVar[str] = "rope_speed"
+    signals: ClassVar[tuple[str, ...]] = ("flow_share", "power_share")
 
     displacement: float
     gear_ratio: float
@@ -105,7 +159,7 @@ class HydraulicDrive:
 
     @property
     def structure(self) -> Hashable:
-        """What shapes the equations."""
+        """What shapes the equations; see `form_of`."""
         return (self.command_lag > 0.0, self.recovers, self.relief_pressure is None, self.pump_flow is None)
 
     def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
@@ -140,8 +194,13 @@ class HydraulicDrive:
             Variable("power_limited", out, "1", "1: the engine's power limits the force"),
         )
 
+    def limits(self) -> tuple[Limit, ...]:
+        return (Limit("relief_open", "relief valve open", high=0.5),)
+
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
+
     def demand(self, v: Any) -> tuple[Any, Any]:
-        """Flow [m3/s] and power [W] that the drive asks of its power unit."""
         wish = self._wish(v)
         flow = namespace(wish).fabs(wish) * v.volume_per_metre / v.volumetric_efficiency
         power = self._needed(v, wish) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
@@ -160,9 +219,6 @@ class HydraulicDrive:
         return v.bearing_friction * v.bearing_load * sign(v.rope_speed, STANDSTILL) + v.drag * v.rope_speed
 
     def motion(self, v: Any) -> Motion:
-        """Force on the rope, rates and outputs. Beyond its own variables v has tension_in, tension_out and
-        bearing_load of the sheave, the input speed, correction, brake, and the shares of flow and power that
-        a power unit leaves to the drive."""
         xp = namespace(v.rope_speed)
         speed, volume = v.rope_speed, v.volume_per_metre
         wish = self._wish(v)
@@ -200,6 +256,7 @@ class HydraulicDrive:
         if self.command_lag > 0.0:
             rates["command"] = (v.speed + v.correction - v.command) / v.command_lag
         return Motion(
+            speed=speed,
             force=total,
             rates=rates,
             outputs={
@@ -221,14 +278,3 @@ def _given(
     if value is None:
         return Variable(name, Kind.INPUT, unit, description, nominal, nominal)
     return Variable(name, Kind.PARAMETER, unit, description, value, nominal, range=within)
-
-
-class Motion(NamedTuple):
-    """What a drive does to its sheave: force on the rope [N], rates of its states, outputs, by name."""
-
-    force: Any
-    rates: dict[str, Any]
-    outputs: dict[str, Any]
-
-
-Drive = IdealDrive | HydraulicDrive

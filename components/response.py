@@ -71,11 +71,6 @@ class Response(ABC):
         """Time from a sample to when the oldest waiting one takes effect [s]; 0 without delay."""
         return self.delay - (self.waiting - 1) * self.period if self.waiting else 0.0
 
-    @property
-    def structure(self) -> Hashable:
-        """What shapes the variables."""
-        return (type(self), self.waiting)
-
     @abstractmethod
     def own_variables(self) -> tuple[Variable, ...]:
         """Parameters and discrete variables of the rule."""
@@ -147,6 +142,11 @@ class ThresholdResponse(Response):
                 f"{owner}: initiation {self.initiation} N leaves nothing of the range", "Choose it nearer to zero"
             )
 
+    @property
+    def structure(self) -> Hashable:
+        """What shapes the variables; see `form_of`."""
+        return self.waiting
+
     def own_variables(self) -> tuple[Variable, ...]:
         par = Kind.PARAMETER
         return (
@@ -210,7 +210,7 @@ class ProportionalResponse(Response):
     @property
     def structure(self) -> Hashable:
         planned = self.difference if isinstance(self.difference, Schedule) else None
-        return (super().structure, 0 if planned is None else len(planned.times))
+        return (self.waiting, 0 if planned is None else len(planned.times))
 
     def own_variables(self) -> tuple[Variable, ...]:
         par, plan = Kind.PARAMETER, self.difference

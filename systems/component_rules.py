@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import casadi as ca
@@ -78,8 +78,8 @@ def _require_references(component: Component, kinds: Mapping[str, Kind]) -> None
     """Raises InputError where a limit, seat or balance names what does not exist."""
     owner = _owner(component)
 
-    def require(name: str | None, wanted: Iterable[Kind], what: str) -> None:
-        if name is not None and kinds.get(name) not in wanted:
+    def require(name: str | None, wanted: tuple[Kind, ...], what: str) -> None:
+        if name is not None and not (name in kinds and kinds[name] in wanted):
             words = " or ".join(kind.value for kind in wanted)
             raise InputError(f"{owner}: {what} names {name!r}, which is no {words}", f"Declare {name!r} in variables()")
 
@@ -163,9 +163,9 @@ def require_numbers(component: Component, function: ca.Function, names: Sequence
         results = function.call([ca.DM(rng.uniform(0.5, 1.5, shape)) for shape in shapes])
         wrong = [np.isnan(np.asarray(result)).ravel() for result in results]
         broken = wrong if broken is None else [one & other for one, other in zip(broken, wrong, strict=True)]
-    for owned, wrong in zip(names, broken or [], strict=False):
-        for name, bad in zip(owned, wrong, strict=False):
-            if bad:
+    for owned, bad in zip(names, broken or [], strict=False):
+        for name, is_bad in zip(owned, bad, strict=False):
+            if is_bad:
                 raise InputError(
                     f"{_owner(component)}: {name!r} is not a number for any values",
                     "Use casadi's functions, as casadi.sqrt, instead of those of math on symbols",

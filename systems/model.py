@@ -23,8 +23,8 @@ from ropeway.systems.system import System
 
 @dataclass(frozen=True)
 class Table:
-    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,). `hidden`: names
-    of those that results do not show."""
+    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,). `hidden`:
+    names of those that results do not show."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]

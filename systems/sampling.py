@@ -78,8 +78,8 @@ def _sample(
     grants: dict[str, ca.MX] = {}
     for line in dict.fromkeys(precedence_of(sheave.name) for sheave in group):
         own = [(sheave, found[0], found[1]) for sheave, _, found in decisions if precedence_of(sheave.name) == line]
-        names = [sheave.name for sheave, _, _ in own]
-        grants.update(zip(names, _grants(line[1], [w for _, w, _ in own], [n for _, _, n in own]), strict=True))
+        sheaves = [sheave.name for sheave, _, _ in own]
+        grants.update(zip(sheaves, _grants(line[1], [w for _, w, _ in own], [n for _, _, n in own]), strict=True))
     entries, values, corrections = [], [], {}
     for sheave, names, results in decisions:
         grant = grants[sheave.name]

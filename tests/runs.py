@@ -29,7 +29,7 @@ class RandomRun:
     def returns(self) -> bool:
         """Whether the line is where it was once its drives are: ideal ones, no response, no friction."""
         sheaves = [c for c in self.system.components.values() if isinstance(c, rw.ControlSheave)]
-        ideal = all(c.hydraulic is None and c.response is None for c in sheaves)
+        ideal = all(isinstance(c.drive, rw.IdealDrive) and c.response is None for c in sheaves)
         return ideal and self.kind != "rough idlers"
 
     def simulate(self, every: float, **more: object) -> rw.Result:

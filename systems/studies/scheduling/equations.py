@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.component import Node
-from ropeway.components.control_sheave import ControlSheave, grip_margin
+from ropeway.components.control_sheave import grip_margin
 from ropeway.components.errors import InputError
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import Point, expanded
@@ -229,10 +229,10 @@ class LineEquations:
 
 
 def drive_parameters(model: Model, sheave: Node, parameters: np.ndarray, names: Sequence[str]) -> Mapping[str, float]:
-    """Parameters of a control sheave's hydraulic drive; nothing for an ideal drive."""
-    if not isinstance(sheave, ControlSheave) or sheave.hydraulic is None:
-        return {}
-    return {name: float(parameters[model.p.index[f"{sheave.name}.{name}"]]) for name in names}
+    """Those parameters of a control sheave's drive that it has; an ideal one has none."""
+    index = model.p.index
+    own = {name: index[f"{sheave.name}.{name}"] for name in names if f"{sheave.name}.{name}" in index}
+    return {name: float(parameters[place]) for name, place in own.items()}
 
 
 def _entries(vector: ca.SX, places: np.ndarray) -> ca.SX:
