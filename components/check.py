@@ -39,8 +39,16 @@ class Range(NamedTuple):
 ANY, POSITIVE, NOT_NEGATIVE, SHARE = Range(), Range(0.0, above=True), Range(0.0), Range(0.0, 1.0, above=True)
 
 
+class PartName(str):
+    """The name of a component of a subsystem, with dots: made by `System.add` only."""
+
+    __slots__ = ()
+
+
 def name(value: str, what: str) -> None:
     """A component's name is an identifier, so that `name.variable` is a legal structured name."""
+    if isinstance(value, PartName):
+        return
     if not isinstance(value, str) or not _NAME.fullmatch(value):
         raise InputError(f"{what} name {value!r} is not an identifier", "Use letters, digits and underscores only")
 

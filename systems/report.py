@@ -215,7 +215,7 @@ def _rope_work(result: Result, r: int) -> dict[str, np.ndarray]:
     frame, run = result.full_frame, result.runs[r]
     weight, strain = run.rope.mass_per_length * result.parameters[0], run.rope.strain
     none = np.zeros(len(result.times) - 1)
-    parts = {"drives": none, "ends": none, "loads": _load_work(result, run), "friction": none}
+    parts = {"drives": none, "ends": none, "loads": _load_work(result, r), "friction": none}
     last, moves = len(run.nodes) - 1, np.diff(result.times) > 0.0
     for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
         coming = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
@@ -278,18 +278,17 @@ def _own_work(result: Result, node: Node) -> dict[str, np.ndarray]:
     }
 
 
-def _load_work(result: Result, run: Run) -> np.ndarray:
+def _load_work(result: Result, r: int) -> np.ndarray:
     """Energy that loads bring with them when they are put on, or take away."""
-    work = np.zeros(len(result.times) - 1)
+    work, run = np.zeros(len(result.times) - 1), result.runs[r]
     if run.closed:
         return work
     loads, gravity = run.loads, result.parameters[0]
     for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
-        r = result.runs.index(run)
         passed = np.array([record.passed[r][k] - loads.first for record in result.records])
         total = np.concatenate([[0.0], np.cumsum(loads.mass)])
-        height = result.parameters[result.model.p.index[f"{run.nodes[k].name}.z"]]
-        work += sign * np.diff(total[passed]) * gravity * height
+        height = _coordinate(result, run.nodes[k], "z") + np.zeros(len(result.times))
+        work += sign * np.diff(total[passed]) * gravity * _mean(height)
     return work
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from ropeway.components.check import PartName
 from ropeway.components.component import Component, Node
 from ropeway.components.span import Span
 
@@ -37,18 +37,17 @@ class Subsystem(Mapping[str, Component]):
 
 def renamed(component: Component, prefix: str) -> Component:
     """A component under a dotted name."""
-    found = copy.copy(component)
-    object.__setattr__(found, "name", f"{prefix}.{component.name}")
-    if isinstance(found, Node):
-        object.__setattr__(found, "label", f"{prefix}.{found.label}")
-    return found
+    name = PartName(f"{prefix}.{component.name}")
+    if isinstance(component, Node):
+        return replace(component, name=name, label=f"{prefix}.{component.label}")
+    return replace(component, name=name)
 
 
 def include(outer: System, inner: System, prefix: str, origin: str) -> Subsystem:
     """Adds the declarations of a system to another, under dotted names. What names a component keeps naming it."""
 
     def named(name: str) -> str:
-        return f"{prefix}.{name}"
+        return PartName(f"{prefix}.{name}")
 
     own = {name: renamed(component, prefix) for name, component in inner.components.items()}
     spans = {c: own[c.name] for c in inner.components.values() if isinstance(c, Span)}
@@ -62,8 +61,7 @@ def include(outer: System, inner: System, prefix: str, origin: str) -> Subsystem
     outer.supplies |= {named(drive): named(unit) for drive, unit in inner.supplies.items()}
     outer.links |= {(named(a), i): (named(b), o) for (a, i), (b, o) in inner.links.items()}
     for hung in inner.hung:
-        load = replace(hung.load)
-        object.__setattr__(load, "name", named(hung.load.name))
+        load = replace(hung.load, name=named(hung.load.name))
         outer.hung.append(replace(hung, load=load, spans=there(hung.spans)))
     outer.feeds += [replace(feed, spans=there(feed.spans), prefix=f"{prefix}.{feed.prefix}") for feed in inner.feeds]
     outer._origins |= {c.name: origin for c in own.values()}
