@@ -96,6 +96,18 @@ if TYPE_CHECKING:
     from ropeway.components import (
         ThresholdResponse as ThresholdResponse,
     )
+    from ropeway.components.component import Component as Component
+    from ropeway.components.component import Energies as Energies
+    from ropeway.components.component import Equations as Equations
+    from ropeway.components.component import Kind as Kind
+    from ropeway.components.component import Limit as Limit
+    from ropeway.components.component import Node as Node
+    from ropeway.components.component import RopeEnd as RopeEnd
+    from ropeway.components.component import Seat as Seat
+    from ropeway.components.component import Site as Site
+    from ropeway.components.component import Variable as Variable
+    from ropeway.components.drive import Drive as Drive
+    from ropeway.components.drive import Motion as Motion
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
     )
@@ -139,20 +151,8 @@ if TYPE_CHECKING:
         WriteError as WriteError,
     )
     from ropeway.components.rope import ropes as ropes
-    from ropeway.components.component import Component as Component
-    from ropeway.components.component import Energies as Energies
-    from ropeway.components.component import Equations as Equations
-    from ropeway.components.component import Kind as Kind
-    from ropeway.components.component import Limit as Limit
-    from ropeway.components.component import Node as Node
-    from ropeway.components.component import RopeEnd as RopeEnd
-    from ropeway.components.component import Seat as Seat
-    from ropeway.components.component import Site as Site
-    from ropeway.components.component import Variable as Variable
-    from ropeway.components.drive import Drive as Drive
-    from ropeway.components.drive import Motion as Motion
-    from ropeway.systems.component_functions import check_component as check_component
     from ropeway.systems.assembly import assemble as assemble
+    from ropeway.systems.component_functions import check_component as check_component
     from ropeway.systems.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.equilibrium import equilibrium as equilibrium
     from ropeway.systems.intervention import Intervention as Intervention

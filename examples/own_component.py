@@ -1,10 +1,10 @@
-"""Components of your own: a counterweight with inertia and an anchor on a spring and damper, simulated, swept, exported."""
+"""Components of your own: a counterweight with inertia, and an anchor on a spring and damper; run, swept, exported."""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import casadi as ca
@@ -16,7 +16,9 @@ STATE, PARAMETER, OUTPUT = rw.Kind.STATE, rw.Kind.PARAMETER, rw.Kind.OUTPUT
 
 @dataclass(frozen=True)
 class Counterweight(rw.Node):
-    """A weight on the end of a rope that runs over its wheel: travel' = speed, mass speed' = tension - weight - drag speed.
+    """A weight on the end of a rope that runs over its wheel.
+
+    travel' = speed, mass speed' = tension - weight - extra - drag speed.
 
     extra: a further pull [N], a number or a schedule.
     """
@@ -70,7 +72,7 @@ class DampedAnchor(rw.Node):
         return (self.rope,)
 
     def variables(self, site: rw.Site) -> tuple[rw.Variable, ...]:
-        x, y, z = self.place()
+        _, y, z = self.place()
         return (
             y,
             z,
@@ -86,7 +88,7 @@ class DampedAnchor(rw.Node):
 
 def line() -> rw.System:
     """A rope from a counterweight, pulled at by 2 kN more from 1 s on, over a sheave to a damped anchor."""
-    pull = rw.Schedule((0.0, 1.0, 1.5), (0.0, 0.0, 2e3))
+    pull = rw.Schedule((0.0, 1.0, 1.5, 60.0), (0.0, 0.0, 2e3, 2e3))
     rope = rw.Rope(mass_per_length=2.1, axial_stiffness=19e6, breaking_load=330e3)
     s = rw.System("own components")
     spans = s.string(
@@ -100,22 +102,28 @@ def line() -> rw.System:
     return s
 
 
-def main(until: float = 10.0) -> None:
+def main(folder: Path = Path("ropeway-own-component")) -> None:
     """Checks both components, brings the line to rest, runs it, sweeps the mass and exports an FMU."""
+    folder.mkdir(parents=True, exist_ok=True)
     for component in (Counterweight("weight", at=(0.0, 0.0)), DampedAnchor("anchor", at=(0.0, 0.0))):
         rw.check_component(component)
     s = line()
     rest = rw.equilibrium(s)
     print(f"at rest the weight is carried by {rest['weight.tension'] / 1e3:.3f} kN; the anchor gives way by "
           f"{1e3 * (rest['anchor.x'] - 170.0):.1f} mm")  # fmt: skip
-    run = rw.simulate(s, until=until, every=0.1)
-    print(run.frame[["weight.travel", "weight.tension", "anchor.x"]].iloc[:: len(run.frame) // 5].round(4))
+    run = rw.simulate(s, until=10.0, every=0.1)
+    print(run.frame[["weight.travel", "weight.tension", "anchor.x"]].iloc[::20].round(4))
     table = rw.sweep(s, rw.latin_hypercube({"weight.mass": (2000.0, 3000.0)}, 4), outputs=["anchor.x"], progress=False)
     print(table.sort_values("weight.mass"))
-    with TemporaryDirectory() as folder:
-        rw.fmu.export(s, Path(folder) / "own.fmu")
-    print("own.fmu exported")
+    columns = {"weight.travel": "travel of the weight [m]", "weight.tension": "tension [N]", "anchor.x": "anchor [m]"}
+    axes = run.frame[list(columns)].plot(subplots=True, legend=False, figsize=(8, 6), grid=True)
+    for axis, label in zip(axes, columns.values(), strict=True):
+        axis.set_ylabel(label)
+    axes[-1].set_xlabel("time [s]")
+    axes[0].figure.savefig(folder / "own_component.png", dpi=150, bbox_inches="tight")
+    rw.fmu.export(s, folder / "own.fmu")
+    print(f"{folder}: own_component.png, own.fmu")
 
 
 if __name__ == "__main__":
-    main()
+    main(*map(Path, sys.argv[1:2]))

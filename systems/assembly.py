@@ -333,9 +333,11 @@ def _check_structure(model: Model, system: System) -> None:
         return
     match = model.determined
     if np.any(match < 0):
-        lone = [residuals[i] for i in np.flatnonzero(match < 0)]
+        lone = [unknowns[i] for i in sorted(set(range(len(unknowns))) - set(match.tolist()))]
+        extra = [residuals[i] for i in np.flatnonzero(match < 0)]
         owner = component_of(lone[0])
         raise UnbalancedSystemError(
-            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}",
+            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}, "
+            f"and {', '.join(extra[:5])} is an equation too many",
             f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
         )

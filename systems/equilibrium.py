@@ -201,18 +201,20 @@ def equilibrium(
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
     freed = [model.swaps.get(name, name) for name in freed]
-    still = at_rest_model(model) if model.free_states else model
+    solved_on = at_rest_model(model) if model.free_states else model
     first: EquilibriumError | None = None
     for way in ("near", "from geometry", "let out") if start is not None else ("from geometry", "let out"):
-        state = _near(model, start, parameters) if way == "near" and start else _cold(still, parameters)
+        state = _near(model, start, parameters) if way == "near" and start else _cold(solved_on, parameters)
         try:
-            found, certificate = _at_rest(state if state.model is still else on_model(state, still), wanted, freed, way)
+            found, certificate = _at_rest(
+                state if state.model is solved_on else on_model(state, solved_on), wanted, freed, way
+            )
         except EquilibriumError as error:
             first = first or error
             continue
         _warn(certificate)
-        return found if still is model else _of(model, found)
-    heavy = None if wanted else too_heavy(_cold(still, parameters))
+        return found if solved_on is model else _of(model, found)
+    heavy = None if wanted else too_heavy(_cold(solved_on, parameters))
     raise heavy or first or EquilibriumError(f"{model.name!r} has no equilibrium")
 
 
@@ -268,7 +270,15 @@ def _at_rest(
 def _of(model: Model, rest: Equilibrium) -> Equilibrium:
     """An equilibrium of `at_rest_model(model)` as one of the model."""
     state = on_model(LineState(rest.model, rest.point, rest.runs, rest.passed), model)
-    return replace(rest, model=state.model, point=state.point)
+    return replace(rest, model=state.model, point=state.point, runs=tuple(state.runs))
+
+
+def still(line: Equilibrium) -> Equilibrium:
+    """An equilibrium with its free states as algebraic variables: what changes with a parameter at rest."""
+    if not line.model.free_states:
+        return line
+    state = on_model(LineState(line.model, line.point, line.runs, line.passed), at_rest_model(line.model))
+    return replace(line, model=state.model, point=state.point, runs=tuple(state.runs))
 
 
 def _rope(state: LineState, r: int, declared: np.ndarray) -> float:

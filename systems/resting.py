@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.csgraph import structural_rank
 
 from ropeway.components.component import Component, Equations, Kind, Site, Variable
 from ropeway.components.errors import UnbalancedSystemError
@@ -16,20 +21,45 @@ from ropeway.systems.state import LineState, declared_point
 _SUFFIX = " at rest"
 
 
+@lru_cache(maxsize=16)
 def at_rest_model(model: Model) -> Model:
     """The model with its free states as algebraic variables and their rates as residuals. Raises
     UnbalancedSystemError for a state that no equation determines at rest."""
+    _require_determined(model)
     system = model.system.copy()
     for name in {component_of(state) for state in model.free_states}:
         system.components[name] = _resting(system.components[name])
-    try:
-        return assemble(system, slots=[layout.slots.count.tolist() for layout in model.layouts])
-    except UnbalancedSystemError as error:
-        if _SUFFIX not in error.cause:
-            raise
-        raise UnbalancedSystemError(
-            error.cause, "Let its rate depend on it, or declare it with kept_at_rest=True, as a travel that is driven"
-        ) from error
+    return assemble(system, slots=[layout.slots.count.tolist() for layout in model.layouts])
+
+
+def _require_determined(model: Model) -> None:
+    """Raises UnbalancedSystemError that names a state which may take any value at rest."""
+    states = [model.x.index[name] for name in model.free_states]
+    rows = [[_pattern(model, 1, 2), _pattern(model, 1, 1)[:, states]]]
+    rows.append([_pattern(model, 0, 2)[states], _pattern(model, 0, 1)[np.ix_(states, states)]])
+    graph = csc_matrix(np.block(rows))
+    rank, count = structural_rank(graph), graph.shape[1]
+    if rank == count:
+        return
+    first = count - len(states)
+    # Without its column the rank stays: the other equations are enough for the other unknowns.
+    loose = [
+        name
+        for k, name in enumerate(model.free_states, first)
+        if structural_rank(graph[:, np.arange(count) != k]) == rank
+    ]
+    raise UnbalancedSystemError(
+        f"Nothing determines {', '.join(loose or model.free_states)} at rest",
+        "Let a rate depend on it, or declare it with kept_at_rest=True, as a travel that is driven",
+    )
+
+
+def _pattern(model: Model, result: int, argument: int) -> np.ndarray:
+    """Which entries of a result of the model's equations depend on which of an argument."""
+    pattern = model.dae.jac_sparsity(result, argument)
+    found = np.zeros(pattern.shape, dtype=bool)
+    found[pattern.row(), pattern.get_col()] = True
+    return found
 
 
 def on_model(state: LineState, model: Model) -> LineState:
@@ -47,7 +77,8 @@ def on_model(state: LineState, model: Model) -> LineState:
     for kind in VECTORS:
         declared = point.vector(kind)
         declared[:] = [values.get(name, value) for name, value in zip(model.tables[kind].names, declared, strict=True)]
-    return LineState(model, point, state.runs, state.passed)
+    runs = [replace(own, loads=run.loads) for own, run in zip(model.runs, state.runs, strict=True)]
+    return LineState(model, point, runs, state.passed)
 
 
 def _is_free(v: Variable) -> bool:

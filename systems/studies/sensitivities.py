@@ -13,7 +13,7 @@ import pandas as pd
 from ropeway.components.checked import checked
 from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
-from ropeway.systems.equilibrium import Equilibrium
+from ropeway.systems.equilibrium import Equilibrium, still
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
@@ -55,6 +55,7 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
 
 
 def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
+    line = still(line)
     moved = Varied.of(line, varied)
     places = [find(line.model, line.runs, line.passed, name) for name in wanted]
     d = moved.discrete(line.model, line.runs, line.passed, line.point)
