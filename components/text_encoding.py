@@ -17,8 +17,9 @@ _MARKS = (
 )
 """Byte order marks."""
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
-_SHARED = frozenset("äöüßáéíóúâîôçë")
-"""Letters that Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey) have in the same places."""
+_SHARED = frozenset("äöüßéíóúâîôçë")
+"""Letters that Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey) have in the same places. They have á
+there too, which is the ß of DOS."""
 _ALPHABETS = tuple(
     frozenset("äöüß" + letters)
     for letters in (
@@ -33,10 +34,15 @@ _ALPHABETS = tuple(
 """Letters beyond a to z of Western languages. German ones stand in place names and makers' names everywhere."""
 _FOREIGN = "[À-ÖØ-öø-ÿŒœŠšŽžŸƒ]"
 _LETTER = f"[A-Za-z{_FOREIGN[1:]}"
+_BEFORE = r"\xa2-\xa6\xa8-\xaa\xac\xae\xaf\xb1-\xb4\xb6\xb8-\xba\xbc-\xbe\xf7\u2020\u2021\u02c6\u2030\u02dc\u2122"
+_AFTER = r"\xa1\xa3-\xa6\xa8\xac\xaf\xb1\xb4\xb6\xb8\xb9\xbc-\xbf\u201a\u201e\u2020\u2021\u02c6\u2030\u02dc"
+"""Signs that stand before no word, and behind none."""
 _WORD = re.compile(rf"{_LETTER}+")
 _GARBLED = re.compile(
     rf"{_LETTER}[^\x00-\x7f\xa0\xad\xb5\xb7\u2013\u2014\u2019{_LETTER[1:-1]}]{_LETTER}"  # Pi¹ta
-    rf"|(?<!\w)[£¥¯³¹¼¾]{_LETTER}"  # ³ódka
+    rf"|[{_BEFORE}]{_LETTER}|{_LETTER}[{_AFTER}]"  # ³ódka, Pary¿
+    r"|[a-z\xdf-\xff][\u2013\u2014][a-z\xdf-\xff]"
+    rf"|(?:{_LETTER}{{3}}|{_FOREIGN})³"  # dó³, but m³
     r"|[a-zà-öø-ÿœ][À-ÖØ-ÞŒ]"  # hÃhe
     rf"|{_FOREIGN}{{3}}|(?<!\w){_FOREIGN}{{2,}}(?!\w)"  # Îïîðà
     rf"|[ìù](?={_LETTER})"  # Vìra; Italian and French end in them
