@@ -18,8 +18,8 @@ _MARKS = (
 """Byte order marks."""
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 _SHARED = frozenset("äöüßéíóúâîôçë")
-"""Letters that Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey) have in the same places. They have á
-there too, which is the ß of DOS."""
+"""Letters that Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey) have in the same places. So is á,
+but it is the ß of DOS."""
 _ALPHABETS = tuple(
     frozenset("äöüß" + letters)
     for letters in (
