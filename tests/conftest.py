@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
-# Most of an export's time is the compiler's optimisation: the FMUs of tests/fmu/conftest.py have it, others do without.
+# Most of an export's time is the compiler's optimisation: two FMUs of tests/fmu/conftest.py have it, others do without.
 os.environ.setdefault("CFLAGS", "-O0")
 settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ropeway")

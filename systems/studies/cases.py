@@ -45,8 +45,13 @@ Units = Callable[[str], str]
 """The unit of a parameter by its name, "" where any will do. Raises UnknownNameError."""
 
 
+def any_unit(name: str) -> str:
+    """Any unit of a parameter will do."""
+    return ""
+
+
 def table_of(
-    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = lambda name: ""
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = any_unit
 ) -> pd.DataFrame:
     """One row a case, numbered from 0.
 

@@ -21,7 +21,7 @@ from ropeway.systems.interrupts import interruptible, keeping, users_code
 from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
-from ropeway.systems.studies.cases import table_of
+from ropeway.systems.studies.cases import Units, any_unit, table_of
 from ropeway.systems.studies.journal import Journal, Row
 from ropeway.systems.studies.line_study import line_mark, line_study, line_unit, line_units
 from ropeway.systems.studies.workers import Workers, crew
@@ -62,12 +62,11 @@ def sweep(
     before the first case; WorkerError when a worker is lost, and Interrupted, each with the rows so far as `result`;
     WriteError when the file cannot be written.
     """
-    model = study if isinstance(study, Model) else assemble(study) if isinstance(study, System) else None
-    cases = table_of(parameters) if model is None else table_of(parameters, partial(line_unit, model))
-    if taken := set(cases.columns) & set(_FAILURE):
-        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
-    names, units = list(cases.columns), dict[str, str]()
-    if model is not None:
+    units = dict[str, str]()
+    if isinstance(study, (System, Model)):
+        model = study if isinstance(study, Model) else assemble(study)
+        cases = _cases(parameters, partial(line_unit, model))
+        names = list(cases.columns)
         _require_numbers(cases)
         variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
         task: Study = variants
@@ -75,6 +74,7 @@ def sweep(
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:
+        cases = _cases(parameters)
         _require_fitting(study, cases)
         if path is not None and getattr(study, "__name__", "") == "<lambda>":
             raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
@@ -98,6 +98,16 @@ def sweep(
             error.result = so_far()
             raise
         return so_far() if journal is None else journal.finish(so_far())
+
+
+def _cases(
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = any_unit
+) -> pd.DataFrame:
+    """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
+    cases = table_of(parameters, unit_of)
+    if taken := set(cases.columns) & set(_FAILURE):
+        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
+    return cases
 
 
 def _table(cases: pd.DataFrame, rows: Mapping[int, Row], units: Mapping[str, str]) -> pd.DataFrame:

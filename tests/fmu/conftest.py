@@ -48,12 +48,13 @@ def turn(path: Path) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def make(fmus: Path) -> Make:
-    """Exports a system as users do, with the compiler's optimisation, unless another worker has done so."""
+    """Exports a system, unless another worker has done so; `as_users_do`: with the compiler's optimisation."""
 
-    def of(name: str, system: Any, fmi: Literal["2.0", "3.0"], **more: Any) -> Path:
+    def of(name: str, system: Any, fmi: Literal["2.0", "3.0"], *, as_users_do: bool = False, **more: Any) -> Path:
         path = fmus / f"{name}.fmu"
         with turn(path), pytest.MonkeyPatch.context() as patch:
-            patch.delenv("CFLAGS", raising=False)
+            if as_users_do:
+                patch.delenv("CFLAGS", raising=False)
             return path if path.exists() else export(system, path, fmi, **more)
 
     return of
@@ -61,7 +62,7 @@ def make(fmus: Path) -> Make:
 
 @pytest.fixture(scope="session")
 def line2(make: Make) -> Path:
-    return make("line2", example_line(), "2.0")
+    return make("line2", example_line(), "2.0", as_users_do=True)
 
 
 @pytest.fixture(scope="session")
@@ -92,7 +93,7 @@ def corridor2(make: Make) -> Path:
 @pytest.fixture(scope="session")
 def corridor3(make: Make) -> Path:
     """Its mainline sags so much that it lies on rollers before the carriage comes to a shoe."""
-    return make("corridor3", corridor(haulback_tension=3e3), "3.0", station=345.0, payload=0.0)
+    return make("corridor3", corridor(haulback_tension=3e3), "3.0", as_users_do=True, station=345.0, payload=0.0)
 
 
 @pytest.fixture
