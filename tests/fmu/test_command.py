@@ -5,7 +5,11 @@ import sys
 from pathlib import Path
 
 import pandas as pd
+import pytest
 from fmus import SUPPORTS
+from typer.testing import CliRunner
+
+from ropeway.__main__ import app
 
 
 def ropeway(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -26,18 +30,19 @@ def test_export_info_run(tmp_path: Path) -> None:
     assert len(table) == 11
 
 
-def test_errors_on_one_line(tmp_path: Path) -> None:
-    for arguments in (
-        ("info", "none.fmu"),
-        ("run", "none.fmu", "--until", "1"),
-        ("run", "x", "--until", "1", "--start", "a"),
-        ("run", "x", "--until", "1", "-o", "none/x.csv"),
+def test_errors_on_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for arguments, words in (
+        (("info", "none.fmu"), "none.fmu"),
+        (("run", "none.fmu", "--until", "1"), "none.fmu"),
+        (("run", "x", "--until", "1", "--start", "a"), "There is no file x"),
+        (("run", "x", "--until", "1", "-o", "none/x.csv"), "There is no folder"),
     ):
-        done = ropeway(*arguments, cwd=tmp_path)
-        assert done.returncode == 1
+        done = CliRunner().invoke(app, ["fmu", *arguments])
+        assert done.exit_code == 1
         assert len(done.stderr.splitlines()) == 1
         assert done.stderr.startswith("ropeway: ")
-    assert "There is no folder" in done.stderr
+        assert words in done.stderr
 
 
 def test_start_values_of_all_kinds(tmp_path: Path, kinds3: Path) -> None:
