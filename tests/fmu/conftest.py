@@ -82,7 +82,7 @@ def span2(make: Make) -> Path:
 
 @pytest.fixture(scope="session")
 def span3(make: Make) -> Path:
-    return make("span3", one_span(), "3.0")
+    return make("span3", one_span(), "3.0", as_users_do=True)
 
 
 @pytest.fixture(scope="session")
@@ -93,7 +93,7 @@ def corridor2(make: Make) -> Path:
 @pytest.fixture(scope="session")
 def corridor3(make: Make) -> Path:
     """Its mainline sags so much that it lies on rollers before the carriage comes to a shoe."""
-    return make("corridor3", corridor(haulback_tension=3e3), "3.0", as_users_do=True, station=345.0, payload=0.0)
+    return make("corridor3", corridor(haulback_tension=3e3), "3.0", station=345.0, payload=0.0)
 
 
 @pytest.fixture
