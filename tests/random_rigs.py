@@ -84,7 +84,9 @@ def _spars(
     behind = tied and rng.random() < 0.25
     hold = rw.Tailhold("hold", station=float(x[-1] + rng.uniform(12.0, 38.0)), height=0.0) if behind else None
     head: rw.HeadSpar = rw.HeadSpar("head", station=0.0, height=float(heights[0]))
-    tail: rw.TailSpar | rw.GuyedSpar = rw.TailSpar("tail", station=float(x[-1]), height=float(heights[-1]), tailhold=hold)
+    tail: rw.TailSpar | rw.GuyedSpar = rw.TailSpar(
+        "tail", station=float(x[-1]), height=float(heights[-1]), tailhold=hold
+    )
     if which in ("head", "both"):
         head = _guyed(rng, "head", ground, 0.0, float(heights[0]), sky, [(-25, -15), (-25, 15), (18, 18), (18, -18)])
     if which in ("tail", "both"):

@@ -9,7 +9,6 @@ question on the curve that leads down from a rope drawn straight. Units: N, m; s
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -20,7 +19,7 @@ from oracle import UP, Material, by_ode
 import ropeway as rw
 
 F = 1e4
-_X, _W = np.polynomial.legendre.leggauss(40)
+_X, _W = np.polynomial.legendre.leggauss(24)
 _SHARE, _W = (_X + 1.0) / 2.0, _W / 2.0
 
 
@@ -202,10 +201,14 @@ class RigOracle:
 
     def rows(self, u: np.ndarray, reach: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """All laws by name, each (b, k), zero at rest. reach: of the spans, where it is known better."""
+        return self._laws(u, reach)[0]
+
+    def _laws(self, u: np.ndarray, reach: np.ndarray | None = None) -> tuple[dict[str, np.ndarray], np.ndarray]:
+        """All laws, and the rope of each span with what of it lies on shoes (b, n) [m]."""
         force, end, length = self.forces(u)
         miss = self.reach(force, length) if reach is None else reach.astype(u.dtype)
         laid = np.zeros_like(length)  # rope on shoes, counted with the span beside it
-        pulls: dict[str, Any] = {name: 0.0 for name in self.moving}
+        pulls: dict[str, Any] = dict.fromkeys(self.moving, 0.0)
         rows: dict[str, np.ndarray] = {}
         for k, (_, a, b) in enumerate(self.spans):
             for name, pull, sign in ((a, force[:, k], 1.0), (b, end[:, k], -1.0)):
@@ -232,7 +235,7 @@ class RigOracle:
         if self.height is not None:
             rows["height"] = u[:, self.at[self.car]][:, 2:] - self.height
         self._balances(rows, u, pulls, force, end)
-        return rows
+        return rows, length + laid
 
     @property
     def _sky(self) -> int:
@@ -361,12 +364,17 @@ class RigOracle:
     def stiffness(self, u: np.ndarray) -> np.ndarray:
         """Of all that can move with drums at rest or at their tensions: rope over its joints, nodes across their
         constraints; a log pulls as it does."""
-        jacobian, n = self.jacobian(u), len(self.spans)
+        n, steps = len(self.spans), u + 1e-30j * np.eye(self.size)
+        laws, rope = self._laws(steps)
+        jacobian = np.concatenate([*laws.values(), rope], axis=1).imag.T / 1e-30
         sizes = {name: row.shape[1] for name, row in self.rows(u[None]).items()}
         starts = dict(zip(sizes, np.cumsum([0, *sizes.values()]), strict=False))
-        force, end, _ = self.forces(u[None])
+        force, *_ = self.forces(u[None])
         kept = [k for k, (line, _, _) in enumerate(self.spans) if line.role != "dropline"]
+        # Forces and hanging lengths follow from what moves: each span reaches its end with the rope that it has.
         f = np.array([3 * k + i for k in kept for i in range(3)])
+        inner = np.append(f, 3 * n + np.array(kept))
+        held = np.append(f, self.size + np.array(kept))
         ways, rows = [], []
 
         def free(way: dict[int, float], row: np.ndarray) -> None:
@@ -396,5 +404,9 @@ class RigOracle:
             for t in tangents:
                 free({place + i: t[i] for i in range(3)}, -t @ jacobian[start : start + 3])
         way, row = np.array(ways).T, np.array(rows)
-        moved = np.linalg.solve(jacobian[np.ix_(f, f)], jacobian[f] @ way)
-        return np.asarray(row @ way - row[:, f] @ moved)
+        shares, places = way[3 * n + np.array(kept)], way.copy()
+        places[3 * n : 4 * n] = 0.0
+        by_way = jacobian[held] @ places
+        by_way[len(f) :] -= shares
+        moved = np.linalg.solve(jacobian[np.ix_(held, inner)], by_way)
+        return np.asarray(row @ places - row[:, inner] @ moved)

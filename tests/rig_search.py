@@ -20,7 +20,9 @@ def told(solved: Solved, station: float, payload: float, height: float | None) -
     """The oracle of a state of the library, and the state in its unknowns."""
     at, rig = solved.at, solved.at.rig
     held = "mainline" if solved.held_by == "mainline" else "holding"
-    drags = rig.turn is not None and solved[f"{rig.turn.log.name}.ground_force"] > 1.0
+    drags = (
+        rig.turn is not None and solved[f"{rig.turn.log.name}.ground_force"] > 1e-3 * max(payload, 1.0) * rig.gravity
+    )
     law = RigOracle(
         rig, at.span, station, payload, held=held, on=at.on, rollers=at.place.rollers, height=height, drags=drags
     )
@@ -57,7 +59,7 @@ def misses(law: RigOracle, u: np.ndarray) -> list[str]:
         size = top if name.endswith(("balance", "joints", "contact")) else 1.0
         if name == "log contact" and not law.drags:
             size = 1.0
-        if np.abs(row).max() > 2e-6 * size:
+        if np.abs(row).max(initial=0.0) > 2e-6 * size:
             found.append(f"{name} {np.abs(row).max():.2g}")
     return found
 
@@ -66,9 +68,7 @@ def described(law: RigOracle, u: np.ndarray) -> State:
     """A solved point, judged."""
     force, end, length = law.forces(u[None])
     taut = bool(length.min() > 0.0)
-    loading = 0.0
     for k, (line, _, _) in enumerate(law.spans):
-        loading = max(loading, float(max(norm(force)[0, k], norm(end)[0, k])) / line.rope.breaking_load)
         if line.role in ("mainline", "haulback") or (line.role == "skyline" and law.height is not None):
             flat = float(np.hypot(*force[0, k, :2]))
             loose = np.arcsinh(end[0, k, 2] / flat) - np.arcsinh(force[0, k, 2] / flat)
@@ -92,7 +92,14 @@ def described(law: RigOracle, u: np.ndarray) -> State:
             taut &= bool(normal >= 0.0 and trailing * (back - front[0]) > -1e-6 * turn.log.length)
         else:
             taut &= bool(rear >= floor[0] and rear < front[2])
-    return State(u, float(u[law.at[law.car]][2]), hold, stable, taut, loading)
+    return State(u, float(u[law.at[law.car]][2]), hold, stable, taut, _loading(law, u))
+
+
+def _loading(law: RigOracle, u: np.ndarray) -> float:
+    """Highest tension over breaking load of any rope."""
+    force, end, _ = law.forces(u[None])
+    strength = np.array([line.rope.breaking_load for line, _, _ in law.spans])
+    return float((np.maximum(norm(force), norm(end))[0] / strength).max())
 
 
 def newton(law: RigOracle, u: np.ndarray, drop: int | None = None, along: np.ndarray | None = None) -> np.ndarray:
@@ -126,7 +133,7 @@ def newton(law: RigOracle, u: np.ndarray, drop: int | None = None, along: np.nda
 
 
 def guess(law: RigOracle, z: float, pull: float) -> np.ndarray:
-    """About straight ropes to a carriage at a height z [m] that something pulls towards the headspar with `pull` [N]."""
+    """About straight ropes to a carriage at a height z [m], pulled towards the headspar with `pull` [N]."""
     rig, n = law.rig, len(law.spans)
     a, b = rig.stands[law.span].at, rig.stands[law.span + 1].at
     share = (law.station - a[0]) / (b[0] - a[0])
@@ -155,7 +162,9 @@ def guess(law: RigOracle, z: float, pull: float) -> np.ndarray:
         if tension is None:
             tension = next(g.pretension for s in law.spars.values() for g in s.guylines if g.name == line.role)
         tension = max(tension, law.weight[k] * chord)
-        u[3 * n + k] = line.length if line.role not in ("skyline",) and line.length else chord / (1.0 + tension * law.soft[k])
+        u[3 * n + k] = (
+            line.length if line.role not in ("skyline",) and line.length else chord / (1.0 + tension * law.soft[k])
+        )
         u[3 * k : 3 * k + 3] = (tension * reach / chord - 0.5 * law.weight[k] * chord * UP) / F
     u[law.at[law.car]] = here
     for name, spar in law.spars.items():
@@ -185,7 +194,8 @@ def traced(law: RigOracle, u: np.ndarray, goal: str, way: float, count: int = 16
     drop = int(dict(zip(sizes, np.cumsum([0, *sizes.values()]), strict=False))[goal])
     k = law.at[law.car].start + 2
     along = -way * np.eye(law.size)[k] * -1.0
-    step, low = 0.1, law.rig.stands[law.span].at[2] - 2.0 * abs(law.rig.points[-1, 0] - law.rig.points[0, 0])
+    a, b = (law.rig.stands[law.span + j].at for j in (0, 1))
+    step, low = 0.1, min(a[2], b[2]) - 0.7 * (b[0] - a[0])
     value = law.residual(u[None])[0, drop]
     for _ in range(count):
         jacobian = law.jacobian(u)
@@ -210,36 +220,32 @@ def traced(law: RigOracle, u: np.ndarray, goal: str, way: float, count: int = 16
             with suppress(ArithmeticError):
                 yield newton(law, u + value / (value - now) * (there - u))
         u, value, along, step = there, now, tangent, min(1.6 * step, 6.0)
-        if u[k] < low:
+        if u[k] < low or _loading(law, u) > 12.0:
             return
 
 
-def states(law: RigOracle) -> list[State]:
+def states(law: RigOracle) -> Iterator[State]:
     """The states of a question that lie on the curve from a rope drawn straight down to a slack one."""
     rig = law.rig
     a, b = rig.stands[law.span].at, rig.stands[law.span + 1].at
     share = (law.station - a[0]) / (b[0] - a[0])
     chord, width = a[2] + share * (b[2] - a[2]), b[0] - a[0]
     goal = "height" if law.height is not None else "skyline rule"
-    found: list[State] = []
     load = (rig.carriage.mass + law.payload) * rig.gravity
-    tries = 0
-    for gap in (0.03, 0.06, 0.015, 0.12, 0.007, 0.2, 0.003):
-        for pull in (0.3 * load, 0.05 * load, load) if law.held == "mainline" else (0.0,):
-            tries += 1
-            u = guess(law, chord - gap * width, pull)
+    curves = 0
+    for pull in (0.3 * load, 0.05 * load, load) if law.held == "mainline" else (0.0,):
+        for gap in (0.03, 0.06, 0.015, 0.12, 0.007, 0.2, 0.003):
             if law.height is not None:
                 with suppress(ArithmeticError):
-                    return [described(law, newton(law, guess(law, law.height, pull)))]
-            try:
-                start = _on_curve(law, u, goal)
-            except ArithmeticError:
-                continue
-            for way in (-1.0, 1.0):
-                found += [described(law, point) for point in traced(law, start, goal, way)]
-            if found:
-                return found
-    return found
+                    yield described(law, newton(law, guess(law, law.height, pull)))
+            with suppress(ArithmeticError):
+                start = _on_curve(law, guess(law, chord - gap * width, pull), goal)
+                for way in (-1.0, 1.0):
+                    for point in traced(law, start, goal, way):
+                        yield described(law, point)
+                curves += 1
+            if curves == 2:  # two starts of one curve, or two curves
+                return
 
 
 def _on_curve(law: RigOracle, u: np.ndarray, goal: str) -> np.ndarray:
