@@ -16,7 +16,7 @@ SLACK = 2.4
 """A rope whose length is free must hang with less w L / H than this: on its taut branch."""
 
 
-def told(solved: Solved, station: float, payload: float, height: float | None) -> tuple[RigOracle, np.ndarray]:
+def as_unknowns(solved: Solved, station: float, payload: float, height: float | None) -> tuple[RigOracle, np.ndarray]:
     """The oracle of a state of the library, and the state in its unknowns."""
     at, rig = solved.at, solved.at.rig
     held = "mainline" if solved.held_by == "mainline" else "holding"

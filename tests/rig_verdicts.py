@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from random_rigs import Drawn
-from rig_search import existing, misses, told
+from rig_search import existing, misses, as_unknowns
 
 import ropeway as rw
 from ropeway.systems.studies.stations import Stations
@@ -60,7 +60,7 @@ def judge(case: Drawn, rng: np.random.Generator) -> Verdict:
     low, high = case.rig.points[[0, case.rig.spans], 0]
     x = np.linspace(low, high, 9)[1:-1]
     stations = np.unique(np.append(x, x[3] + 1.0))
-    by_height = case.rig.kind is not rw_standing(case.rig) and case.rig.turn is None
+    by_height = case.rig.kind.value != "standing" and case.rig.turn is None
     rows = {s: path_row(case.rig, case.payload, float(s)) for s in stations}
     for s, r in rows.items():
         _judge_row(found, case.rig, float(s), case.payload, None, r)
@@ -76,11 +76,6 @@ def judge(case: Drawn, rng: np.random.Generator) -> Verdict:
     _judge_payloads(found, case, stations, rng)
     _judge_curve(found, case, float(rng.uniform(low + 3.0, high - 16.0)))
     return found
-
-
-def rw_standing(rig: rw.SkylineRig) -> Any:
-    """The kind of a rig whose height cannot be set."""
-    return type(rig.kind).STANDING
 
 
 def _judge_row(
@@ -100,7 +95,7 @@ def _judge_row(
             found.refused_wrongly.append((station, payload, height, row["refusal"], state.z, state.hold))
         return
     solved = Stations(rig, by_height=z is not None).solve(station, payload, z)
-    law, u = told(solved, float(row["carriage_x"]), payload, z)
+    law, u = as_unknowns(solved, float(row["carriage_x"]), payload, z)
     for miss in misses(law, u):
         found.faults.append(("law", station, height, miss))
     for miss in _differences(law, u, row):
@@ -177,9 +172,6 @@ def _margins(case: Drawn, row: Row) -> dict[str, float]:
     return found
 
 
-UNNAMED = ("no equilibrium", "rest point", "haulback tension", "does not run out by gravity")
-
-
 def _not_greatest(case: Drawn, station: float, row: Row) -> list[str]:
     """Why a payload is not the greatest one within all limits."""
     rig, mass, limit = case.rig, float(row["payload"]), str(row["limited_by"])
@@ -218,7 +210,7 @@ def _explained(case: Drawn, station: float, mass: float, height: float | None, r
 
 
 def _judge_curve(found: Verdict, case: Drawn, first: float) -> None:
-    """Twelve stations 1 m apart: none carries nothing, or much more or less than both its neighbours, unnamed."""
+    """Twelve stations 1 m apart: none carries much more or much less than both its neighbours."""
     rig = case.rig
     frame = rw.payload(rig, clearance=case.clearance, stations=first + np.arange(12.0)).frame
     mass, limit = frame.payload.to_numpy(), frame.limited_by.to_numpy()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rig_search import existing, misses, told
+from rig_search import existing, misses, as_unknowns
 
 import ropeway as rw
 from ropeway.systems.studies.stations import Stations
@@ -58,7 +58,7 @@ def test_the_oracle_finds_the_state_and_its_laws_hold(rig: rw.SkylineRig, statio
     assert found is not None
     assert found.z == pytest.approx(row.carriage_z, abs=1e-6)
     assert found.hold == pytest.approx(row.mainline_pull, rel=1e-6)
-    law, u = told(Stations(rig).solve(station, payload), station, payload, None)
+    law, u = as_unknowns(Stations(rig).solve(station, payload), station, payload, None)
     assert not misses(law, u)
     moved = u.copy()
     moved[law.at[law.car].start + 2] += 1e-4
@@ -68,7 +68,7 @@ def test_the_oracle_finds_the_state_and_its_laws_hold(rig: rw.SkylineRig, statio
 def test_ropes_of_fixed_length_have_a_symmetric_stiffness() -> None:
     """Without friction the forces have a potential."""
     rig = both_guyed()
-    law, u = told(Stations(rig).solve(150.0, 1400.0), 150.0, 1400.0, None)
+    law, u = as_unknowns(Stations(rig).solve(150.0, 1400.0), 150.0, 1400.0, None)
     stiffness = law.stiffness(u)
     assert np.abs(stiffness - stiffness.T).max() < 1e-8 * np.abs(stiffness).max()
     assert np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0
