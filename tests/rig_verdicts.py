@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from random_rigs import Drawn
-from rig_search import existing, misses, as_unknowns
+from rig_search import as_unknowns, existing, misses
 
 import ropeway as rw
 from ropeway.systems.studies.stations import Stations

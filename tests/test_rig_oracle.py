@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rig_search import existing, misses, as_unknowns
+from rig_search import as_unknowns, existing, misses
 
 import ropeway as rw
 from ropeway.systems.studies.stations import Stations
