@@ -264,25 +264,13 @@ def existing(rig: rw.SkylineRig, station: float, payload: float, height: float |
     ways = ["holding"] if rig.mainline is None or rig.carriage.clamped else ["mainline", "holding"]
     if rig.kind.value == "running":
         ways = ["mainline"]
-    own = _own_pull(rig, span, x)
     for held in ways:
         for drags in (False, True) if rig.turn else (False,):
             law = RigOracle(rig, span, x, payload, held=held, height=height, drags=drags)
             for state in states(law):
                 if not (state.stable and state.taut and state.loading < 10.0):
                     continue
-                if held == "mainline" and state.hold < own:
-                    continue
                 if held == "holding" and len(ways) > 1 and state.hold > 0.0:
                     continue
                 return state
     return None
-
-
-def _own_pull(rig: rw.SkylineRig, span: int, x: float) -> float:
-    """What the mainline pulls by its own weight, at most [N]."""
-    if rig.mainline is None:
-        return 0.0
-    stands = [node.at for node in rig.stands[: span + 1]]
-    ends = np.array([*stands, (x, stands[-1][1], rig.stands[span + 1].at[2])])
-    return float(np.abs(np.diff(ends, axis=0)).sum(axis=1).max() * rig.mainline.mass_per_length * rig.gravity)
