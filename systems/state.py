@@ -47,6 +47,9 @@ class LineState:
         self.passed = [p.copy() for p in passed]
         self.span_scale = [float(np.mean(self.point.p[layout.length_start])) for layout in model.layouts]
         """Mean span length of each run [m]."""
+        self.resting: dict[tuple[int, int], tuple[int, float]] = {}
+        """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
+        rope still makes without it. Found again where it is missing."""
 
     @classmethod
     def cold(cls, model: Model) -> LineState:
@@ -57,7 +60,9 @@ class LineState:
 
     def copy(self) -> LineState:
         """With arrays of its own."""
-        return LineState(self.model, self.point.copy(), self.runs, self.passed)
+        copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
+        copied.resting = dict(self.resting)
+        return copied
 
     def restart(self) -> None:
         """Starting values from geometry for the present lengths and loads."""
