@@ -15,7 +15,7 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, nearest
 from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.pending import Pending
-from ropeway.systems.run import Loads, Run, extended, loads_passed, rounds
+from ropeway.systems.run import Loads, Run, extended, loads_passed, rounded_up, rounds
 from ropeway.systems.start import run_start
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
@@ -89,7 +89,10 @@ class LineState:
         counts = [p[:-1] - p[1:] for p in self.passed]
         if any(np.any(c > layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)):
             self._grow(
-                [np.maximum(c, layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)]
+                [
+                    np.where(c > layout.slots.count, [rounded_up(int(n) + 1) for n in c], layout.slots.count)
+                    for c, layout in zip(counts, self.model.layouts, strict=True)
+                ]
             )
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.systems.certificate import IN_SPAN
 
 ROPE = rw.Rope(mass_per_length=3.36, axial_stiffness=30e6, breaking_load=600e3)
 LINE = Path(__file__).resolve().parents[2] / "examples" / "line.csv"
@@ -159,7 +160,7 @@ def test_a_load_rests_on_a_drum_that_would_draw_it_back(mass: float, rise: float
         assert event.load not in run.record(before).loads["load"].tolist()
         own = run.record(after).loads.set_index("load").loc[event.load]
         assert own["span"] == "n0_n1"
-        assert 0.0 <= own["distance"] < 1e-3
+        assert 0.0 <= own["distance"] < 0.01
     # At the time when the rope has brought it to the drum, it would be drawn back by more than rounding.
     early = run.at(put_on[0].time - 1e-4)
     assert early["n0.rope_tension"] == pytest.approx(70e3, rel=1e-9)
