@@ -210,7 +210,7 @@ class Stations:
         point = meant(at, asked, _ahead(known, asked), start=first, quick=quick)
         self._last[place, clamp] = [*known[-1:], _Known(asked, point)]
         held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
-        return Solved(at, point, at.outputs(point), held_by)
+        return Solved(at, point, at.outputs(point), held_by, asked)
 
 
 class _Known(NamedTuple):
