@@ -96,9 +96,16 @@ class PayloadSearch:
         room = self._room(station, height)
         alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # where it ends counts on its steps
 
+        solved = False
+
         def found(gap: float, *, quick: bool = True) -> bool:
-            """Whether it can hang this far below the chord [m]; each is started from the last that can."""
-            return alone._try(station, 0.0, height + room - gap, quick=quick).limit != NO_EQUILIBRIUM
+            """Whether it can hang this far below the chord [m]; each is started from the last that can. Near the chord
+            its tension is out of reach; deeper than a state that is not, such a root is none of a rig."""
+            nonlocal solved
+            tried = alone._try(station, 0.0, height + room - gap, quick=quick)
+            near = tried.limit != NO_EQUILIBRIUM and not solved
+            solved |= tried.solved is not None
+            return tried.solved is not None or near
 
         gaps = [gap for gap in (0.05, 0.2, 5e-3, 0.5, 5e-4) if gap < room]
         first = (gap for quick in (True, False) for gap in gaps if found(gap, quick=quick))
