@@ -109,12 +109,6 @@ class Newton:
             y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
             residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
-        drift = (
-            ca.jtimes(residual, point[Kind.STATE], ode)
-            + ca.jtimes(residual, point[Kind.INPUT], slope)
-            + ca.jtimes(residual, time, 1)
-        )
-        stop_if_interrupted()
         known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
         inputs = [v, time, *known, target, damping, anchor, slope]
         self.residual = ca.Function("residual", inputs, [residual])
@@ -125,12 +119,15 @@ class Newton:
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
         self._step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
-        self._symbols = (inputs, residual, matrix, ca.horzcat(residual, drift))
+        self._symbols = (inputs, residual, matrix)
+        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
 
     @cached_property
     def _step_and_rates(self) -> Buffered:
         """As `_step`, with the rates: made only where rates are asked for."""
-        return Buffered(_linear_solves("rates", *self._symbols))
+        inputs, residual, matrix = self._symbols
+        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
+        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
 
     def arguments(self, point: Point) -> list[np.ndarray]:
         """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""

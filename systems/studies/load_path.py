@@ -231,8 +231,10 @@ def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, flo
             continue
         weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
         first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
+        there = solved.start(r, first)
         for k, span in enumerate(run.spans[first:], first):
-            start, end = solved.start(r, k), solved.start(r, k + 1)
+            here, there = there, solved.start(r, k + 1)
+            start, end = here, there
             force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
             if force[0] < 0.0:  # it runs back: looked at from its other end
                 start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])

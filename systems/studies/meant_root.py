@@ -39,10 +39,17 @@ class Question(NamedTuple):
 
 
 def meant(
-    at: SpanModel, asked: Question, near: Sequence[Point] = (), *, start: Point | None = None, quick: bool = False
+    at: SpanModel,
+    asked: Question,
+    near: Sequence[Point] = (),
+    *,
+    start: Point | None = None,
+    quick: bool = False,
+    refused: EquilibriumError | None = None,
 ) -> Point:
     """The equilibrium that is meant. near: solved points to start from, which make it faster; start: one that belongs
-    to this question; quick: only from there and directly from geometry. Raises EquilibriumError."""
+    to this question; quick: only from there and directly from geometry; refused: the refusal of a quick try before,
+    after which geometry is no start. Raises EquilibriumError."""
     for known in near:
         try:
             point, alone = settled(at, known.copy(), asked)
@@ -50,9 +57,10 @@ def meant(
             continue
         if alone:
             return point
-    refusals: list[EquilibriumError] = []
+    refusals: list[EquilibriumError] = [] if refused is None else [refused]
     direct: Point | None = None
-    for first in (start, None):
+    starts: list[Point | None] = [*([] if start is None else [start]), *([None] if refused is None else [])]
+    for first in starts:
         try:
             found, alone = settled(at, first, asked) if first is not None else _from_geometry(at, asked)
         except EquilibriumError as error:
@@ -61,8 +69,6 @@ def meant(
         if alone:
             return found
         direct = found if direct is None else direct
-        if start is None:
-            break
     if direct is not None and at.log is not None:
         return direct
     # Where more than one state is possible, that by payload is meant; the others are ways to a state.
@@ -74,7 +80,7 @@ def meant(
             refusals.append(error)
     if direct is not None:
         return direct
-    raise _refusal(at, asked, refusals)
+    raise _refusal(at, asked, refusals, refused)
 
 
 def settled(
@@ -203,11 +209,15 @@ def _moved(at: SpanModel, before: Point, after: Point) -> float:
     return max(abs(at.read(after, slot) - at.read(before, slot)) for slot in at.places)
 
 
-def _refusal(at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError]) -> EquilibriumError:
+def _refusal(
+    at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError], before: EquilibriumError | None
+) -> EquilibriumError:
     """The most telling refusal: a limit that has a name, else that of the direct way."""
     for error in refusals:
         if isinstance(error, OutOfReachError):
             return error
+    if before is not None:
+        return before
     first = refusals[0]
     return EquilibriumError(
         f"No equilibrium of {at.model.name!r} with the carriage at station {asked.station:g} m and "

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
-from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.newton import Point
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.rigs.skyline import STEEPEST, Kind, SkylineRig
 from ropeway.systems.studies.meant_root import Question, meant
 from ropeway.systems.studies.span_model import Place, Solved, span_model
 
@@ -86,7 +82,7 @@ class Stations:
             return None
         try:
             place = Place(span, rollers=span + 1)
-            laid = self._solve(self.rig, place, Question(x, payload), quick=True, start=shoe)
+            laid = self._solve(place, Question(x, payload), quick=True, start=shoe)
         except EquilibriumError:
             return None
         roller = f"{self.rig.supports[span].name}_mainline"
@@ -94,6 +90,9 @@ class Stations:
 
     def _on_shoe(self, on: int, station: float, payload: float) -> Solved | None:
         """The carriage held on a shoe, whether it presses on it or not; None where that cannot be."""
+        support = self.rig.supports[on]
+        if abs(station - support.centre[0]) > STEEPEST * support.radius:
+            return None
         try:
             return self._held(Place(on, on), Question(station, payload), None)
         except EquilibriumError:
@@ -106,22 +105,28 @@ class Stations:
         weight does."""
         rig = self.rig
         if rig.ideal or rig.carriage.clamped:
-            return self._solve(rig, place, asked, start=shoe, quick=quick)
+            return self._solve(place, asked, start=shoe, quick=quick)
         if rig.kind is Kind.RUNNING and asked.height is None:
             self._require_lift(asked.station, asked.payload)
         name, own = rig.carriage.name, self._own_pull(place.span, asked.station)
         # Started with the clamp where the last one was held by it: that is faster, the answer is the same.
         held = self._clamped(place, asked, shoe, quick=quick) if self._was_clamped.get(place) else None
-        pulled = None
+        pulled, refused, tried = None, None, held
         if held is None or held[f"{name}.holding"] > 0.0:
-            with suppress(EquilibriumError):
-                pulled = self._solve(rig, place, asked, quick=True, start=held or shoe)
+            try:
+                pulled = self._solve(place, asked, quick=True, start=held or shoe)
+            except EquilibriumError as error:
+                refused = error
         if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
             held = self._clamped(place, asked, shoe, quick=quick)
         holds = np.inf if held is None else held[f"{name}.holding"]
-        if pulled is None and holds > 0.0:
+        if refused is not None and holds > 0.0:
             try:
-                pulled = self._solve(rig, place, asked, quick=quick or holds <= own, start=held or shoe)
+                if held is tried and (quick or holds <= own):
+                    raise refused
+                pulled = self._solve(
+                    place, asked, quick=quick or holds <= own, start=None if held is tried else held, refused=refused
+                )
             except EquilibriumError:
                 if held is None or holds > own:
                     raise
@@ -141,7 +146,7 @@ class Stations:
     def _clamped(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved | None:
         """The carriage held by its clamp; None where there is no equilibrium."""
         try:
-            return self._solve(clamped_twin(self.rig), place, asked, clamp=True, quick=quick, start=shoe)
+            return self._solve(place, asked, clamp=True, quick=quick, start=shoe)
         except EquilibriumError:
             return None
 
@@ -191,25 +196,27 @@ class Stations:
 
     def _solve(
         self,
-        rig: SkylineRig,
         place: Place,
         asked: Question,
         *,
         clamp: bool = False,
         quick: bool = False,
         start: Solved | None = None,
+        refused: EquilibriumError | None = None,
     ) -> Solved:
-        """start: a solution of another model: on the shoe nearby, or held by the clamp at the same place."""
-        at = span_model(rig, place, self.by_height)
+        """start: a solution of another model: on the shoe nearby, or held by the clamp at the same place; refused: the
+        refusal of a quick try from all other starts."""
+        at = span_model(self.rig, place, self.by_height, clamp)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:
             first = at.pulled(start)
-        elif start is not None and start.at.rig is rig:
+        elif start is not None and start.at.rig is at.rig:
             first = at.off_shoe(start)
-        point = meant(at, asked, _ahead(known, asked), start=first, quick=quick)
+        near = [] if refused is not None else _ahead(known, asked)
+        point = meant(at, asked, near, start=first, quick=quick, refused=refused)
         self._last[place, clamp] = [*known[-1:], _Known(asked, point)]
-        held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
+        held_by = "clamp" if clamp or at.rig.carriage.clamped else "holding" if at.rig.ideal else "mainline"
         return Solved(at, point, at.outputs(point), held_by)
 
 
@@ -236,12 +243,3 @@ def _ahead(known: list[_Known], asked: Question) -> list[Point]:
     point.z[:] += share * (last.point.z - first.point.z)
     point.x[:] += share * (last.point.x - first.point.x)
     return [point]
-
-
-@lru_cache(maxsize=64)
-def clamped_twin(rig: SkylineRig) -> SkylineRig:
-    """The rig with its carriage held on the skyline instead of by its mainline."""
-    head = rig.headspar
-    if isinstance(head, GuyedSpar):
-        head = replace(head, blocks=tuple(rope for rope in head.blocks if rope != "mainline"))
-    return replace(rig, headspar=head, mainline=None, carriage=replace(rig.carriage, holding="bisector"))
