@@ -194,7 +194,9 @@ def _join(
                 force_on[system.connections[c.name, port.name]] = force
     shares: dict[str, ca.MX] = {}
     for unit, fed in _power_units(system).items():
-        demands = [functions.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed]
+        demands = [
+            functions.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed
+        ]
         results[unit.name] = call(unit, sum(demands, ca.MX(2, 1)), [])
         names = [v.name for v in variables[unit.name] if v.kind is Kind.OUTPUT]
         share = ca.vertcat(*(results[unit.name][2][names.index(name)] for name in ("flow_share", "power_share")))

@@ -173,7 +173,7 @@ def _solve(
             last, before = before, unknown
             unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
             # Convergence is quadratic: after a move of 1e-10 nothing is left but rounding. Or it goes back and forth.
-            if size.max() < 1e-10 or np.abs(unknown / last - 1.0).max() < 1e-9:
+            if size.max() < 1e-10 or np.abs(unknown / last - 1.0).max() < 1e-5:
                 error = np.abs(residual(unknown)).max(axis=1)
                 break
         slope = np.linalg.solve(

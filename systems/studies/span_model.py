@@ -318,6 +318,10 @@ class Solved:
         """Where span k of run r starts, (x, y, z) [m]."""
         return self.at.model.runs[r].start(k, self.__getitem__)
 
+    def end(self, r: int, k: int) -> np.ndarray:
+        """Where it ends."""
+        return self.at.model.runs[r].end(k, self.__getitem__)
+
 
 def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False) -> SpanModel:
     """The model of a rig at a place, or of its twin with a clamp: made once."""
