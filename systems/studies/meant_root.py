@@ -38,6 +38,10 @@ class Question(NamedTuple):
     height: float | None = None
 
 
+Way = Callable[[SpanModel, Question], tuple[Point, bool]]
+"""A way to a point; and whether there can be no other."""
+
+
 def meant(
     at: SpanModel,
     asked: Question,
@@ -72,10 +76,12 @@ def meant(
     if direct is not None and at.log is not None:
         return direct
     # Where more than one state is possible, that by payload is meant; the others are ways to a state.
-    ways = (_by_payload,) if direct is not None else (_by_payload, _lightened, _from_beside, _from_middle)
+    ways: tuple[Way, ...] = (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
+    if direct is None and asked.payload > 0.0:
+        ways = (_by_payload, *ways)
     for way in () if quick and direct is None else ways:
         try:
-            return way(at, asked)
+            return way(at, asked)[0]
         except EquilibriumError as error:
             refusals.append(error)
     if direct is not None:
@@ -116,40 +122,41 @@ def _from_geometry(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     return settled(at, dragging, asked, iterations=80)
 
 
-def _directly(at: SpanModel, asked: Question) -> Point:
-    return _from_geometry(at, asked)[0]
-
-
-def _by_payload(at: SpanModel, asked: Question) -> Point:
+def _by_payload(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the empty carriage at this station."""
-    empty, _ = _from_geometry(at, asked._replace(payload=0.0))
+    empty, alone = _from_geometry(at, asked._replace(payload=0.0))
+    if asked.payload == 0.0:
+        return empty, alone
     return follow(at, empty, lambda share: asked._replace(payload=share * asked.payload))
 
 
-def _lightened(at: SpanModel, asked: Question) -> Point:
+def _lightened(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From a heavier carriage, whose ropes are taut, down to the payload."""
     extra = 4.0 * (asked.payload + at.rig.carriage.mass) + 1000.0
     heavy, _ = _from_geometry(at, asked._replace(payload=asked.payload + extra))
     return follow(at, heavy, lambda share: asked._replace(payload=asked.payload + (1.0 - share) ** 3 * extra))
 
 
-def _from_beside(at: SpanModel, asked: Question) -> Point:
+def _from_beside(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the stations to either side."""
     low, high = at.reach
     last: EquilibriumError | None = None
     for station in (asked.station - BESIDE, asked.station + BESIDE):
         if not low < station < high:
             continue
-        beside = asked._replace(station=station)
-        for way in (_directly, _by_payload, _lightened):
+        beside, alone = asked._replace(station=station), False
+        for way in (_from_geometry, _by_payload, _lightened):
+            if alone:  # there is no other state to start from
+                break
             try:
-                return follow(at, way(at, beside), _towards(at, station, asked))
+                point, alone = way(at, beside)
+                return follow(at, point, _towards(at, station, asked))
             except EquilibriumError as error:
                 last = error
     raise last or EquilibriumError("No station is beside it", "Take another station")
 
 
-def _from_middle(at: SpanModel, asked: Question) -> Point:
+def _from_middle(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the middle of the span. Beside a saddle geometry is a bad start: wrong by more than the rope left there."""
     if at.on is not None:
         raise EquilibriumError("A shoe has no middle of a span", "Take another station")
@@ -175,16 +182,16 @@ def follow(
     point: Point,
     ask: Callable[[float], Question],
     lower: Callable[[float], float] = lambda _: 0.0,
-) -> Point:
+) -> tuple[Point, bool]:
     """From a point that answers `ask(0)` to that of `ask(1)`, each step from the one before, halved where it fails or
-    goes far. Raises EquilibriumError where the path ends: at a fold."""
-    done, step = 0.0, 0.25
+    goes far; and whether there can be no other. Raises EquilibriumError where the path ends: at a fold."""
+    done, step, alone = 0.0, 0.25, False
     before: tuple[float, Point] | None = None
     while done < 1.0:
         share = min(done + step, 1.0)
         trial = point.copy() if before is None else _ahead(before[1], point, (share - done) / (done - before[0]))
         try:
-            trial, _ = settled(at, trial, ask(share), lower=lower(share))
+            trial, alone = settled(at, trial, ask(share), lower=lower(share))
             if step > SHORTEST and _moved(at, point, trial) > FARTHEST:
                 raise EquilibriumError("The carriage moves far in one step", "Take a shorter one")
         except EquilibriumError:
@@ -193,7 +200,7 @@ def follow(
                 raise
             continue
         before, point, done, step = (done, point), trial, share, 2.0 * step
-    return point
+    return point, alone
 
 
 def _ahead(before: Point, last: Point, share: float) -> Point:
