@@ -6,6 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ropeway.components import laws, shoe
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
@@ -115,5 +117,35 @@ class CarriageOnShoe(Carriage):
         )
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
-        # The shoe's force is normal to it: what is left of all pulls is along the normal where rope lies on it too.
-        return {} if self.clamped else {"tension_law": laws.ratio(v.a.force, v.b.force)}
+        here = (v.x - v.centre_x, v.z - v.centre_z)
+        found = {"contact": laws.Law(np.hypot(*here) - v.radius, v.radius)}
+        for name in self._sides:
+            found.update(shoe.laws_of_side(v, name, here, free=True))
+        # All that the shoe presses with, on the carriage and on the ropes, goes through its centre.
+        pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity)], np.zeros(1)
+        for seat in self.seats:
+            pulls.append(getattr(v, seat.name).force)
+            if seat.offset is not None:
+                x, z = getattr(v, f"{seat.offset}_x"), getattr(v, f"{seat.offset}_z")
+                moment = moment + shoe.moment((x, z), pulls[-1])
+        if self.holding is not None:
+            pulls.append(self._held(v, here))
+        total, size = sum(pulls[1:], pulls[0]), sum((laws.tension(f) for f in pulls), np.zeros(1))
+        found["balance"] = laws.Law((moment + shoe.moment(here, total)) / v.radius, size)
+        if not self.clamped:
+            found["tension_law"] = laws.ratio(v.a.force, v.b.force)
+        return found
+
+    def _held(self, v: Any, here: tuple[Any, Any]) -> np.ndarray:
+        """The ideal holding force, along the ropes as they pull at the carriage: where they lie on the shoe, along
+        it."""
+        ways = []
+        for name, side in (("a", -1.0), ("b", 1.0)):
+            force = getattr(v, name).force
+            on_it = np.stack([side * here[1], 0.0 * here[0], -side * here[0]]) / v.radius
+            laid = np.abs(getattr(v, f"{name}_rope")) > 1e-9 * v.radius
+            ways.append(np.where(laid, on_it, force / laws.tension(force)))
+        way = ways[0] - ways[1]
+        if self.holding == "horizontal":
+            way[2] = 0.0
+        return np.asarray(v.holding * way / laws.tension(way))

@@ -114,4 +114,10 @@ class IntermediateSupport(Standing, Wheel):
         by = 1.0
         if self.friction > 0.0:
             by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh((v.travel - v.grip) / v.slip))
-        return {"tension_law": laws.ratio(v.a.force, v.b.force, by)}
+        found = {"tension_law": laws.ratio(v.a.force, v.b.force, by)}
+        if self.radius > 0.0:
+            steep = np.arctan(v.slope)
+            middle = (-v.radius * np.sin(steep), v.radius * np.cos(steep))
+            found.update(shoe.laws_of_side(v, "a", middle))
+            found.update(shoe.laws_of_side(v, "b", middle))
+        return found

@@ -45,3 +45,50 @@ def weight(newtons: np.ndarray) -> np.ndarray:
     """The force of a weight."""
     none = np.zeros_like(newtons)
     return np.stack([none, none, -newtons])
+
+
+def on_arc(
+    turned: tuple[np.ndarray, np.ndarray],
+    place: tuple[np.ndarray, np.ndarray],
+    force: np.ndarray,
+    rope: tuple[np.ndarray, np.ndarray],
+    radius: np.ndarray,
+    *,
+    side: float,
+    free: bool = False,
+) -> tuple[Law, Law, Law]:
+    """A rope that leaves a circular shoe along it: the place is on the arc, the rope is tangent there, and as much rope
+    lies on the shoe as the arc is long.
+
+    Parameters
+    ----------
+    turned
+        From the shoe's centre to where the rope is counted from, (x, z) [m].
+    place
+        From the shoe's centre to where the rope leaves, (x, z) [m].
+    force
+        Pull of the rope on the shoe (3, ...) [N].
+    rope
+        Unstretched rope between both places, positive away from the middle [m]; and stretched over unstretched length.
+    radius
+        Of the shoe [m].
+    side
+        1 for a rope that goes towards greater x, -1 towards smaller x.
+    free
+        Whether the rope may also go off above the shoe, nowhere on it.
+    """
+    (x0, z0), (x, z) = turned, place
+    arc = side * np.arctan2(z0 * x - x0 * z, x0 * x + z0 * z)
+    size = tension(force)
+    out = (force[0] * x + force[2] * z) / radius
+    along = side * (force[0] * z - force[2] * x) / radius
+    # A rope that goes the other way round is tangent too.
+    lifted = np.where(along > 0.0, out, size)
+    if free:
+        lifted = np.where(arc > 1e-9, lifted, np.where(along > 0.0, np.minimum(out, 0.0), lifted))
+    laid, stretched = rope
+    return (
+        Law(np.hypot(x, z) - radius, radius),
+        Law(lifted, size),
+        Law(laid * stretched - radius * arc, radius),
+    )

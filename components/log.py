@@ -177,6 +177,13 @@ class Log(Node):
         moment = back * (ground[2] + v.centre * own[2]) + up * ground[0]
         found["moment"] = laws.Law(moment, v.length * v.mass * v.gravity)
         found["rigid"] = laws.Law(np.hypot(back, up) - v.length, v.length)
+        # The slope grows evenly within the rounding; beside it, the ground is straight.
+        x, r = v.rear_x - v.ground_x, v.rounding
+        bend = np.clip(x + r, 0.0, 2.0 * r) ** 2 / (4.0 * r) + np.maximum(x - r, 0.0)
+        ground_z = v.ground_z + v.slope * x + (v.slope_after - v.slope) * bend
+        gap = (v.rear_z - ground_z) * np.cos(steep)
+        # Smoothing rounds the corner, where both are about that size.
+        found["contact"] = laws.Law(np.minimum(v.normal / _FORCE, gap), np.maximum(1.0, 1e8 * v.smoothing))
         # Free of the ground it hangs below its front; on its head it would fall over.
         free = v.normal < 1e-4 * v.mass * v.gravity
         found["upright"] = laws.Law(np.where(free, np.minimum(up, 0.0), 0.0), v.length)

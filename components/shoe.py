@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from ropeway.components import laws
 from ropeway.components.catenary import Strain, Vector, namespace, norm, segment
 from ropeway.components.component import Kind, Variable
 
@@ -107,3 +110,18 @@ def side_residuals(v: Any, seat: str, found: Side, way: int) -> dict[str, Any]:
         f"{seat}_leaves_z": z - found.aside[1],
         f"{seat}_laid": rope - way * found.rope,
     }
+
+
+def laws_of_side(v: Any, seat: str, middle: tuple[Any, Any], *, free: bool = False) -> dict[str, laws.Law]:
+    """The laws of `side_residuals`. middle: from the shoe's centre to where the seat counts from (x, z) [m]; free:
+    whether the rope may go off above the shoe."""
+    x, z, rope = (getattr(v, f"{seat}_{name}") for name in ("x", "z", "rope"))
+    end, side = getattr(v, seat), 1.0 if seat == "b" else -1.0
+    place = (middle[0] + x, middle[1] + z)
+    found = laws.on_arc(middle, place, end.force, (-side * rope, end.stretched), v.radius, side=side, free=free)
+    return dict(zip((f"{seat}_leaves_x", f"{seat}_leaves_z", f"{seat}_laid"), found, strict=True))
+
+
+def moment(place: tuple[Any, Any], force: np.ndarray) -> np.ndarray:
+    """Moment of a force (3, ...) [N] that acts at a `place` (x, z) from the centre of a shoe [N.m]."""
+    return np.asarray(place[0] * force[2] - place[1] * force[0])

@@ -169,7 +169,7 @@ def certify(
     given
         Values that variables or outputs must have, by name.
     rope
-        For each run its unstretched length [m] as it must be; none: it is not compared.
+        For each run its unstretched length [m] as it must be; NaN, or none: it is not compared.
     held
         Names of places and travels that something else holds, as a carriage at a station ("carriage.x"): their
         balance need not be stable.
@@ -187,10 +187,18 @@ def certify(
 
 
 def certify_records(
-    model: Model, runs: Sequence[Run], states: Iterable[tuple[Point, Sequence[np.ndarray]]]
+    model: Model,
+    runs: Sequence[Run],
+    states: Iterable[tuple[Point, Sequence[np.ndarray]]],
+    *,
+    rope: Sequence[float] = (),
+    inside: float = IN_RUN,
+    held: Collection[str] | None = (),
 ) -> Certificate:
     """The worst of each check over many states of one model in order of time, each a solved point and the loads
-    `passed` as in `certify`. A check that fails is that of the first state in which it does."""
+    `passed` as in `certify`, `rope` too. A check that fails is that of the first state in which it does. inside: how
+    far a load may hang beyond its span, over the mean span; held: as in `certify`, None for all: stability is judged
+    elsewhere then."""
     layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
     found: list[Check] = []
@@ -199,7 +207,7 @@ def certify_records(
         points = [point for point, _ in chunk]
         values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
-        checks = _checks(model, values, points, runs, beyond, (), (), IN_RUN)
+        checks = _checks(model, values, points, runs, beyond, rope, held, inside)
         found += [check._replace(record=check.record + first) for check in checks]
         first += len(chunk)
     return Certificate.worst(found)
@@ -217,7 +225,7 @@ def _checks(
     runs: Sequence[Run],
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
-    held: Collection[str],
+    held: Collection[str] | None,
     inside: float,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
@@ -235,12 +243,13 @@ def _checks(
         checks += _law_checks(layout, values, pull)
         if len(layout.others):
             checks.append(_other_equations(model, layout, points))
+        if held is None:
+            return checks
         quick = None
         # Where ropes move a node, as a wheel on its slide, this is a part of what a state needs: it serves for runs.
         if places.names and not held and (layout.plain or (len(points) > 1 and not has_free_nodes(model))):
             quick = least_pivots(layout, values, spans, found)
-    checks += _stability(model, layout, points, quick, held)
-    return checks
+    return checks + _stability(model, layout, points, quick, held)
 
 
 def _stability(
@@ -303,6 +312,7 @@ def _span_checks(
         checks += _load_checks(places, values, spans, loads, inside)
     if rope:
         missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
+        missing[:, np.isnan(rope)] = 0.0
         checks.append(_worst(ROPE_SUM, missing, ROPE, [places.names[a] for a in places.runs[:-1]]))
     return checks
 

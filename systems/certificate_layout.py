@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ropeway.components.component import Component, Node, Seat, Site
+from ropeway.components.laws import tension
 from ropeway.systems.model import Model, component_of
 from ropeway.systems.newton import VECTORS
 from ropeway.systems.run import Run, drive_speeds
@@ -46,13 +47,14 @@ class SpanPlaces:
 @dataclass(frozen=True, eq=False)
 class Kindred:
     """Components of one kind: `first` stands for all `names`. `variables`: places of each (components,); `seats`:
-    for each seat the rope end that sits there, a number of `force_at_ends`, and the place of the rope's speed;
+    for each seat the rope end that sits there, a number of `pulls`, and the places of the rope's speed and of its two
+    strain coefficients;
     `titles`: what each law says, by the name of its residual."""
 
     first: Component
     names: tuple[str, ...]
     variables: dict[str, np.ndarray]
-    seats: dict[str, tuple[np.ndarray, np.ndarray]]
+    seats: dict[str, tuple[np.ndarray, ...]]
     titles: dict[str, str]
 
     def laws(self, values: np.ndarray, pulls: np.ndarray) -> Any:
@@ -79,8 +81,10 @@ class _Reading:
 class _Seat:
     """What `Component.laws` reads of a seat, when it is asked for."""
 
-    def __init__(self, values: np.ndarray, pulls: np.ndarray, end: np.ndarray, speed: np.ndarray) -> None:
-        self._values, self._pulls, self._end, self._speed = values, pulls, end, speed
+    def __init__(
+        self, values: np.ndarray, pulls: np.ndarray, end: np.ndarray, speed: np.ndarray, c1: np.ndarray, c2: np.ndarray
+    ) -> None:
+        self._values, self._pulls, self._end, self._speed, self._c1, self._c2 = values, pulls, end, speed, c1, c2
 
     @property
     def force(self) -> np.ndarray:
@@ -89,6 +93,12 @@ class _Seat:
     @property
     def speed(self) -> np.ndarray:
         return self._values.take(self._speed, axis=1)
+
+    @property
+    def stretched(self) -> np.ndarray:
+        """Stretched over unstretched length of the rope where it lies on a shoe."""
+        size, c1, c2 = tension(self.force), *(self._values.take(c, axis=1) for c in (self._c1, self._c2))
+        return np.asarray(1.0 + size * (c1 + 2.0 / 3.0 * c2 * size))
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +198,7 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
         seat: numbers[span] + (len(numbers) if end == "b" else 0)
         for (span, end), seat in model.system.connections.items()
     }
+    spans = {seat: span for (span, _), seat in model.system.connections.items()}
     speeds = drive_speeds(model.runs)
     owned: dict[str, set[str]] = {}
     for name in places.index:
@@ -208,6 +219,10 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
                     seat.name: (
                         np.array([sits.get((name, seat.name), 2 * len(numbers)) for name in names]),
                         np.array([places(".".join(speeds.get((name, seat.name), ("", "")))) for name in names]),
+                        *(
+                            np.array([places(f"{spans.get((name, seat.name))}.{c}") for name in names])
+                            for c in ("compliance", "construction")
+                        ),
                     )
                     for seat in seats
                 },

@@ -63,7 +63,7 @@ def known_system(seed: int) -> Known:
     points = scale * _supports(rng, n)
     if rng.random() < 0.1:
         points = points + np.array([2.6e6, 1.2e6, 1500.0])
-    stiff = np.inf if rng.random() < 0.12 else mass * 1e7 * float(10.0 ** rng.uniform(-0.7, 0.7))
+    stiff = np.inf if rng.random() < 0.12 else max(mass * 1e7 * float(10.0 ** rng.uniform(-0.7, 0.7)), 1e5)
     weight = mass * GRAVITY
     at, loads = [], []
     for chord in np.linalg.norm(np.diff(points, axis=0), axis=1):
@@ -126,7 +126,7 @@ def _declared(
 ) -> Known:  # fmt: skip
     n = len(length)
     top = float(max(np.linalg.norm(force, axis=1).max(), np.linalg.norm(end, axis=1).max()))
-    rope = rw.Rope(mass_per_length=mass, axial_stiffness=stiff, breaking_load=20.0 * top)
+    rope = rw.Rope(mass_per_length=mass, axial_stiffness=stiff, breaking_load=max(20.0 * top, 2e3))
     springs: dict[int, tuple[np.ndarray, float]] = {}
     kept: dict[int, float] = {}
     nodes = []

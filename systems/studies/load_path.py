@@ -15,6 +15,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.span import Span
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.certified import certified
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Piece, Profile, above_tangents, deflection, least_height
@@ -83,18 +84,18 @@ def load_path(
     if height is not None and rig.kind is Kind.STANDING:
         raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
     solver = Stations(rig, by_height=height is not None)
-    rows: list[dict[str, float | str | int]] = []
-    with keeping(lambda: _frame(rows)):
-        for x in stations_of(rig, stations):
+    where, solved = stations_of(rig, stations), list[Solved]()
+
+    def frame() -> pd.DataFrame:
+        found = pd.DataFrame([row(one, float(x)) for one, x in zip(certified(solved), where, strict=False)])
+        found.attrs["units"] = units_of(found)
+        return found
+
+    with keeping(frame):
+        for x in where:
             z = None if height is None else carriage_height(rig, float(x), height)
-            rows.append(row(solver.solve(float(x), payload, z), float(x)))
-    return _frame(rows)
-
-
-def _frame(rows: Sequence[dict[str, float | str | int]]) -> pd.DataFrame:
-    frame = pd.DataFrame(rows)
-    frame.attrs["units"] = units_of(frame)
-    return frame
+            solved.append(solver.solve(float(x), payload, z))
+    return frame()
 
 
 def units_of(frame: pd.DataFrame) -> dict[str, str]:

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.systems.studies.certified import certified
 from ropeway.systems.studies.load_path import carriage_height, least_rope_clearance, rope_clearance, row
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
@@ -67,7 +68,7 @@ class PayloadSearch:
         return self._row(station, mass, best)
 
     def _row(self, station: float, mass: float, best: Tried) -> Row:
-        values = {} if best.solved is None else row(best.solved, station)
+        values = {} if best.solved is None else row(certified([best.solved])[0], station)
         return {"station": station, "payload": mass, "limited_by": best.limit, **values}
 
     def _rope_clearance(self, best: Tried) -> float:

@@ -18,7 +18,9 @@ from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.load_path import row
+from ropeway.systems.studies.certified import certified
+from ropeway.systems.studies.load_path import highest_of, row
+from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 
 
@@ -63,7 +65,7 @@ def set_up(
     inextensible = rig.skyline.strain == (0.0, 0.0)
 
     def miss(length: float) -> float:
-        return float(at(rig, length, station, payload)[column]) - float(wanted or 0.0)
+        return float(row(at(rig, length, station, payload), station)[column]) - float(wanted or 0.0)
 
     low = chords * (1.0 + 1e-6) if inextensible else chords / (1.0 + 0.9 * strain)
     high = chords * 1.001
@@ -81,12 +83,13 @@ def set_up(
             )
     length = float(brentq(miss, low, high, xtol=1e-11, rtol=1e-14))
     ready = replace(rig, length=length, tension=None)
-    return SetUp(ready, length, bare_tension(ready), at(rig, length, station, payload))
+    loaded = row(certified([at(rig, length, station, payload)])[0], station)
+    return SetUp(ready, length, bare_tension(ready), loaded)
 
 
-def at(rig: SkylineRig, length: float, station: float, payload: float) -> dict[str, Any]:
-    """The row of a load path with another length of the skyline."""
-    return row(Stations(replace(rig, length=length, tension=None)).solve(station, payload), station)
+def at(rig: SkylineRig, length: float, station: float, payload: float) -> Solved:
+    """A state of a rig with another length of the skyline."""
+    return Stations(replace(rig, length=length, tension=None)).solve(station, payload)
 
 
 @checked
@@ -119,11 +122,11 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     rows = []
     for station, mass in turns:
         check.not_negative(mass, rig.name, "payload", "kg")
-        highest = float(at(used, grown(peak), station, mass)["highest_tension"])
+        highest = highest_of(certified([at(used, grown(peak), station, mass)])[0], "skyline")
         if highest > peak:
 
             def virgin(trial: float, station: float = station, mass: float = mass) -> float:
-                return float(at(used, grown(trial), station, mass)["highest_tension"]) - trial
+                return highest_of(at(used, grown(trial), station, mass), "skyline") - trial
 
             if virgin(limit) > 0.0:
                 raise InputError(
@@ -131,7 +134,8 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
                     f"{limit:g} N",
                     "Take less load or a stronger rope",
                 )
-            peak = highest = float(brentq(virgin, peak, highest, xtol=1e-7))
+            peak = float(brentq(virgin, peak, highest, xtol=1e-7))
+            highest = highest_of(certified([at(used, grown(peak), station, mass)])[0], "skyline")
         bare = bare_tension(replace(used, length=grown(peak)))
         rows.append(
             {

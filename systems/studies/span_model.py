@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple
@@ -15,6 +16,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assembled
+from ropeway.systems.certificate import INSIDE, Certificate, certify_records
 from ropeway.systems.component_functions import ComponentFunctions
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
@@ -58,7 +60,8 @@ class SpanModel:
             freed.append(self.slot(f"{rig.skyline_drum}.{'tension' if rig.kind is Kind.RUNNING else 'travel'}"))
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
         self._outputs = outputs_of(m)
-        self._blank = LineState.declared(m).point
+        blank = LineState.declared(m)
+        self._blank, self._passed = blank.point, blank.passed
         self.roles = tuple(_role(rig, run) for run in m.runs)
         self.places = (
             self.axes[2],
@@ -259,9 +262,22 @@ class SpanModel:
         """The carriage's place among the nodes of a rope."""
         return [node.name for node in self.model.runs[r].nodes].index(self.rig.carriage.name)
 
+    def certificate(self, points: Sequence[Point]) -> Certificate:
+        """The worst of each check over solved points. The stability of each is `check`'s: a carriage is held at its
+        station, so that its balance along the skyline need not be stable."""
+        keeps_length = not self.by_height and self.rig.kind is not Kind.RUNNING
+        rope = [
+            sum(span.length for span in run.spans) if role == "skyline" and keeps_length else np.nan
+            for run, role in zip(self.model.runs, self.roles, strict=True)
+        ]
+        states = ((point, self._passed) for point in points)
+        return certify_records(self.model, self.model.runs, states, inside=INSIDE, rope=rope, held=None)
+
     def rest(self, point: Point) -> Equilibrium:
-        """An equilibrium from a solved point, its travels the new zero."""
-        whole = LineState(self.model, point.copy(), self.model.runs, LineState.cold(self.model).passed)
+        """An equilibrium from a solved point, its travels the new zero. Raises EquilibriumError where its certificate
+        fails."""
+        self.certificate([point]).require(self.model)
+        whole = LineState(self.model, point.copy(), self.model.runs, self._passed)
         whole.rezero()
         return Equilibrium(self.model, whole.point, tuple(whole.runs), tuple(whole.passed), whole.held)
 
@@ -291,13 +307,14 @@ def _role(rig: SkylineRig, run: Run) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A rig at a station: the model of its span, the point, all outputs (ny,), and what holds the carriage:
-    "mainline", "clamp" or "holding"."""
+    """A rig at a station: the model of its span, the point, all outputs (ny,), what holds the carriage ("mainline",
+    "clamp" or "holding"), and where it was asked for: station [m], payload [kg], and height z [m] or None."""
 
     at: SpanModel
     point: Point
     outputs: np.ndarray
     held_by: str
+    asked: tuple[float, float, float | None] | None = None
 
     @property
     def off_shoe(self) -> float:

@@ -217,7 +217,7 @@ class Stations:
         point = meant(at, asked, near, start=first, quick=quick, refused=refused)
         self._last[place, clamp] = [*known[-1:], _Known(asked, point)]
         held_by = "clamp" if clamp or at.rig.carriage.clamped else "holding" if at.rig.ideal else "mainline"
-        return Solved(at, point, at.outputs(point), held_by)
+        return Solved(at, point, at.outputs(point), held_by, asked)
 
 
 class _Known(NamedTuple):
