@@ -9,6 +9,7 @@ followed by the payload. A log hangs free where it can; where it cannot, it drag
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,9 @@ BESIDE = 1.0
 
 SHORTEST = 1.0 / 128.0
 """Part of a path below which a step that fails ends it, as at a fold."""
+
+LEAST_STEP = 1e-3
+"""Part of a Newton step below which a root is not nearby."""
 
 FARTHEST = 2.0
 """A carriage or log that moves farther than this in a step [m] may have changed to another state."""
@@ -38,6 +42,15 @@ class Question(NamedTuple):
     height: float | None = None
 
 
+class Effort(IntEnum):
+    """Starts that are tried: NEAR, solved points and one that belongs to the question; QUICK, and directly from
+    geometry; FULL, and all ways along which a state can be followed."""
+
+    NEAR = 0
+    QUICK = 1
+    FULL = 2
+
+
 Way = Callable[[SpanModel, Question], tuple[Point, bool]]
 """A way to a point; and whether there can be no other."""
 
@@ -48,22 +61,24 @@ def meant(
     near: Sequence[Point] = (),
     *,
     start: Point | None = None,
-    quick: bool = False,
+    effort: Effort = Effort.FULL,
     refused: EquilibriumError | None = None,
 ) -> Point:
     """The equilibrium that is meant. near: solved points to start from, which make it faster; start: one that belongs
-    to this question; quick: only from there and directly from geometry; refused: the refusal of a quick try before,
-    after which geometry is no start. Raises EquilibriumError."""
+    to this question; refused: the refusal of a try before, after which geometry is no start. Raises
+    EquilibriumError."""
     for known in near:
         try:
-            point, alone = settled(at, known.copy(), asked)
+            point, alone = settled(at, known.copy(), asked, shortest=LEAST_STEP)
         except EquilibriumError:
             continue
         if alone:
             return point
     refusals: list[EquilibriumError] = [] if refused is None else [refused]
     direct: Point | None = None
-    starts: list[Point | None] = [*([] if start is None else [start]), *([None] if refused is None else [])]
+    starts: list[Point | None] = [] if start is None else [start]
+    if refused is None and effort > Effort.NEAR:
+        starts.append(None)
     for first in starts:
         try:
             found, alone = settled(at, first, asked) if first is not None else _from_geometry(at, asked)
@@ -79,7 +94,7 @@ def meant(
     ways: tuple[Way, ...] = (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
     if direct is None and asked.payload > 0.0:
         ways = (_by_payload, *ways)
-    for way in () if quick and direct is None else ways:
+    for way in () if effort < Effort.FULL and direct is None else ways:
         try:
             return way(at, asked)[0]
         except EquilibriumError as error:
@@ -90,10 +105,10 @@ def meant(
 
 
 def settled(
-    at: SpanModel, point: Point, asked: Question, *, lower: float = 0.0, iterations: int = 25
+    at: SpanModel, point: Point, asked: Question, *, lower: float = 0.0, iterations: int = 25, shortest: float = 1e-7
 ) -> tuple[Point, bool]:
     """A point solved in place and checked, and whether there can be no other. lower: the ground under a log is taken
-    to be so much lower [m]. Raises EquilibriumError."""
+    to be so much lower [m]; shortest: part of a Newton step. Raises EquilibriumError."""
     at.load(point, asked.payload)
     target = [] if at.rig.ideal else [asked.station]
     if at.rig.ideal:
@@ -103,7 +118,7 @@ def settled(
         target.append(asked.height or 0.0)
     at.ground_under(point, lower)
     for _ in range(12):
-        at.newton.solve(point, target=np.array(target, dtype=float), iterations=iterations)
+        at.newton.solve(point, target=np.array(target, dtype=float), iterations=iterations, shortest=shortest)
         if not at.ground_under(point, lower):
             return point, at.check.require(point)
     raise EquilibriumError("The rear of the log finds no rest on the ground", "Try a station beside this one", at.log)
@@ -191,7 +206,7 @@ def follow(
         share = min(done + step, 1.0)
         trial = point.copy() if before is None else _ahead(before[1], point, (share - done) / (done - before[0]))
         try:
-            trial, alone = settled(at, trial, ask(share), lower=lower(share))
+            trial, alone = settled(at, trial, ask(share), lower=lower(share), shortest=LEAST_STEP)
             if step > SHORTEST and _moved(at, point, trial) > FARTHEST:
                 raise EquilibriumError("The carriage moves far in one step", "Take a shorter one")
         except EquilibriumError:
@@ -225,7 +240,7 @@ def _refusal(
             return error
     if before is not None:
         return before
-    first = refusals[0]
+    first = refusals[0] if refusals else EquilibriumError("No state is nearby", "Try harder")
     return EquilibriumError(
         f"No equilibrium of {at.model.name!r} with the carriage at station {asked.station:g} m and "
         f"{asked.payload:g} kg: {first.cause}",
