@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -347,12 +348,15 @@ def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: 
 
 @lru_cache(maxsize=256)
 def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool) -> SpanModel:
-    return SpanModel(clamped_twin(rig) if clamped else rig, place, _functions_of(rig), by_height=by_height)
+    return SpanModel(
+        clamped_twin(rig) if clamped else rig, place, _functions_of(rig, threading.get_ident()), by_height=by_height
+    )
 
 
 @lru_cache(maxsize=64)
-def _functions_of(rig: SkylineRig) -> ComponentFunctions:
-    """The component functions that all models of a rig share."""
+def _functions_of(rig: SkylineRig, thread: int) -> ComponentFunctions:
+    """The component functions that all models of a rig share which one thread makes: CasADi counts references to its
+    functions without a lock."""
     return ComponentFunctions()
 
 
