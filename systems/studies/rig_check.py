@@ -208,9 +208,9 @@ class _Free:
         """Pivots of their stiffness, all else but `kept` in balance; zero after a negative one. jacobian: its
         entries."""
         n, pivots = self._inner, np.zeros(len(self.balances))
-        whole = np.zeros(self._size**2)
-        whole[self._at] = jacobian[self._used]
-        whole = whole.reshape(self._size, self._size)
+        entries = np.zeros(self._size**2)
+        entries[self._at] = jacobian[self._used]
+        whole = entries.reshape(self._size, self._size)
         try:
             moved = np.linalg.solve(whole[:n, :n], whole[:n, n:])
         except np.linalg.LinAlgError:
