@@ -43,6 +43,10 @@ class TensionedReturn(Wheel):
     def balance(self) -> str:
         return "tension_law"
 
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return (("slide", "drawn"),)
+
     def structure(self, site: Site) -> Hashable:
         return TensionedReturn
 
@@ -88,7 +92,10 @@ class TensionedReturn(Wheel):
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
         way, pull = np.stack([v.way_x, v.way_y, v.way_z]), v.a.force + v.b.force
+        at, home = np.stack([v.x, v.y, v.z]), np.stack([v.home_x, v.home_y, v.home_z])
+        off, metre = at - home - v.slide * way, np.ones_like(v.slide)
         return {
+            **{f"guide_{axis}": laws.Law(off[i], metre) for i, axis in enumerate("xyz")},
             "drawn": laws.Law(np.sum(pull * way, axis=0) + v.take_up, v.take_up),
             "tension_law": free_or_held(v),
         }

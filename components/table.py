@@ -27,10 +27,12 @@ HEADER = -1
 @dataclass(frozen=True)
 class Layout:
     """What a table must have. `columns`: names of those that it needs, with the unit of those that hold numbers
-    ("" for any) and None for text; `example`: its first lines, as errors show them."""
+    ("" for any) and None for text; `example`: its first lines, as errors show them; `differences`: columns whose values
+    are differences, for which the zero of a scale does not count."""
 
     columns: Mapping[str, str | None]
     example: str
+    differences: frozenset[str] = frozenset()
 
     def missing(self, names: Iterable[str]) -> list[str]:
         """Columns that are not among the names."""
@@ -116,8 +118,11 @@ class Table:
     def _converted(self, values: np.ndarray, key: str) -> np.ndarray:
         """Values of a column in the unit of the layout, or in SI units where it names none."""
         given, wanted = self.units[self.keys.index(key)], self.layout.columns.get(key) or ""
+        difference = key in self.layout.differences
         try:
-            factor, offset = units.conversion(given, wanted or units.to_si(given)[0])
+            factor, offset = units.conversion(
+                given, wanted or units.to_si(given)[0], differences=(difference, difference)
+            )
         except InputError as error:
             raise self.error(error.cause, error.remedy, HEADER, key) from error
         return values if (factor, offset) == (1.0, 0.0) else factor * values + offset

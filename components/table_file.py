@@ -11,17 +11,9 @@ from pathlib import Path
 
 from ropeway.components.errors import InputError
 from ropeway.components.table_numbers import Cell, text
+from ropeway.components.text_encoding import decoded
 
 _SEPARATORS = (";", "\t", "|", ",")
-_MARKS = (
-    (b"\xef\xbb\xbf", "utf-8-sig"),
-    (b"\xff\xfe\0\0", "utf-32"),
-    (b"\0\0\xfe\xff", "utf-32"),
-    (b"\xff\xfe", "utf-16"),
-    (b"\xfe\xff", "utf-16"),
-)
-"""Byte order marks."""
-_CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 _HINT = re.compile(r"\s*sep=(.)\s*", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(.*?)\s*(?:\[([^\]]+)\]|\(([^()]+)\))")
 _OTHERS = (
@@ -54,7 +46,7 @@ def read_file(path: Path, layouts: Sequence[Sequence[str]]) -> RawTable:
             raise InputError(f"{path} is {what}", remedy)
     if data.startswith(b"PK\x03\x04"):
         return _excel(path, data, layouts)
-    return _text(str(path), _decoded(path, data), layouts)
+    return _text(str(path), decoded(path, data), layouts)
 
 
 def _bytes(path: Path) -> bytes:
@@ -75,22 +67,6 @@ def _bytes(path: Path) -> bytes:
     if not data.strip():
         raise InputError(f"{path} is empty", "Write a header and rows into it")
     return data
-
-
-def _decoded(path: Path, data: bytes) -> str:
-    """The text of a file: UTF-8, UTF-16 or UTF-32, else Windows-1252, which has the letters of Latin-1."""
-    marked = next((name for mark, name in _MARKS if data.startswith(mark)), None)
-    zeros = data[:200].count(0) * 3 > len(data[:200])  # UTF-16 without a mark: every other byte is zero
-    unmarked = ("utf-16-le" if data[1:2] == b"\0" else "utf-16-be") if zeros else "utf-8"
-    for encoding in (marked,) if marked else (unmarked, "cp1252"):
-        try:
-            found = data.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if not _CONTROL.search(found):
-            return found
-        break
-    raise InputError(f"{path} is not a text file in a known encoding", "Save the table as CSV UTF-8")
 
 
 def _text(source: str, content: str, layouts: Sequence[Sequence[str]]) -> RawTable:

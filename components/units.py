@@ -216,6 +216,8 @@ def conversion(
     target: str,
     source_units: Mapping[str, Unit] | None = None,
     target_units: Mapping[str, Unit] | None = None,
+    *,
+    differences: tuple[bool, bool] = (False, False),
 ) -> Conversion:
     """How values in one unit become values in another.
 
@@ -225,12 +227,15 @@ def conversion(
         Symbols. An empty one says nothing of the unit: the values are taken as they are.
     source_units, target_units : mapping of str to Unit, optional
         Definitions on either side, which go before the meaning of a symbol.
+    differences : (bool, bool), default (False, False)
+        Whether the values of the source, and those of the target, are differences: the zero of a scale does not count
+        for them, 10 degC of warming are 10 K.
 
     Raises
     ------
     InputError
-        The units measure different quantities, or one of them is not known. Two equal symbols that neither side
-        defines count as one unit.
+        The units measure different quantities, or one of them is not known; or a difference is given for a value on a
+        scale with a zero of its own, or the reverse. Two equal symbols that neither side defines count as one unit.
     """
     one, other = read(source, source_units), read(target, target_units)
     if not source or not target or (one is None and other is None and source == target):
@@ -244,7 +249,14 @@ def conversion(
     if one is None or other is None:  # for the type checker: the loop has raised
         raise InputError(f"No conversion from {source!r} to {target!r}")
     if not one.fits(other):
-        raise InputError(f"{source!r} and {target!r} measure different quantities", _difference(one, other))
+        raise InputError(f"{source!r} and {target!r} measure different quantities", _mismatch(one, other))
+    if any(differences):
+        if not all(differences) and (other if differences[0] else one).offset:
+            raise InputError(
+                f"A difference has no place on the scale of {(target if differences[0] else source)!r}",
+                "Use two differences (relativeQuantity in an FMU), or two values",
+            )
+        return Conversion(one.factor / other.factor, 0.0)
     return Conversion(one.factor / other.factor, (one.offset - other.offset) / other.factor)
 
 
@@ -262,18 +274,21 @@ def same(one: str, other: str) -> bool:
     return one == other or (parse(one) is not None and parse(one) == parse(other))
 
 
-def to_si(symbol: str, defined: Mapping[str, Unit] | None = None) -> tuple[str, float, float]:
-    """The SI unit of a symbol, and the factor and offset to it. A symbol that is not known stays as it is."""
+def to_si(
+    symbol: str, defined: Mapping[str, Unit] | None = None, *, difference: bool = False
+) -> tuple[str, float, float]:
+    """The SI unit of a symbol, and the factor and offset to it; the offset of a `difference` is 0. A symbol that is not
+    known stays as it is."""
     unit = read(symbol, defined)
     if unit is None:
         return symbol, 1.0, 0.0
     if symbol in _SI and unit == parse(symbol):
         return symbol, 1.0, 0.0
     name = next((s for s in _SI if (known := parse(s)) is not None and known.exponents == unit.exponents), None)
-    return name or _product(unit), unit.factor, unit.offset
+    return name or _product(unit), unit.factor, 0.0 if difference else unit.offset
 
 
-def _difference(one: Unit, other: Unit) -> str:
+def _mismatch(one: Unit, other: Unit) -> str:
     if {"s", "rad"} == set(one.base()) | set(other.base()):
         return "Say whether turns or radians are counted: use rpm or rad/s"
     return f"Connect one quantity; these are {_product(one)} and {_product(other)} in SI base units"

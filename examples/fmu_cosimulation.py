@@ -10,6 +10,7 @@ import numpy as np
 import ropeway as rw
 
 UNTIL = 20.0
+SPEED = rw.Schedule((0.0, 10.0, 13.0, 20.0), (1.0, 1.0, 1.3, 1.3))
 CONNECTIONS = (
     ("unit.flow", "c4.pump_flow"),
     ("unit.pressure", "c4.relief_pressure"),
@@ -40,7 +41,7 @@ def example_line() -> rw.System:
         rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3),
         supports=Path(__file__).with_name("line.csv"),
         tension=45e3,
-        speed=rw.Schedule((0.0, 10.0, 13.0, UNTIL), (1.0, 1.0, 1.3, 1.3)),
+        speed=SPEED,
         load_mass=300.0,
         load_spacing=50.0,
         drive={"c4": drive},

@@ -28,6 +28,7 @@ MASSES = tuple(np.random.default_rng(7).uniform(100.0, 500.0, 60).round())
 LIMITS = rw.ScheduleLimits(force=3e3, power=3e3)
 THRESHOLD = rw.ThresholdResponse(low=40e3, high=48e3, increment=0.015, hold=0.0, limit=0.15)
 OBJECTIVES = ("peak tension", "tension deviation", "energy")
+INTERVALS = 30
 UNTIL, SETTLE, RECOVERED = 60.0, 10.0, 20.0
 """End of the runs; from when tensions count, and from when they do for a line that starts out of balance [s]. Energy
 always counts over the whole run."""
@@ -50,7 +51,7 @@ def plans() -> dict[str, rw.SchedulePlan]:
     start = rw.balanced(line())
     return {
         name: rw.optimise_schedule(
-            line(), UNTIL, minimise=name, limits=LIMITS, intervals=30, start=start, settle=SETTLE
+            line(), UNTIL, minimise=name, limits=LIMITS, intervals=INTERVALS, start=start, settle=SETTLE
         )
         for name in OBJECTIVES
     }

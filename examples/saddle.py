@@ -15,6 +15,9 @@ from matplotlib.figure import Figure
 
 import ropeway as rw
 
+SPACING = 0.05
+"""Distance between the stations of the carriage [m]."""
+
 
 def rig(radius: float) -> rw.SkylineRig:
     """The skyline with a jack whose shoe has a radius [m]."""
@@ -34,11 +37,11 @@ def rig(radius: float) -> rw.SkylineRig:
 
 def main(folder: Path = Path("ropeway-saddle")) -> pd.DataFrame:
     """Prints the steepest change of the pull, writes the pulls and a picture into `folder`."""
-    stations = np.arange(258.0, 263.001, 0.05)
+    stations = np.arange(258.0, 263.001, SPACING)
     pulls = pd.DataFrame({"station": stations})
     for radius in (0.0, 0.5, 1.5, 3.0):
         pulls[f"{radius:g} m"] = rw.load_path(rig(radius), 2500.0, stations)["mainline_pull"] / 1e3
-    steepest = pulls.drop(columns="station").diff().abs().max() / 0.05
+    steepest = pulls.drop(columns="station").diff().abs().max() / SPACING
     print("Steepest change of the mainline's pull [kN/m], by the radius of the shoe:")
     print(steepest.round(1).to_string())
     folder.mkdir(parents=True, exist_ok=True)

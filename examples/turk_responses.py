@@ -40,6 +40,8 @@ DRIVE = rw.HydraulicDrive(
     inertia=800.0,
 )
 UNTIL, SETTLED, TOP = 300.0, 100.0, 78.0
+CROSSED = 540.0
+"""When the one load has crossed the spans from c1 to c2 [s]."""
 SHADES = ("#9ecae1", "#4292c6", "#08519c", "#08203f")
 COLOURS = ("#08519c", "#e08214", "#5b8c2a", "#b5482a", "#7b4ea3")
 SPAN, GROUP = "s6_s7", ("c1", "s5", "s6", "s7", "s8", "c2")
@@ -67,7 +69,7 @@ def _simulate(**settings: Any) -> rw.Result:
 def crossing(mass: float) -> tuple[rw.Result, pd.DataFrame]:
     """One load that crosses the spans from c1 to c2 on an otherwise empty line, and where it is at each record."""
     line = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=(0.0, 0.0, mass) + (0.0,) * 9, load_spacing=940.0)
-    result = rw.simulate(line, until=540.0, every=2.0)
+    result = rw.simulate(line, until=CROSSED, every=2.0)
     places = []
     for i in range(len(result.records)):
         loads = result.record(i).loads

@@ -1,5 +1,6 @@
 """A C compiler for the FMU's shared library: `cc` where there is one, else the one of the ziglang package, which also
-compiles for the other platforms."""
+compiles for the other platforms. The environment variables CC and CFLAGS choose another one for this platform, and add
+flags to its own."""
 
 from __future__ import annotations
 
@@ -78,7 +79,9 @@ def compile_library(folder: Path, sources: Sequence[str], platform: str, library
     """Compiles C files in a folder to a shared library, on all processors. Raises FmuExportError with the compiler's
     own words, Interrupted."""
     windows = "windows" in platform
-    run = [*command(platform), "-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    more = shlex.split(os.environ.get("CFLAGS", "")) if platform == host() else []
+    own = ["-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    run = [*command(platform), *own, *more]
     objects = list(sources)
     if "ziglang" not in run:  # zig compiles its files side by side itself
         objects = [f"{platform}-{name}.o" for name in sources]

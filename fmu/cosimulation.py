@@ -257,9 +257,11 @@ def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
 
 def _conversion(source: Fmu, output: str, target: Fmu, entry: str) -> tuple[float, float]:
     """Factor and offset from one unit to another. Raises FmuVariableError."""
-    one, other = str(source.variable(output)["unit"]), str(target.variable(entry)["unit"])
+    first, second = source.variable(output), target.variable(entry)
+    one, other = str(first["unit"]), str(second["unit"])
+    differences = bool(first["relative"]), bool(second["relative"])
     try:
-        return units.conversion(one, other, source.units, target.units)
+        return units.conversion(one, other, source.units, target.units, differences=differences)
     except InputError as error:
         raise FmuVariableError(
             f"{output!r} of {source.path.name} is in {one}, {entry!r} of {target.path.name} in {other}: {error.cause}",

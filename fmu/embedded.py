@@ -193,7 +193,7 @@ def _variables(
     for kind, names in groups.items():
         for name, start in zip(names, starts[kind], strict=True):
             row = fmu.variable(name)
-            unit, factor, offset = units.to_si(str(row["unit"]), fmu.units)
+            unit, factor, offset = units.to_si(str(row["unit"]), fmu.units, difference=bool(row["relative"]))
             nominal = max(1.0, abs(float(start))) if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0
             scales[name] = factor, offset
             value = float(factor * start + offset)

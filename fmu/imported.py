@@ -19,7 +19,7 @@ from ropeway.components.checked import checked
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.values import Entry, Value, kind_of, taken_by
 
-_COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference")
+_COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference", "relative")
 
 
 @checked
@@ -28,11 +28,11 @@ class Fmu:
     """An FMU file. `kinds`: "ModelExchange", "CoSimulation", "ScheduledExecution"; `platforms`: those that it has a
     binary for.
 
-    `variables`: index name; columns kind, causality, variability, unit, start, nominal, description and (value)
-    reference; an array `u` has a row for each element: `u[1]`, `u[2]`, or `u[1,2]`. `units`: those that it defines by
-    SI base units; `ropeway.components.units` reads the others by their symbols. `description` is FMPy's. `entries`:
-    types by name; `arrays`: elements by the name of their array; `structure`: values of structural parameters other
-    than their start values.
+    `variables`: index name; columns kind, causality, variability, unit, start, nominal, description, (value)
+    reference and relative (whether its values are differences: FMI's relativeQuantity); an array `u` has a row for each
+    element: `u[1]`, `u[2]`, or `u[1,2]`. `units`: those that it defines by SI base units; `ropeway.components.units`
+    reads the others by their symbols. `description` is FMPy's. `entries`: types by name; `arrays`: elements by the name
+    of their array; `structure`: values of structural parameters other than their start values.
     """
 
     path: Path
@@ -111,15 +111,17 @@ def load(path: str | Path) -> Fmu:
         if "modelDescription.xml" not in archive.namelist():
             raise FmuImportError(f"{file.name} has no modelDescription.xml", "It is a zip archive, but not an FMU")
         try:
-            version = ElementTree.fromstring(archive.read("modelDescription.xml")).get("fmiVersion", "?")
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         except ElementTree.ParseError as error:
             raise FmuImportError(
                 f"modelDescription.xml of {file.name} is not XML: {error}", "Export it anew"
             ) from error
+    version = root.get("fmiVersion", "?")
     if version != "2.0" and not version.startswith("3.0"):
         raise FmuImportError(f"{file.name} is of FMI version {version}", "Versions 2.0 and 3.0 can be used")
     try:
         described = fmpy.read_model_description(str(file), validate=False)
+        _mark_differences(described, root)
         variables, entries, arrays = _tables(described, {})
     except Exception as error:
         raise FmuImportError(f"{file.name} cannot be read: {error}", "Check it with fmpy validate") from error
@@ -132,6 +134,18 @@ def load(path: str | Path) -> Fmu:
     platforms = tuple(name for name in fmpy.supported_platforms(str(file)) if name != "c-code")
     name, defined = described.modelName, _units(described)
     return Fmu(file, name, version, kinds, platforms, variables, defined, described, entries, arrays)
+
+
+def _mark_differences(described: Any, root: ElementTree.Element) -> None:
+    """Sets relativeQuantity of the variables that have it: FMPy (0.3.32) reads that of types only."""
+    own = {
+        parent.get("name", element.get("name")): element.get("relativeQuantity") in ("true", "1")
+        for parent in root.iterfind("ModelVariables/*")
+        for element in (parent, *parent)
+        if "relativeQuantity" in element.attrib
+    }
+    for variable in described.modelVariables:
+        variable.relativeQuantity = own.get(variable.name)
 
 
 def _tables(
@@ -150,6 +164,8 @@ def _tables(
         items = {} if declared is None else {item.name: int(item.value) for item in declared.items}
         nominal = v.nominal or (declared.nominal if declared is not None else None)
         unit = v.unit or (declared.unit if declared is not None else None) or ""
+        own = v.relativeQuantity
+        relative = bool(own if own is not None or declared is None else declared.relativeQuantity)
         starts = _starts(v, None if shape is None else len(names))
         for place, (name, start) in enumerate(zip(names, starts, strict=True)):
             kind = kind_of(v.type)
@@ -158,7 +174,8 @@ def _tables(
                 kind, v.type, v.causality, v.variability, v.valueReference, place, len(names), items, clocked
             )
             number = None if nominal is None else float(nominal)
-            rows[name] = kind, v.causality, v.variability, unit, start, number, v.description or "", v.valueReference
+            described_as = v.description or "", v.valueReference, relative
+            rows[name] = kind, v.causality, v.variability, unit, start, number, *described_as
     table = pd.DataFrame.from_dict(rows, orient="index", columns=list(_COLUMNS))
     return table.rename_axis("name"), entries, arrays
 

@@ -127,14 +127,15 @@ def _read(path: str | Path, fmus: Mapping[str, Fmu]) -> pd.DataFrame:
     names = [c if c in known else name_and_unit(c)[0] for c in first.columns]  # an element's index is no unit
     found = {n: _entry(n, fmus)[0] for n in names if n.casefold() != "time"}
     reals = [n for n, entry in found.items() if entry.kind == "Real"]
-    units = {n: _unit(n, fmus) if n in reals else None for n in found}
-    rows = table.read(path, Layout({"time": "s"} | units, _EXAMPLE))
+    units = {n: str(_variable(n, fmus)["unit"]) if n in reals else None for n in found}
+    differences = frozenset(n for n in reals if _variable(n, fmus)["relative"])
+    rows = table.read(path, Layout({"time": "s"} | units, _EXAMPLE, differences))
     values = pd.DataFrame(rows.numbers("time", *reals), columns=["time", *reals])
     for name in found.keys() - set(reals):
         values[name] = pd.Series([from_text(found[name], cell) for cell in rows.texts(name)], dtype=object)
     return values
 
 
-def _unit(target: str, fmus: Mapping[str, Fmu]) -> str:
+def _variable(target: str, fmus: Mapping[str, Fmu]) -> pd.Series:
     slave, _, variable = target.partition(".")
-    return str(fmus[slave].variable(variable)["unit"])
+    return fmus[slave].variable(variable)

@@ -3,7 +3,7 @@ taut rope comes to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -12,11 +12,16 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.systems.certificate import Certificate, certify
 from ropeway.systems.continuation import solve_algebraic
 from ropeway.systems.newton import newton_of
+from ropeway.systems.run import Run
 from ropeway.systems.stability import slack
 from ropeway.systems.state import LineState
 
 _STEP = 1.0 / 40.0
 """Share of a taut rope's way to its length in one step."""
+_FIRST_SHARE, _LEAST_SHARE = 1.0 / 16.0, 1.0 / 256.0
+"""Share of the loads' masses that a line begins with, and the smallest step to more of them."""
+_GROWS, _GROWS_NEARBY = 5, 1
+"""How many times a line that settles may need room for more loads in its spans: then its rope runs away."""
 _LIGHT = 0.25
 """Weight of the loads in one span, over the highest tension, below which loads are not the reason of a failure: they
 turn the rope by less than this angle [rad], far from where a rope kept at a tension gives way."""
@@ -37,6 +42,7 @@ def settle(state: LineState, *, quick: bool = False) -> None:
     """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone. Raises
     EquilibriumError."""
     seen: set[bytes] = set()
+    models = [state.model]
     for _ in range(200):
         if quick:
             newton_of(state.model).solve(state.point)
@@ -46,6 +52,13 @@ def settle(state: LineState, *, quick: bool = False) -> None:
         if state.settle():
             state.require_pinned()
             return
+        if state.model is not models[-1]:
+            models.append(state.model)
+            if len(models) - 1 > (_GROWS_NEARBY if quick else _GROWS):
+                raise EquilibriumError(
+                    f"Ever more loads of system {state.model.name!r} run into one span",
+                    "Take lighter or fewer loads, or more tension",
+                )
         key = b"".join(p.tobytes() for p in state.passed)
         if key in seen:  # a load that neither of two spans keeps stands on the support between them
             for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
@@ -143,12 +156,12 @@ def _afresh(state: LineState) -> LineState:
     return trial
 
 
-def _heaviest(state: LineState, masses: Sequence[np.ndarray]) -> float:
-    """Weight of the loads in the span that has most [N]; `masses` of the loads of each run."""
+def _heaviest(state: LineState) -> float:
+    """Weight of the loads in the span that has most [N]."""
     heaviest = 0.0
-    for mass, passed in zip(masses, state.passed, strict=True):
-        total = np.concatenate([[0.0], np.cumsum(mass)])
-        counts = np.clip(passed, 0, len(mass))
+    for run, passed in zip(state.runs, state.passed, strict=True):
+        total = np.concatenate([[0.0], np.cumsum(run.loads.mass)])
+        counts = np.clip(passed, 0, len(run.loads.mass))
         heaviest = max(heaviest, float((total[counts[:-1]] - total[counts[1:]]).max()))
     return heaviest * state.model.system.gravity
 
@@ -159,42 +172,64 @@ def _highest(state: LineState) -> float:
     return max(value for name, value in zip(names, y, strict=True) if name.endswith((".tension_a", ".tension_b")))
 
 
-def too_heavy(state: LineState) -> EquilibriumError | None:
-    """The error for a state that has an equilibrium with a part of its loads only; None where loads are not the
-    reason."""
-    if not any(len(run.loads.place) for run in state.runs):
-        return None
-    low, high, step, near = 0.0, 1.0, 0.125, _afresh(state)
-    masses, strongest = [run.loads.mass for run in state.runs], None
-    while high - low > 0.02:
-        share = min(low + step, (low + high) / 2.0)
-        trial = near.copy()
-        trial.runs = [
-            replace(run, loads=replace(run.loads, mass=share * mass[: len(run.loads.place)]))
-            for run, mass in zip(trial.runs, masses, strict=True)
-        ]
+class TooHeavyError(EquilibriumError):
+    """Loads are the reason why a line has no equilibrium."""
+
+
+def loaded(state: LineState) -> LineState:
+    """The state to which a line comes as its loads grow from a small part of their masses to all. Raises
+    TooHeavyError; EquilibriumError where loads are not the reason."""
+    near, share, step = _afresh(state), _FIRST_SHARE, _FIRST_SHARE
+    near.runs = [_scaled(run, share) for run in near.runs]
+    near.restart()
+    solve(near)
+    while share < 1.0 and step >= _LEAST_SHARE:
+        more, trial = min(1.0, share + step), near.copy()
+        trial.runs = [_scaled(run, more / share) for run in trial.runs]
         try:
-            if low == 0.0:
-                trial.restart()
             trial.write_slots()
-            solve(trial, quick=low > 0.0)
+            solve(trial, quick=True)
         except EquilibriumError:
-            high, step = share, step / 2.0
-            continue
-        low, near, strongest = share, trial, certified(trial).utilisation
-        if strongest is not None and not strongest.holds:
-            break
-    if strongest is None or (strongest.holds and high * _heaviest(near, masses) < _LIGHT * _highest(near)):
-        return None
-    cause = f"The loads of system {state.model.name!r} are too heavy for its rope"
-    if strongest.holds:
-        return EquilibriumError(
-            f"{cause}: as it is strung it holds {100.0 * low:.2g} % of them and not {100.0 * high:.2g} %",
+            step /= 2.0
+        else:
+            near, share, step = trial, more, 2.0 * step
+    if share < 1.0:
+        raise _not_loaded(near, share)
+    return near
+
+
+def _scaled(run: Run, factor: float) -> Run:
+    """A run with all its loads' masses multiplied, also of those that are still to come."""
+    loads, feed = replace(run.loads, mass=factor * run.loads.mass), run.feed
+    if feed is not None:
+        feed = replace(feed, masses=tuple(factor * mass for mass in feed.masses))
+    return replace(run, loads=loads, feed=feed)
+
+
+def _not_loaded(near: LineState, share: float) -> EquilibriumError:
+    """The error for a line that is found to hold a `share` of its loads, in the state `near`, and no more. A rope of
+    fixed length holds any load until it breaks: there loads are not the reason."""
+    cause = f"The loads of system {near.model.name!r} are too heavy for its rope"
+    part, strongest = f"{100.0 * share:.2g} %", certified(near).utilisation
+    if strongest is not None and not strongest.holds:
+        return TooHeavyError(
+            f"{cause}: with {part} of them the tension in span {strongest.component!r} is {strongest.value:.3g} times "
+            "its minimum breaking load",
+            "Take lighter or fewer loads, more sag or a stronger rope",
+            strongest.component,
+        )
+    if _heaviest(near) >= _LIGHT * _highest(near) and any(_gives_way(run) for run in near.runs):
+        return TooHeavyError(
+            f"{cause}: as it is strung it holds {part} of them, and hardly more",
             "Take lighter or fewer loads, or more tension",
         )
-    return EquilibriumError(
-        f"{cause}: with {100.0 * low:.2g} % of them the tension in span {strongest.component!r} is "
-        f"{strongest.value:.3g} times its minimum breaking load",
-        "Take lighter or fewer loads, more sag or a stronger rope",
-        strongest.component,
+    return EquilibriumError(f"No equilibrium of system {near.model.name!r} is found", "Start from a nearby one")
+
+
+def _gives_way(run: Run) -> bool:
+    """Whether a drum or a wheel on a slide lets rope run at a constant force, so that no rope is short enough to hold
+    any load."""
+    return any(
+        node.kept_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
+        for node in run.nodes
     )

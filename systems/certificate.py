@@ -34,9 +34,6 @@ PLACE = 1e-9
 """How far a load may hang from its place on the rope, over the mean span."""
 INSIDE = 1e-8
 """How far a load that stands on a support may hang beyond it, over the mean span."""
-IN_RUN = 1e-4
-"""The same for records of a run: a section without an event of its own is solved afterwards, its loads standing where
-their rates took them."""
 ROPE = 1e-9
 """How much of a rope may be missing or too much, over its length."""
 LAW = 1e-8
@@ -180,7 +177,7 @@ def certify(
         It raises nothing: `certificate.require(model)` does.
     """
     values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
-    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held, INSIDE)
+    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
     if given:
         checks.append(_given(model, point, runs, passed, given))
     return Certificate.worst(checks)
@@ -192,13 +189,11 @@ def certify_records(
     states: Iterable[tuple[Point, Sequence[np.ndarray]]],
     *,
     rope: Sequence[float] = (),
-    inside: float = IN_RUN,
     held: Collection[str] | None = (),
 ) -> Certificate:
     """The worst of each check over many states of one model in order of time, each a solved point and the loads
-    `passed` as in `certify`, `rope` too. A check that fails is that of the first state in which it does. inside: how
-    far a load may hang beyond its span, over the mean span; held: as in `certify`, None for all: stability is judged
-    elsewhere then."""
+    `passed` as in `certify`, `rope` too. A check that fails is that of the first state in which it does. held: as in
+    `certify`, None for all: stability is judged elsewhere then."""
     layout, states = layout_of(model), iter(states)
     size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
     found: list[Check] = []
@@ -207,7 +202,7 @@ def certify_records(
         points = [point for point, _ in chunk]
         values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
-        checks = _checks(model, values, points, runs, beyond, rope, held, inside)
+        checks = _checks(model, values, points, runs, beyond, rope, held)
         found += [check._replace(record=check.record + first) for check in checks]
         first += len(chunk)
     return Certificate.worst(found)
@@ -226,7 +221,6 @@ def _checks(
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
     held: Collection[str] | None,
-    inside: float,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
@@ -236,7 +230,7 @@ def _checks(
             spans = read_spans(places, values, gravity)
             loads = hung(places, values, spans, runs, passed)
             found = shape(spans, loads, gravity)
-            checks += _span_checks(layout, values, spans, loads, found, rope, inside)
+            checks += _span_checks(layout, values, spans, loads, found, rope)
             pull = pulls(spans, found)
         else:
             pull = np.zeros((3, len(values), 1))
@@ -293,7 +287,6 @@ def _span_checks(
     loads: Hung | None,
     found: Shape,
     rope: Sequence[float],
-    inside: float,
 ) -> list[Check]:
     places = layout.spans
     miss = closures(spans, found)
@@ -309,7 +302,7 @@ def _span_checks(
         ),
     ]
     if loads is not None:
-        checks += _load_checks(places, values, spans, loads, inside)
+        checks += _load_checks(places, values, spans, loads)
     if rope:
         missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
         missing[:, np.isnan(rope)] = 0.0
@@ -317,7 +310,7 @@ def _span_checks(
     return checks
 
 
-def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung, inside: float) -> list[Check]:
+def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hung) -> list[Check]:
     """The slots of the model hold the loads of the runs, and these hang within their spans."""
     used = loads.distance.shape[1]
     slots = values.take(places.slots[:, :used], axis=1)
@@ -334,7 +327,7 @@ def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: Hu
     beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, None])
     return [
         _worst(ON_ROPE, away, PLACE, places.names),
-        _worst(IN_SPAN, beyond.max(axis=1) / mean, inside, places.names),
+        _worst(IN_SPAN, beyond.max(axis=1) / mean, INSIDE, places.names),
     ]
 
 

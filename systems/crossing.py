@@ -4,6 +4,9 @@ A load at place c on the rope stands on support k exactly when the support's tra
 at the support at zero travel: a threshold known in advance. At a crossing the load changes spans, tensions
 and the travel of idlers jump. Where a sheave holds the rope down, the load can be pushed back from either
 side; it then stands on the sheave, which carries it, until one side wins.
+
+A drum that keeps its tension can draw back a load that is put on there. Such a load rests on the drum until the
+rope carries it away from the drum.
 """
 
 from __future__ import annotations
@@ -14,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ropeway.systems.headway import FinalError
+from ropeway.systems.stability import unstable
 from ropeway.systems.state import LineState
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"
@@ -64,6 +68,9 @@ def gaps(state: LineState, r: int) -> Gaps:
     # Over a sheave on which a load stands none goes.
     busy = state.busy(r)
     ahead[busy] = behind[busy] = np.inf
+    for (own, k), (load, further) in state.resting.items():
+        if own == r and load == _number(state, r, k, forward=k == 0):
+            (ahead if k == 0 else behind)[k] += further
     return Gaps(ahead, behind)
 
 
@@ -200,6 +207,35 @@ def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) 
     if k in (0, last) and not run.closed:
         return PUT_ON if entering else TAKEN_OFF
     return "crossing forward" if crossing.forward else "crossing backward"
+
+
+def drawn_back(state: LineState, crossing: Crossing) -> float:
+    """How far a load that has been put on hangs beyond the end of the rope [m], negative where it hangs in its span."""
+    loads = state.runs[crossing.r].loads
+    beyond = float(state.rope(crossing.r)[crossing.k] - loads.place[crossing.load - loads.first])
+    return beyond if crossing.forward else -beyond
+
+
+def can_rest(state: LineState, crossing: Crossing) -> bool:
+    """Whether a load is put on at an end that lets rope run by itself."""
+    k, last = crossing.k, len(state.passed[crossing.r]) - 1
+    free = state.model.layouts[crossing.r].travel.algebraic[k] >= 0
+    return bool(free) and not state.runs[crossing.r].closed and k == (0 if crossing.forward else last)
+
+
+def rest(state: LineState, crossing: Crossing, back: float) -> None:
+    """Leaves a load on the drum that would draw it back by so much [m], a thousandth longer than that."""
+    load, further = state.resting.get((crossing.r, crossing.k), (crossing.load, 0.0))
+    more = 1.001 * back + NEAR * state.span_scale[crossing.r]
+    state.resting[crossing.r, crossing.k] = (crossing.load, more + (further if load == crossing.load else 0.0))
+
+
+def require_order(state: LineState) -> None:
+    """Raises EquilibriumError where loads have crossed a support that did not come to the support before: the jump of
+    the line has no end."""
+    for run, beyond in zip(state.runs, state.passed, strict=True):
+        if np.any(np.diff(beyond) > 0):
+            raise unstable(run.nodes[int(np.argmax(np.diff(beyond) > 0)) + 1].name)
 
 
 def on_line(state: LineState) -> np.ndarray:

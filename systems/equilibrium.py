@@ -21,7 +21,7 @@ from ropeway.components.errors import (
     UnknownNameError,
 )
 from ropeway.systems.assembly import assemble
-from ropeway.systems.at_rest import keep_taut_root, let_out, settle, share_lengths, too_heavy
+from ropeway.systems.at_rest import TooHeavyError, keep_taut_root, let_out, loaded, settle, share_lengths
 from ropeway.systems.carrying import carried_over, declared_alike, undriven
 from ropeway.systems.certificate import Certificate, certify
 from ropeway.systems.given_values import solve_swapped
@@ -200,17 +200,20 @@ def equilibrium(
     model = system if isinstance(system, Model) else assemble(system)
     freed = [model.swaps.get(name, name) for name in freed]
     first: EquilibriumError | None = None
-    for way in ("near", "from geometry", "let out") if start is not None else ("from geometry", "let out"):
+    for way in ("near", "from geometry", "let out", "loaded"):
+        if (way == "near" and start is None) or (way == "loaded" and wanted):
+            continue
         state = _near(model, start, parameters) if way == "near" and start else _cold(model, parameters)
         try:
             found, certificate = _at_rest(state, wanted, freed, way)
+        except TooHeavyError as error:
+            raise error from first
         except EquilibriumError as error:
             first = first or error
             continue
         _warn(certificate)
         return found
-    heavy = None if wanted else too_heavy(_cold(model, parameters))
-    raise heavy or first or EquilibriumError(f"{model.name!r} has no equilibrium")
+    raise first or EquilibriumError(f"{model.name!r} has no equilibrium")
 
 
 def _cold(model: Model, parameters: Mapping[str, float] | None) -> LineState:
@@ -240,13 +243,15 @@ def _at_rest(
     state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str
 ) -> tuple[Equilibrium, Certificate]:
     """The equilibrium of a state with values `wanted` and others `freed` in exchange, and its certificate. The way
-    "let out" comes from a taut rope. Raises EquilibriumError."""
+    "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
     declared = state.point.p.copy()
     if way == "let out":
         state = let_out(state)
+    elif way == "loaded":
+        state = loaded(state)
     if wanted:
         solve_swapped(state, wanted, freed, from_chord=way != "let out")
-    elif way != "let out":
+    elif way in ("near", "from geometry"):
         settle(state)
         if way == "from geometry":
             keep_taut_root(state)

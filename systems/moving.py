@@ -227,10 +227,12 @@ class Moving(LineStepper):
 
     def _cross(self, first: loads.Crossing, motion: Motion, stop: float, *, exact: bool) -> Motion:
         """Loads cross, and the line jumps; both sides are recorded."""
+        crossings = self._carried(loads.due(self.state, first, motion.travel), motion, stop)
+        if not crossings:
+            return motion
         self.record(exact)
         self.headway.require(self.time, self.state.runs[first.r].nodes[first.k].name)
         before, events = loads.on_line(self.state), list[tuple[loads.Crossing, str]]()
-        crossings = loads.due(self.state, first, motion.travel)
         just: set[tuple[int, int]] = set()
         solved: set[int] = set()
         for _ in range(50):
@@ -240,6 +242,7 @@ class Moving(LineStepper):
                 back = any(c.opposite(crossing) for c, _ in events)
                 events.append((crossing, loads.apply(self.state, crossing, passing=False if back else None)))
                 self.note(*events[-1])
+            loads.require_order(self.state)
             touched = self._beside(crossings)
             solved.update(touched)
             motion = self._solve_parts(touched, motion, stop)
@@ -247,6 +250,7 @@ class Moving(LineStepper):
                 motion = self._motion(motion.z)
             # Where a section is not solved it has not jumped: its loads are about where they seem to be.
             crossings = [c for c in loads.overrun(self.state, just) if not solved.isdisjoint(self._beside([c]))]
+            crossings = self._carried(crossings, motion, stop)
             if not crossings:
                 loads.require_all(self.state, before, events)
                 self.record(exact)
@@ -257,6 +261,25 @@ class Moving(LineStepper):
             "Move supports or loads there",
             self.state.point.t,
         )
+
+    def _carried(self, crossings: Sequence[loads.Crossing], motion: Motion, stop: float) -> list[loads.Crossing]:
+        """The crossings without those of loads that their drum would draw back: these rest on it for now."""
+        found = []
+        for crossing in crossings:
+            if loads.can_rest(self.state, crossing):
+                saved, self.state = self.state, self.state.copy()
+                try:
+                    loads.apply(self.state, crossing)
+                    self._solve_parts(self._beside([crossing]), motion, stop)
+                    back = loads.drawn_back(self.state, crossing)
+                finally:
+                    self.state = saved
+                if back > loads.NEAR * saved.span_scale[crossing.r]:
+                    self.headway.require(self.time, saved.runs[crossing.r].nodes[crossing.k].name)
+                    loads.rest(saved, crossing, back)
+                    continue
+            found.append(crossing)
+        return found
 
     def _let_go(self, before: LineState, stop: float) -> bool:
         """Releases a load that stands on a sheave when a side has gained the upper hand."""

@@ -284,9 +284,15 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
     spare = 1 if len(run.spans) > 1 and len(place) else 0
     room = [int(np.ceil(s.length * 1.02 / gap)) + 1 if run.moves and len(place) else 0 for s in run.spans]
     return tuple(
-        min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r)
+        rounded_up(min(max(int(c) + spare, r), max(len(place), int(c))) if run.feed is None else max(int(c) + spare, r))
         for c, r in zip(counts, room, strict=True)
     )
+
+
+def rounded_up(slots: int) -> int:
+    """A number of slots of few: with three binary digits from 32 on, so that spans with many loads share functions."""
+    step = 1 << max(0, slots.bit_length() - 3) if slots > 32 else 1
+    return -(-slots // step) * step
 
 
 def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:

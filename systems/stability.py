@@ -40,7 +40,7 @@ def require_stable(state: LineState) -> None:
     if free:
         pivot, balance = least_pivot(state.model, state.point, free)
         if not pivot > 0.0:
-            raise _unstable(state.model, balance)
+            raise unstable(component_of(state.model.z.names[balance.travel]))
 
 
 def free_balances(model: Model, point: Point, held: Collection[str] = ()) -> tuple[Balance, ...]:
@@ -76,11 +76,11 @@ def require_followed(state: LineState, led: np.ndarray) -> None:
     travels = _travels(state.model)
     away = np.abs(state.point.z[travels] - led[travels]) / state.model.z.nominals[travels]
     if np.any(away > _FOLLOWED):
-        raise _unstable(state.model, state.model.balances[int(np.argmax(away))])
+        raise unstable(component_of(state.model.z.names[travels[int(np.argmax(away))]]))
 
 
-def _unstable(model: Model, balance: Balance) -> EquilibriumError:
-    name = component_of(model.z.names[balance.travel])
+def unstable(name: str) -> EquilibriumError:
+    """The error for a support over which the rope runs away."""
     return EquilibriumError(
         f"The balance of the rope over {name!r} is unstable: it would run into one of the spans",
         "The rope is too slack: shorten it or raise the tension",
@@ -91,13 +91,17 @@ def _unstable(model: Model, balance: Balance) -> EquilibriumError:
 @lru_cache(maxsize=16)
 def _travels(model: Model) -> np.ndarray:
     """Places of the travels on idlers in the algebraic variables; none where ropes hold a node, which moves far."""
-    return np.array([] if has_free_nodes(model) else [b.travel for b in model.balances], dtype=int)
+    if has_free_nodes(model):
+        return np.zeros(0, dtype=int)
+    travels = {place for layout in model.layouts for place in layout.travel.algebraic.tolist()}
+    return np.array([b.travel for b in model.balances if b.travel in travels], dtype=int)
 
 
 @lru_cache(maxsize=16)
 def has_free_nodes(model: Model) -> bool:
-    """Whether ropes hold a node in its place, as a carriage."""
-    return any(isinstance(c, Node) and c.free for c in model.system.components.values())
+    """Whether ropes alone hold a node in its place, as a carriage; a wheel on a slide is guided."""
+    nodes = [c for c in model.system.components.values() if isinstance(c, Node)]
+    return any(place in {"x", "y", "z"} for node in nodes for place, _ in node.free)
 
 
 def condensed_pivots(matrix: csc_matrix, count: int) -> np.ndarray:

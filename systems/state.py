@@ -15,7 +15,7 @@ from ropeway.systems.assembly import assemble
 from ropeway.systems.model import Model, nearest
 from ropeway.systems.newton import VECTORS, Point, Slot, outputs_of
 from ropeway.systems.pending import Pending
-from ropeway.systems.run import Loads, Run, extended, loads_passed, rounds
+from ropeway.systems.run import Loads, Run, extended, loads_passed, rounded_up, rounds
 from ropeway.systems.start import run_start
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
@@ -47,6 +47,9 @@ class LineState:
         self.passed = [p.copy() for p in passed]
         self.span_scale = [float(np.mean(self.point.p[layout.length_start])) for layout in model.layouts]
         """Mean span length of each run [m]."""
+        self.resting: dict[tuple[int, int], tuple[int, float]] = {}
+        """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
+        rope still makes without it. Found again where it is missing."""
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
@@ -64,7 +67,9 @@ class LineState:
 
     def copy(self) -> LineState:
         """With arrays of its own."""
-        return LineState(self.model, self.point.copy(), self.runs, self.passed)
+        copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
+        copied.resting = dict(self.resting)
+        return copied
 
     def restart(self) -> None:
         """Starting values from geometry for the present lengths and loads."""
@@ -91,7 +96,10 @@ class LineState:
         counts = [p[:-1] - p[1:] for p in self.passed]
         if any(np.any(c > layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)):
             self._grow(
-                [np.maximum(c, layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)]
+                [
+                    np.where(c > layout.slots.count, [rounded_up(int(n) + 1) for n in c], layout.slots.count)
+                    for c, layout in zip(counts, self.model.layouts, strict=True)
+                ]
             )
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
             layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))

@@ -1,5 +1,6 @@
 """Makes the helpers of this folder importable from every test, and gives the campaigns their options."""
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -9,6 +10,8 @@ import pytest
 from hypothesis import settings
 
 sys.path.insert(0, str(Path(__file__).parent))
+# Most of an export's time is the compiler's optimisation: two FMUs of tests/fmu/conftest.py have it, others do without.
+os.environ.setdefault("CFLAGS", "-O0")
 settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ropeway")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in a job that a shell runs in the background

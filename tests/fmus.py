@@ -26,14 +26,19 @@ def example_line(**more: Any) -> rw.System:
     )
 
 
-def short_line(**more: Any) -> rw.System:
-    """The first six supports of the example line, and a drum: one control sheave."""
+def first_supports() -> pd.DataFrame:
+    """The first seven supports of the example line, and a drum: one control sheave."""
     table = pd.read_csv(SUPPORTS)
     first = table.iloc[:8].copy()
     first.loc[first.index[-1], "kind"] = "drum"
+    return first
+
+
+def short_line(**more: Any) -> rw.System:
+    """The line of the first supports."""
     return rw.monocable(
         ROPE,
-        supports=first,
+        supports=first_supports(),
         tension=45e3,
         load_mass=(300.0, 200.0),
         load_spacing=40.0,

@@ -41,16 +41,23 @@ def test_demo(tmp_path: Path) -> None:
     assert "c1.tension_in [N]" in table
 
 
-def test_simulate(tmp_path: Path) -> None:
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
+    """Runs the command line in this process, in a folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    return lambda *arguments: CliRunner().invoke(app, list(arguments))
+
+
+def test_simulate(tmp_path: Path, command: Command) -> None:
     line = str(EXAMPLES / "line.csv")
-    done = ropeway("simulate", line, "--rope", "compacted skyline 22", "--until", "20", "--out", "o", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = command("simulate", line, "--rope", "compacted skyline 22", "--until", "20", "--out", "o")
+    assert done.exit_code == 0, done.stderr
     assert (tmp_path / "o" / "line.png").exists()
 
 
-def test_ropes(tmp_path: Path) -> None:
-    done = ropeway("ropes", cwd=tmp_path)
-    assert done.returncode == 0
+def test_ropes(command: Command) -> None:
+    done = command("ropes")
+    assert done.exit_code == 0
     assert "6x19 EEIP 25" in done.stdout
     assert "mass [kg/m]" in done.stdout
 
@@ -63,42 +70,40 @@ def test_ropes(tmp_path: Path) -> None:
         (("simulate", str(EXAMPLES / "line.csv"), "--tension", "100"), "Raise the tension"),
     ],
 )
-def test_errors_are_one_line(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    done = ropeway(*arguments, cwd=tmp_path)
-    assert done.returncode == 1
+def test_errors_are_one_line(arguments: tuple[str, ...], message: str, command: Command) -> None:
+    done = command(*arguments)
+    assert done.exit_code == 1
     assert len(done.stderr.strip().splitlines()) == 1
     assert message in done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_help_and_wrong_usage(tmp_path: Path) -> None:
-    done = ropeway("simulate", "--help", cwd=tmp_path)
-    assert done.returncode == 0
+def test_help_and_wrong_usage(command: Command) -> None:
+    done = command("simulate", "--help")
+    assert done.exit_code == 0
     assert "name,x,y,z,kind" in done.stdout.replace("\n", "")
     assert "[m/s]" in done.stdout
-    assert ropeway("simulate", "--no-such-option", cwd=tmp_path).returncode == 2
+    assert command("simulate", "--no-such-option").exit_code == 2
 
 
-def test_payload(tmp_path: Path) -> None:
+def test_payload(tmp_path: Path, command: Command) -> None:
     corridor = str(EXAMPLES / "corridor.csv")
-    done = ropeway(
-        "payload", corridor, "--support", "260:9", "--tail", "480", "--spacing", "60", "--out", "p", cwd=tmp_path
-    )
-    assert done.returncode == 0, done.stderr
+    done = command("payload", corridor, "--support", "260:9", "--tail", "480", "--spacing", "60", "--out", "p")
+    assert done.exit_code == 0, done.stderr
     assert "kg, limited at 105 m by skyline tension." in done.stdout
-    near = ropeway("payload", corridor, "--tail", "480", "--load-depth", "40", "--spacing", "60", cwd=tmp_path)
+    near = command("payload", corridor, "--tail", "480", "--load-depth", "40", "--spacing", "60")
     assert "Largest payload 0 kg" in near.stdout
     assert "by clearance." in near.stdout
     assert (tmp_path / "p" / "payload.png").stat().st_size > 5000
-    wrong = ropeway("payload", corridor, "--support", "260", cwd=tmp_path)
-    assert wrong.returncode == 1
+    wrong = command("payload", corridor, "--support", "260")
+    assert wrong.exit_code == 1
     assert "STATION:HEIGHT" in wrong.stderr
 
 
-def test_optimise(tmp_path: Path) -> None:
+def test_optimise(tmp_path: Path, command: Command) -> None:
     line = str(EXAMPLES / "line.csv")
-    done = ropeway("optimise", line, "--until", "12", "--intervals", "6", "--settle", "4", "--out", "o", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = command("optimise", line, "--until", "12", "--intervals", "6", "--settle", "4", "--out", "o")
+    assert done.exit_code == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "tensions from 4 s on, energy from 0 to 12 s" in words
     assert "constant speed" in words
@@ -107,8 +112,8 @@ def test_optimise(tmp_path: Path) -> None:
     table = pd.read_csv(tmp_path / "o" / "schedule.csv", index_col=0)
     assert list(table.columns) == [f"c{k}.speed" for k in range(1, 5)]
     assert (tmp_path / "o" / "schedule.png").stat().st_size > 5000
-    wrong = ropeway("optimise", line, "--minimise", "comfort", cwd=tmp_path)
-    assert wrong.returncode == 1
+    wrong = command("optimise", line, "--minimise", "comfort")
+    assert wrong.exit_code == 1
     assert "peak tension" in wrong.stderr
 
 
@@ -157,13 +162,6 @@ def test_an_interrupt_leaves_what_has_run(line: str, tmp_path: Path) -> None:
     table = pd.read_csv(tmp_path / "o" / "tensions.csv", index_col=0)
     assert 1 < len(table) < 200000
     assert f"the first {table.index[-1]:g}" in errors.decode()
-
-
-@pytest.fixture
-def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
-    """Runs the command line in this process, in a folder of its own."""
-    monkeypatch.chdir(tmp_path)
-    return lambda *arguments: CliRunner().invoke(app, list(arguments))
 
 
 def test_a_tension_above_what_a_rope_may_bear_is_a_warning(line: str, command: Command) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,9 @@ from scipy.stats.qmc import LatinHypercube
 from ropeway.components import check, table
 from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
+from ropeway.components.table_file import name_and_unit
 from ropeway.components.table_numbers import WHOLE, is_number
+from ropeway.components.units import conversion, to_si
 
 
 @checked
@@ -34,12 +37,41 @@ def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, 
     return pd.DataFrame(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]), columns=list(bounds))
 
 
+_INDEX = re.compile(r"[0-9, ]+")
 _ANY = table.Layout({}, "c1.speed,l1.mass\n0.5,300\n1.0,450")
 
 
-def table_of(parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path) -> pd.DataFrame:
-    """One row a case, numbered from 0: a table as it is, or every combination of the values of a mapping, the last
-    parameter changing fastest. Raises InputError."""
+Units = Callable[[str], str]
+"""The unit of a parameter by its name, "" where any will do. Raises UnknownNameError."""
+
+
+def any_unit(name: str) -> str:
+    """Any unit of a parameter will do."""
+    return ""
+
+
+def table_of(
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = any_unit
+) -> pd.DataFrame:
+    """One row a case, numbered from 0.
+
+    Parameters
+    ----------
+    parameters : mapping of str to values, DataFrame, str or Path
+        Every combination of the values of a mapping, the last parameter changing fastest; or a table, or its file. A
+        name may have a unit in brackets, as `c1.speed [km/h]`.
+    unit_of : function, optional
+        The unit that a parameter is wanted in; "" for SI.
+
+    Returns
+    -------
+    DataFrame
+        The columns are named without units.
+
+    Raises
+    ------
+    InputError, UnknownNameError
+    """
     if isinstance(parameters, str | Path):
         cases = _from_file(parameters)
     elif isinstance(parameters, pd.DataFrame):
@@ -48,8 +80,26 @@ def table_of(parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path
         cases = pd.DataFrame(list(product(*parameters.values())), columns=list(parameters))
     if cases.empty or cases.columns.has_duplicates:
         raise InputError("The sweep has no cases, or two parameters of one name", "Give each parameter its values")
-    cases.columns = [str(name) for name in cases.columns]
+    cases = pd.concat([_in_unit(cases.iloc[:, i], unit_of) for i in range(cases.shape[1])], axis=1)
+    if cases.columns.has_duplicates:
+        raise InputError(
+            f"Two parameters are named {cases.columns[cases.columns.duplicated()][0]!r}", "Give each parameter once"
+        )
     return cases.rename_axis("case")
+
+
+def _in_unit(column: pd.Series, unit_of: Units) -> pd.Series:
+    """A column under its parameter's name, its values in the parameter's unit. Brackets in the name of an element
+    (`v[2]`), and in that of a column of other things than numbers, are no unit. Raises InputError."""
+    name, unit = name_and_unit(str(column.name))
+    values = pd.to_numeric(column, errors="coerce")
+    if not unit or _INDEX.fullmatch(unit) or (values.isna() & column.notna()).any():
+        return column.rename(str(column.name))
+    try:
+        factor, offset = conversion(unit, unit_of(name) or to_si(unit)[0])
+    except InputError as error:
+        raise InputError(f"Parameter {column.name!r}: {error.cause}", error.remedy) from error
+    return (factor * values + offset).rename(name)
 
 
 def _from_file(path: str | Path) -> pd.DataFrame:

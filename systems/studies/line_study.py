@@ -55,6 +55,11 @@ def line_units(model: Model, names: Sequence[str]) -> dict[str, str]:
     return {name: "kg" if name in masses else model.tables[slots[name][0]].units[slots[name][1]] for name in names}
 
 
+def line_unit(model: Model, name: str) -> str:
+    """Unit of a parameter. Raises UnknownNameError."""
+    return line_units(model, [name])[name]
+
+
 def line_mark(model: Model, study: LineStudy) -> bytes:
     """What tells the study of a line from others: names and values of all that it is made of, and the outputs."""
     tables = [(kind.value, table.names, table.values.tolist()) for kind, table in model.tables.items()]

@@ -101,9 +101,16 @@ class PayloadSearch:
         room = self._room(station, height)
         alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # that it counts on nothing else
 
+        solved = False
+
         def found(gap: float, effort: Effort) -> bool:
-            """Whether it can hang this far below the chord [m]; each is started from the last that can."""
-            return alone._try(station, 0.0, height + room - gap, effort).limit != NO_EQUILIBRIUM
+            """Whether it can hang this far below the chord [m]; each is started from the last that can. Near the chord
+            its tension is out of reach; deeper than a state that is not, such a root is none of a rig."""
+            nonlocal solved
+            tried = alone._try(station, 0.0, height + room - gap, effort)
+            near = tried.limit != NO_EQUILIBRIUM and not solved
+            solved |= tried.solved is not None
+            return tried.solved is not None or near
 
         gaps = [gap for gap in (0.2, 0.5, 0.05, 5e-3, 5e-4) if gap < room]
         low = next((gap for effort in (Effort.QUICK, Effort.FULL) for gap in gaps if found(gap, effort)), room)

@@ -17,7 +17,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.assembly import assembled
-from ropeway.systems.certificate import INSIDE, Certificate, certify_records
+from ropeway.systems.certificate import Certificate, certify_records
 from ropeway.systems.component_functions import ComponentFunctions
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
@@ -272,7 +272,7 @@ class SpanModel:
             for run, role in zip(self.model.runs, self.roles, strict=True)
         ]
         states = ((point, self._passed) for point in points)
-        return certify_records(self.model, self.model.runs, states, inside=INSIDE, rope=rope, held=None)
+        return certify_records(self.model, self.model.runs, states, rope=rope, held=None)
 
     def rest(self, point: Point) -> Equilibrium:
         """An equilibrium from a solved point, its travels the new zero. Raises EquilibriumError where its certificate

@@ -21,9 +21,9 @@ from ropeway.systems.interrupts import interruptible, keeping, users_code
 from ropeway.systems.labels import Labels
 from ropeway.systems.model import Model
 from ropeway.systems.progress import bar
-from ropeway.systems.studies.cases import table_of
+from ropeway.systems.studies.cases import Units, any_unit, table_of
 from ropeway.systems.studies.journal import Journal, Row
-from ropeway.systems.studies.line_study import line_mark, line_study, line_units
+from ropeway.systems.studies.line_study import line_mark, line_study, line_unit, line_units
 from ropeway.systems.studies.workers import Workers, crew
 from ropeway.systems.system import System
 
@@ -52,21 +52,21 @@ def sweep(
     keeps its unstretched lengths but for those that are parameters.
 
     parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
-    as `latin_hypercube` makes, or the path of its file. workers: number of local processes, by default one for each
-    core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet file for the table; a sweep
-    that was stopped goes on from the rows there are.
+    as `latin_hypercube` makes, or the path of its file. A name may have a unit in brackets: `"c1.speed [km/h]"` is
+    `c1.speed`, and its values become m/s; those of a function's parameters become SI. workers: number of local
+    processes, by default one for each core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet
+    file for the table; a sweep that was stopped goes on from the rows there are.
 
     Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
     where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
     before the first case; WorkerError when a worker is lost, and Interrupted, each with the rows so far as `result`;
     WriteError when the file cannot be written.
     """
-    cases = table_of(parameters)
-    if taken := set(cases.columns) & set(_FAILURE):
-        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
-    names, units = list(cases.columns), dict[str, str]()
+    units = dict[str, str]()
     if isinstance(study, (System, Model)):
         model = study if isinstance(study, Model) else assemble(study)
+        cases = _cases(parameters, partial(line_unit, model))
+        names = list(cases.columns)
         _require_numbers(cases)
         variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
         task: Study = variants
@@ -74,6 +74,7 @@ def sweep(
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:
+        cases = _cases(parameters)
         _require_fitting(study, cases)
         if path is not None and getattr(study, "__name__", "") == "<lambda>":
             raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
@@ -97,6 +98,16 @@ def sweep(
             error.result = so_far()
             raise
         return so_far() if journal is None else journal.finish(so_far())
+
+
+def _cases(
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = any_unit
+) -> pd.DataFrame:
+    """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
+    cases = table_of(parameters, unit_of)
+    if taken := set(cases.columns) & set(_FAILURE):
+        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
+    return cases
 
 
 def _table(cases: pd.DataFrame, rows: Mapping[int, Row], units: Mapping[str, str]) -> pd.DataFrame:

@@ -268,4 +268,4 @@ def test_valid_calls_are_valid() -> None:
 @pytest.mark.slow
 @pytest.mark.usefixtures("small_memory")
 def test_wrong_arguments_are_refused(campaign: Campaign) -> None:
-    assert spoilt_calls(campaign.seed, campaign.size(1000), list(calls.calls())) == {}
+    assert spoilt_calls(campaign.seed, campaign.size(3000), list(calls.calls())) == {}

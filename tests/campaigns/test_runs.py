@@ -21,8 +21,6 @@ import ropeway as rw
 
 LIMIT = 90.0
 """Processor time [s] that one run may take: thousands of loads that swing over a support take most of it."""
-YIELDS = 0.05
-"""How far an end that keeps its tension may draw back a load that has just been put on [m]."""
 TOLD_APART = 1e-3
 """Events nearer than this to a time [s] may be counted before or after it."""
 
@@ -55,7 +53,6 @@ def require_loads(result: rw.Result) -> None:
     """At each of some records the loads are those of the start, with those put on and without those taken off, in
     their spans and nowhere else."""
     start, times, run = Counter(result.record(0).loads["load"]), result.times, result.runs[0]
-    ends = set() if run.around else {run.spans[0].name, run.spans[-1].name}
     for i in np.unique(np.linspace(0, len(times) - 1, 12).astype(int)):
         expected = start.copy()
         line = result.record(int(i))
@@ -67,9 +64,8 @@ def require_loads(result: rw.Result) -> None:
         for load in {*found, *expected} - near:
             assert found[load] == expected[load], f"{load} at {times[i]} s"
         for span, own in line.loads.groupby("span"):
-            near_by = YIELDS if span in ends else 1e-6
-            assert own["distance"].min() > -near_by
-            assert own["distance"].max() < line[f"{span}.length"] + near_by
+            assert own["distance"].min() > -1e-6
+            assert own["distance"].max() < line[f"{span}.length"] + 1e-6
         if run.around:
             assert line.loads["mass"].sum() == pytest.approx(result.record(0).loads["mass"].sum(), rel=1e-12)
 
@@ -132,4 +128,5 @@ def test_random_runs(campaign: Any) -> None:
         except Exception as error:
             error.add_note(f"seed {seed}, {case.kind}")
             raise
-    assert sum(refused.values()) <= 0.2 * count + 2, refused
+    # These lines are taut enough to be far from losing their stability: what is refused would be refused wrongly.
+    assert sum(refused.values()) <= 0.005 * count, refused

@@ -120,6 +120,25 @@ def test_what_cannot_be_converted_is_refused(source: str, target: str, words: st
     assert error.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("source", "target", "factor"),
+    [("degC", "K", 1.0), ("degF", "degC", 5 / 9), ("K", "degF", 9 / 5), ("kN", "N", 1e3)],
+)
+def test_a_difference_has_no_zero(source: str, target: str, factor: float) -> None:
+    assert units.conversion(source, target, differences=(True, True)) == (pytest.approx(factor), 0.0)
+    shifted = {"own": units.from_base({"K": 1}, 2.0, 100.0)}
+    assert units.conversion("own", "K", shifted, differences=(True, True)) == (2.0, 0.0)
+    assert units.to_si("own", shifted, difference=True) == ("K", 2.0, 0.0)
+
+
+def test_a_difference_is_no_temperature_on_a_scale_with_a_zero_of_its_own() -> None:
+    assert units.conversion("degC", "K", differences=(True, False)) == (1.0, 0.0)
+    assert units.conversion("K", "degF", differences=(False, True)) == (pytest.approx(1.8), 0.0)
+    for source, target, differences in (("degC", "degF", (True, False)), ("degF", "K", (False, True))):
+        with pytest.raises(rw.InputError, match="no place on the scale of 'degF'"):
+            units.conversion(source, target, differences=differences)
+
+
 def test_definitions_go_before_symbols() -> None:
     stone = {"stone": units.from_base({"kg": 1}, 6.35029318)}
     assert units.conversion("stone", "kg", stone).factor == pytest.approx(6.35029318)

@@ -2,29 +2,47 @@
 
 import runpy
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-
-
-NETWORK = {"fmu_foreign.py"}
+NETWORK = {"fmu_foreign"}
 """Examples that download something."""
-SMALLER = {"sweep.py": ["500"]}
+FEWER = {"sweep": ["200"]}
 """Arguments that make an example's work less."""
+SMALLER = {
+    "fmu_cosimulation": {"UNTIL": 3.0},
+    "optimise_schedule": {"UNTIL": 12.0, "SETTLE": 2.0, "RECOVERED": 6.0, "INTERVALS": 6},
+    "turk_responses": {"UNTIL": 40.0, "SETTLED": 20.0, "CROSSED": 60.0},
+    "saddle": {"SPACING": 0.5},
+}
+"""Examples that run by their constants too: with these in less time, with their own ones they are slow."""
 
 
-@pytest.mark.parametrize(
-    "script",
-    [
-        pytest.param(p.name, marks=[pytest.mark.importers] if p.name in NETWORK else [])
-        for p in sorted(EXAMPLES.glob("[!_]*.py"))
-    ],
-)
-def test_example(script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", [script, str(tmp_path / "new"), *SMALLER.get(script, [])])
-    runpy.run_path(str(EXAMPLES / script), run_name="__main__")
-    pictures = list((tmp_path / "new").glob("*.png"))
+def marked(name: str) -> object:
+    marks = (name in NETWORK, pytest.mark.importers), (name in SMALLER, pytest.mark.slow)
+    return pytest.param(name, marks=[mark for given, mark in marks if given])
+
+
+def require_pictures(folder: Path) -> None:
+    pictures = list(folder.glob("*.png"))
     assert pictures
     assert all(p.stat().st_size > 5000 for p in pictures)
+
+
+@pytest.mark.parametrize("name", [marked(p.stem) for p in sorted(EXAMPLES.glob("[!_]*.py"))])
+def test_example(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", [f"{name}.py", str(tmp_path / "new"), *FEWER.get(name, [])])
+    runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
+    require_pictures(tmp_path / "new")
+
+
+@pytest.mark.parametrize("name", SMALLER)
+def test_example_in_less_time(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    example = import_module(f"ropeway.examples.{name}")
+    for constant, value in SMALLER[name].items():
+        monkeypatch.setattr(example, constant, value)
+    example.main(tmp_path / "new")
+    require_pictures(tmp_path / "new")

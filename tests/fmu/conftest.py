@@ -1,10 +1,14 @@
 """FMUs made once for all tests of this folder."""
 
+import os
 import subprocess
 import sys
+import time
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, Literal
 
 import pytest
 from fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
@@ -13,46 +17,83 @@ from masses import mass_fmu
 
 from ropeway.fmu import export
 
+Make = Callable[..., Path]
+"""A function that exports a system to a file of a name: `make(name, system, fmi, ...)`."""
+
 
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("fmus")
+    """The folder of the FMUs that all workers share."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "fmus"
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@contextmanager
+def turn(path: Path) -> Iterator[None]:
+    """One worker at a time."""
+    lock = path.with_suffix(".lock")
+    while True:
+        try:
+            lock.mkdir()
+            break
+        except FileExistsError:
+            time.sleep(0.05)
+    try:
+        yield
+    finally:
+        lock.rmdir()
 
 
 @pytest.fixture(scope="session")
-def line2(fmus: Path) -> Path:
-    return export(example_line(), fmus / "line2.fmu", "2.0")
+def make(fmus: Path) -> Make:
+    """Exports a system, unless another worker has done so; `as_users_do`: with the compiler's optimisation."""
+
+    def of(name: str, system: Any, fmi: Literal["2.0", "3.0"], *, as_users_do: bool = False, **more: Any) -> Path:
+        path = fmus / f"{name}.fmu"
+        with turn(path), pytest.MonkeyPatch.context() as patch:
+            if as_users_do:
+                patch.delenv("CFLAGS", raising=False)
+            return path if path.exists() else export(system, path, fmi, **more)
+
+    return of
 
 
 @pytest.fixture(scope="session")
-def line3(fmus: Path) -> Path:
-    return export(example_line(), fmus / "line3.fmu", "3.0")
+def line2(make: Make) -> Path:
+    return make("line2", example_line(), "2.0", as_users_do=True)
 
 
 @pytest.fixture(scope="session")
-def driven(fmus: Path) -> Path:
-    return export(short_line(drive=HYDRAULIC, response=RESPONSE), fmus / "driven.fmu", "2.0", tolerance=1e-8)
+def line3(make: Make) -> Path:
+    return make("line3", example_line(), "3.0")
 
 
 @pytest.fixture(scope="session")
-def span2(fmus: Path) -> Path:
-    return export(one_span(), fmus / "span2.fmu", "2.0")
+def driven(make: Make) -> Path:
+    return make("driven", short_line(drive=HYDRAULIC, response=RESPONSE), "2.0", tolerance=1e-8)
 
 
 @pytest.fixture(scope="session")
-def span3(fmus: Path) -> Path:
-    return export(one_span(), fmus / "span3.fmu", "3.0")
+def span2(make: Make) -> Path:
+    return make("span2", one_span(), "2.0")
 
 
 @pytest.fixture(scope="session")
-def corridor2(fmus: Path) -> Path:
-    return export(corridor(), fmus / "corridor2.fmu", "2.0", station=345.0, payload=2500.0)
+def span3(make: Make) -> Path:
+    return make("span3", one_span(), "3.0", as_users_do=True)
 
 
 @pytest.fixture(scope="session")
-def corridor3(fmus: Path) -> Path:
+def corridor2(make: Make) -> Path:
+    return make("corridor2", corridor(), "2.0", station=345.0, payload=2500.0)
+
+
+@pytest.fixture(scope="session")
+def corridor3(make: Make) -> Path:
     """Its mainline sags so much that it lies on rollers before the carriage comes to a shoe."""
-    return export(corridor(haulback_tension=3e3), fmus / "corridor3.fmu", "3.0", station=345.0, payload=0.0)
+    return make("corridor3", corridor(haulback_tension=3e3), "3.0", station=345.0, payload=0.0)
 
 
 @pytest.fixture
@@ -62,18 +103,18 @@ def open_fmu(tmp_path: Path) -> Iterator[Opener]:
 
 
 @pytest.fixture(scope="session")
-def mass(fmus: Path) -> Path:
-    return mass_fmu(fmus / "mass.fmu")
+def mass(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return mass_fmu(tmp_path_factory.mktemp("mass") / "mass.fmu")
 
 
 @pytest.fixture(scope="session")
-def kinds2(fmus: Path) -> Path:
-    return kinds_fmu(fmus / "kinds2.fmu", "2.0")
+def kinds2(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return kinds_fmu(tmp_path_factory.mktemp("kinds2") / "kinds2.fmu", "2.0")
 
 
 @pytest.fixture(scope="session")
-def kinds3(fmus: Path) -> Path:
-    return kinds_fmu(fmus / "kinds3.fmu", "3.0")
+def kinds3(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return kinds_fmu(tmp_path_factory.mktemp("kinds3") / "kinds3.fmu", "3.0")
 
 
 @pytest.fixture(params=["2.0", "3.0"])

@@ -5,7 +5,11 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-from fmus import SUPPORTS
+import pytest
+from fmus import first_supports
+from typer.testing import CliRunner
+
+from ropeway.__main__ import app
 
 
 def ropeway(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -13,31 +17,35 @@ def ropeway(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False)
 
 
-def test_export_info_run(tmp_path: Path) -> None:
-    done = ropeway("export", str(SUPPORTS), "-o", "line.fmu", cwd=tmp_path)
+def test_export_info_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first_supports().to_csv(tmp_path / "short.csv", index=False)
+    done = ropeway("export", "short.csv", "-o", "line.fmu", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    done = ropeway("info", "line.fmu", cwd=tmp_path)
-    assert "FMI 2.0, ModelExchange, CoSimulation" in done.stdout
-    assert "c1.speed = 1.0 [m/s]" in done.stdout
-    done = ropeway("run", "line.fmu", "--until", "5", "--step", "0.5", "--start", "c1.speed=1.01", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    monkeypatch.chdir(tmp_path)
+    told = CliRunner().invoke(app, ["fmu", "info", "line.fmu"])
+    assert "FMI 2.0, ModelExchange, CoSimulation" in told.stdout
+    assert "c1.speed = 1.0 [m/s]" in told.stdout
+    run = ["run", "line.fmu", "--until", "5", "--step", "0.5", "--start", "c1.speed=1.01"]
+    told = CliRunner().invoke(app, ["fmu", *run])
+    assert told.exit_code == 0, told.stderr
     table = pd.read_csv(tmp_path / "result.csv", index_col=0)
     assert table["c1.travel [m]"].iloc[-1] == 5.05
     assert len(table) == 11
 
 
-def test_errors_on_one_line(tmp_path: Path) -> None:
-    for arguments in (
-        ("info", "none.fmu"),
-        ("run", "none.fmu", "--until", "1"),
-        ("run", "x", "--until", "1", "--start", "a"),
-        ("run", "x", "--until", "1", "-o", "none/x.csv"),
+def test_errors_on_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for arguments, words in (
+        (("info", "none.fmu"), "none.fmu"),
+        (("run", "none.fmu", "--until", "1"), "none.fmu"),
+        (("run", "x", "--until", "1", "--start", "a"), "There is no file x"),
+        (("run", "x", "--until", "1", "-o", "none/x.csv"), "There is no folder"),
     ):
-        done = ropeway(*arguments, cwd=tmp_path)
-        assert done.returncode == 1
+        done = CliRunner().invoke(app, ["fmu", *arguments])
+        assert done.exit_code == 1
         assert len(done.stderr.splitlines()) == 1
         assert done.stderr.startswith("ropeway: ")
-    assert "There is no folder" in done.stderr
+        assert words in done.stderr
 
 
 def test_start_values_of_all_kinds(tmp_path: Path, kinds3: Path) -> None:

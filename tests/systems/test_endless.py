@@ -10,8 +10,10 @@ import pytest
 
 import ropeway as rw
 from ropeway.systems import crossing
+from ropeway.systems.certificate import certify
 from ropeway.systems.headway import FinalError, Headway
 from ropeway.systems.moving import Moving
+from ropeway.systems.stability import free_balances
 
 ROPE = rw.Rope(mass_per_length=2.9, axial_stiffness=28e6, breaking_load=480e3)
 MASSES = (210.0, 150.0, 0.0, 330.0, 90.0)
@@ -133,3 +135,29 @@ def test_an_error_that_shorter_steps_do_not_mend_is_raised_at_once(monkeypatch: 
     with pytest.raises(rw.SimulationError, match="no more"):
         rw.simulate(loop(1.0), 10.0)
     assert calls == [1.0]
+
+
+def test_the_slide_of_a_return_wheel_is_certified() -> None:
+    """A wheel off its slide, or drawn by another force than its take-up, fails; its slide is a free place."""
+    x = [0.0, 95.0, 210.0, 95.0]
+    table = pd.DataFrame(
+        {
+            "name": ["d", "o", "r", "b"],
+            "x": x,
+            "y": [0.0, 0.0, 1.0, 2.0],
+            "z": [0.0, 6.0, 9.0, 6.0],
+            "kind": ["control", "idler", "return", "idler"],
+        }
+    )
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    eq = rw.equilibrium(rw.endless(rope, table, tension=60e3, load_mass=[250.0, 120.0], load_spacing=41.0))
+    index = eq.model.z.index
+    assert index["r.slide"] in {b.travel for b in free_balances(eq.model, eq.point)}
+    assert certify(eq.model, eq.point, eq.runs, eq.passed).failed is None
+    for name, value in (("z.r.x", 1e-6), ("p.r.take_up", 1.0)):
+        kind, _, variable = name.partition(".")
+        point = eq.point.copy()
+        table_of = eq.model.z if kind == "z" else eq.model.p
+        getattr(point, kind)[table_of.index[variable]] += value
+        failed = [c for c in certify(eq.model, point, eq.runs, eq.passed).checks if not c.holds]
+        assert "r" in {c.component for c in failed if c.name.startswith("TensionedReturn")}

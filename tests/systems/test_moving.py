@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.systems.certificate import IN_SPAN
 
 ROPE = rw.Rope(mass_per_length=3.36, axial_stiffness=30e6, breaking_load=600e3)
 LINE = Path(__file__).resolve().parents[2] / "examples" / "line.csv"
@@ -126,3 +127,61 @@ def test_coarse_records_tell_what_fine_ones_do(case: str) -> None:
         for quantity, near in ((".travel", 1e-3), (".tension_in", 20.0)):
             ours, theirs = (r.frame.loc[both].filter(like=quantity).to_numpy() for r in (result, fine))
             assert ours == pytest.approx(theirs, abs=near)
+
+
+def hillside(masses: float, spacing: float, rise: float, tension: float, speed: float) -> rw.System:
+    """A mono-cable of six spans over a hump, uphill or downhill by `rise` [m] a span, between drums that keep their
+    tensions."""
+    x = 90.0 * np.arange(7)
+    table = pd.DataFrame(
+        {
+            "name": [f"n{i}" for i in range(7)],
+            "x": x,
+            "y": 0.0,
+            "z": rise * np.arange(7) + 5.0 * np.sin(np.pi * x / x[-1]),
+            "kind": ["drum", "idler", "idler", "control", "idler", "idler", "drum"],
+        }
+    )
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    return rw.monocable(rope, table, tension=tension, speed=speed, load_mass=masses, load_spacing=spacing)
+
+
+@pytest.mark.parametrize(("mass", "rise"), [(350.0, 25.0), (900.0, 45.0)])
+def test_a_load_rests_on_a_drum_that_would_draw_it_back(mass: float, rise: float) -> None:
+    """Uphill a load that is put on lowers the tension, and the drum draws the rope back: the load is put on when the
+    rope carries it, and the line then begins from there."""
+    line = hillside(mass, 40.0, rise, 70e3, 1.1)
+    run = rw.simulate(line, until=80.0, progress=False)
+    put_on = [e for e in run.noted if e.event == "load put on"]
+    assert len(put_on) >= 2
+    assert run.certificate.loc[IN_SPAN, "value"] < 1e-9
+    for event in put_on:
+        before, after = (i for i in range(len(run.times)) if run.times[i] == event.time)
+        assert event.load not in run.record(before).loads["load"].tolist()
+        own = run.record(after).loads.set_index("load").loc[event.load]
+        assert own["span"] == "n0_n1"
+        assert 0.0 <= own["distance"] < 0.01
+    # At the time when the rope has brought it to the drum, it would be drawn back by more than rounding.
+    early = run.at(put_on[0].time - 1e-4)
+    assert early["n0.rope_tension"] == pytest.approx(70e3, rel=1e-9)
+    rest = rw.simulate(line, 80.0 - put_on[0].time + 1e-4, start=early, progress=False)
+    assert rest.frame["n1.tension_in"].iloc[-1] == pytest.approx(run.frame["n1.tension_in"].iloc[-1], rel=1e-8)
+
+
+def test_rope_that_runs_away_at_a_crossing_is_called_unstable() -> None:
+    """Loads far too heavy for the tension that a drum keeps: the jump at a crossing has no end."""
+    x = 100.0 * np.arange(7)
+    table = pd.DataFrame(
+        {
+            "name": [f"n{i}" for i in range(7)],
+            "x": x,
+            "y": 0.0,
+            "z": -20.0 * np.arange(7) + 6.0 * np.sin(np.pi * x / x[-1]),
+            "kind": ["drum", "idler", "control", "idler", "idler", "idler", "drum"],
+        }
+    )
+    rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    line = rw.monocable(rope, table, tension=60e3, speed=-1.0, load_mass=3000.0, load_spacing=70.0)
+    with pytest.raises(rw.SimulationError, match="rope over 'n1' is unstable") as caught:
+        rw.simulate(line, until=150.0, progress=False)
+    assert caught.value.result.times[-1] == pytest.approx(122.75, abs=0.01)

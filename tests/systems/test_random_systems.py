@@ -16,6 +16,12 @@ import ropeway as rw
 
 CHUNK = 25
 
+
+def chunks(quick: int, count: int) -> list[object]:
+    """First seeds of all chunks; those from `quick` on are slow."""
+    return [pytest.param(k, marks=[pytest.mark.slow] if k >= quick else []) for k in range(0, count, CHUNK)]
+
+
 pytestmark = pytest.mark.filterwarnings(
     "ignore::ropeway.components.errors.RopewayWarning"
 )  # drawn without a look at their strength
@@ -63,7 +69,7 @@ def failures(first: int, count: int) -> int:
     return failed
 
 
-@pytest.mark.parametrize("first", range(0, 200, CHUNK))
+@pytest.mark.parametrize("first", chunks(75, 200))
 def test_stable_lines_are_solved_from_cold(first: int) -> None:
     assert failures(first, CHUNK) == 0
 
@@ -109,7 +115,7 @@ def confirmed(line: Line, eq: rw.Equilibrium, note: str) -> None:
     assert solved.inside, note
 
 
-@pytest.mark.parametrize("first", range(0, 100, CHUNK))
+@pytest.mark.parametrize("first", chunks(50, 100))
 def test_a_line_of_unknown_equilibrium_is_solved_or_refused(first: int) -> None:
     solved = 0
     for seed in range(first, first + CHUNK):

@@ -62,6 +62,27 @@ def test_a_haulback_that_lifts_the_empty_carriage_leaves_no_hole() -> None:
     assert alone.payload[0] == pytest.approx(frame.payload[4], rel=1e-8)
 
 
+def test_a_strong_haulback_leaves_no_station_without_payload() -> None:
+    """Lowered as far as its empty carriage goes a live skyline has no station of 0 between neighbours that carry."""
+    line = rw.Rope(mass_per_length=0.9, axial_stiffness=9.5e6, breaking_load=155e3)
+    rig = rw.live_skyline(
+        rw.Profile([-40, 0, 30, 65, 95, 135], [4, 0, 2, 17, 35, 52]),
+        headspar=rw.HeadSpar("h", station=0.0, height=13.0),
+        tailspar=rw.TailSpar("t", station=95.0, height=10.0),
+        skyline=rw.Rope(mass_per_length=1.5, axial_stiffness=15e6, breaking_load=255e3),
+        tension=26e3,
+        mainline=line,
+        haulback=line,
+        haulback_tension=41e3,
+        haulback_block=rw.Block("b", station=95.0, height=6.0),
+        carriage=rw.Carriage("c", mass=640.0),
+    )
+    frame = rw.payload(rig, clearance=1.5, stations=np.arange(66.0, 70.0)).frame
+    assert frame.payload.min() > 2000.0
+    np.testing.assert_allclose(np.diff(frame.payload), 33.0, atol=15.0)
+    assert frame.limited_by.unique().tolist() == ["skyline tension"]
+
+
 def saddle() -> rw.SkylineRig:
     return rw.standing_skyline(
         None,

@@ -84,7 +84,7 @@ def solve(seed: int) -> str:
 
 
 def test_random_rigs() -> None:
-    failed = {seed: reason for seed in range(120) if (reason := solve(seed))}
+    failed = {seed: reason for seed in range(80) if (reason := solve(seed))}
     assert len(failed) <= 1, failed
     assert all("rest point" in reason or "carries less" in reason for reason in failed.values()), failed
 
@@ -107,8 +107,8 @@ def near_a_shoe(seed: int) -> str | None:
 
 
 def test_random_rigs_on_and_beside_their_shoes() -> None:
-    found = [reason for seed in range(60) if (reason := near_a_shoe(seed)) is not None]
-    assert len(found) > 25
+    found = [reason for seed in range(40) if (reason := near_a_shoe(seed)) is not None]
+    assert len(found) > 16
     assert not any(found), found
 
 

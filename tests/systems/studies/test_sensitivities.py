@@ -197,6 +197,7 @@ def test_samples_with_delay_and_drives_with_states_are_followed() -> None:
         lambda tension: line(tension, DRIVE, response),
         of,
         ["l6.mass", "start.tension", "c2.response_time", "c2.response_gain"],
+        until=30.0,
     )
 
 

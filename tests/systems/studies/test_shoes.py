@@ -1,6 +1,7 @@
 """A support with a shoe of some radius: the carriage's pull is continuous over it; balances by direct integration."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import skyline_oracle as oracle
 
@@ -165,9 +166,10 @@ def test_a_run_over_shoes_is_the_load_path(start: float, end: float) -> None:
     assert (frame.carriage_x.diff().dropna() * np.sign(end - start) > 0.0).all()
     on = frame[(frame.carriage_x - 160.0).abs() < 0.5]
     assert len(on) >= 2
-    path = rw.load_path(held, 2500.0, frame.carriage_x.to_numpy())
+    some = pd.concat([frame.iloc[::5], on])
+    path = rw.load_path(held, 2500.0, some.carriage_x.to_numpy())
     for column in ("carriage_z", "skyline_tension", "headspar_tension", "mainline_pull", "s1_force"):
-        np.testing.assert_allclose(frame[column], path[column], rtol=1e-6)
+        np.testing.assert_allclose(some[column], path[column], rtol=1e-6)
     order = ["s2", "s1"] if end < start else ["s1", "s2"]
     assert list(run.events.event) == [f"{what} {name}" for name in order for what in ("reaches", "leaves")]
 

@@ -83,6 +83,9 @@ def test_from_csv(tmp_path: Path) -> None:
         ("station,elevation\n0,1\n5\n", "line 3"),
         ("station,elevation\n0,nan\n5,2\n", "line 2"),
         ("station,elevation\n0,1\n", "1 point"),
+        ("x,y,z\n0,0,5\n3,4,6\n3,4,7\n", "line 4: station does not increase: 5 m after 5 m"),
+        ("x,y,z\n7.91,46.21,1400\n7.92,46.22,1350\n", "degrees"),
+        ("x,y\n0,0\n3,4\n", "line 1: no column"),
     ],
 )
 def test_bad_files_are_refused_by_line(tmp_path: Path, text: str, words: str) -> None:
@@ -102,21 +105,6 @@ def test_lines_in_map_coordinates(tmp_path: Path, encoding: str) -> None:
     ground = rw.Profile.from_csv(file)
     np.testing.assert_allclose(ground.station, [0.0, 5.0, 18.0])
     np.testing.assert_allclose(ground.elevation, [846.4, 840.0, 835.25])
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("x,y,z\n0,0,5\n3,4,6\n3,4,7\n", "line 4: station does not increase: 5 m after 5 m"),
-        ("x,y,z\n7.91,46.21,1400\n7.92,46.22,1350\n", "degrees"),
-        ("x,y\n0,0\n3,4\n", "line 1: no column"),
-    ],
-)
-def test_bad_lines_in_map_coordinates(tmp_path: Path, text: str, words: str) -> None:
-    file = tmp_path / "map.csv"
-    file.write_text(text)
-    with pytest.raises(rw.InputError, match=words):
-        rw.Profile.from_csv(file)
 
 
 def test_bad_profiles_are_refused() -> None:

@@ -105,7 +105,14 @@ def test_a_line_that_cannot_run_says_why() -> None:
     heavy = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=(60e3, 1.0, 1.0, 1.0), load_spacing=30.0)
     with pytest.raises(rw.SimulationError, match=r"The first said: The loads .* are too heavy"):
         rw.tune_response(
-            heavy, COARSE, over={"hold": (1.0, 9.0)}, minimise="energy", until=20.0, generations=1, workers=1
+            heavy,
+            COARSE,
+            over={"hold": (1.0, 9.0)},
+            minimise="energy",
+            until=20.0,
+            generations=1,
+            population=2,
+            workers=1,
         )
 
 
