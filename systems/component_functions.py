@@ -18,7 +18,7 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 
 
 class ComponentFunctions:
-    """Component functions of one assembly, one for each kind of component."""
+    """Component functions of one assembly, or of several with like components: one for each kind of component."""
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
@@ -28,9 +28,7 @@ class ComponentFunctions:
         key = ("demand", *_form(component, site, variables))
         if key not in self._functions:
             v, inputs = _symbols(component, variables)
-            self._functions[key] = ca.Function(
-                f"demand_{len(self._functions)}", inputs, [ca.vertcat(*component.demand(v))]
-            )
+            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*component.demand(v))])
         return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
@@ -38,9 +36,7 @@ class ComponentFunctions:
         stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
-            self._functions[key] = _component_function(
-                component, variables, f"{type(component).__name__}_{len(self._functions)}"
-            )
+            self._functions[key] = _component_function(component, variables)
         return self._functions[key]
 
 
@@ -49,7 +45,7 @@ def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> 
     return (component.structure(site), tuple(v.kind for v in variables))
 
 
-def _component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
+def _component_function(component: Component, variables: tuple[Variable, ...]) -> ca.Function:
     """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
     v, inputs = _symbols(component, variables)
     eq = component.equations(v)
@@ -69,7 +65,7 @@ def _component_function(component: Component, variables: tuple[Variable, ...], n
         stacked(Kind.OUTPUT, eq.outputs),
         *forces,
     ]
-    return ca.Function(name, inputs, results)
+    return ca.Function(type(component).__name__, inputs, results)
 
 
 def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
