@@ -141,6 +141,22 @@ class Energies(NamedTuple):
     supplied: Any = 0.0
 
 
+def _alone(component: Any) -> Hashable:
+    """All values of a component; itself where one of them has no hash."""
+    try:
+        hash(component)
+    except TypeError:
+        return _Alone(component)
+    return component
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Alone:
+    """Equal to nothing else; it keeps the component, so that no other one takes its place in memory."""
+
+    component: Any
+
+
 def form_of(part: Any) -> Hashable:
     """Of what a component is made of, as its drive: its type and what shapes its equations where its own class says
     that by `structure`; else all its values. Frozen dataclasses are both equal and hashable by these."""
@@ -240,12 +256,12 @@ class Component(ABC):
         use numbers of the component only as variables, or through what is returned here. Each component of another
         class, a subclass too, has a function of its own.
         """
-        return self.name
+        return _alone(self)
 
     def form(self, site: Site) -> Hashable:
         """Components of equal form have equal equations."""
         shared = "structure" in vars(type(self))
-        return (type(self), self.structure(site) if shared else self.name, site.slots)
+        return (type(self), self.structure(site) if shared else _alone(self), site.slots)
 
 
 @checked

@@ -32,6 +32,11 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     slots: least number of load slots of each span of each run; by default what the loads need.
     Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
     """
+    return assembled(system, ComponentFunctions(), slots)
+
+
+def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Sequence[int]] | None = None) -> Model:
+    """As `assemble`, with functions that systems of like components can share."""
     system.require_complete()
     runs = find_runs(system)
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
@@ -41,7 +46,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     variables = with_links(system, {c.name: c.variables(sites[c.name]) for c in system.components.values()})
     rows = with_residuals(system, variables)
     tables = {kind: _table(kind, rows, system) for kind in Kind}
-    dae, outputs = _join(system, runs, sites, variables, tables)
+    dae, outputs = _join(system, runs, sites, variables, tables, functions)
     model = Model(
         system=system.copy(),
         tables=tables,
@@ -141,6 +146,7 @@ def _join(
     sites: dict[str, Site],
     variables: dict[str, tuple[Variable, ...]],
     tables: dict[Kind, Table],
+    functions: ComponentFunctions,
 ) -> tuple[ca.Function, ca.Function]:
     """All components called in one graph: rope pieces first, then the nodes with the forces on them."""
     t = ca.MX.sym("t")
@@ -157,7 +163,6 @@ def _join(
         raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
 
     seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
-    kinds = ComponentFunctions()
     results: dict[str, Sequence[ca.MX]] = {}
     force_on: dict[tuple[str, str], ca.MX] = {}
     outside: dict[ca.MX, ca.MX] = {}
@@ -176,7 +181,7 @@ def _join(
         return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
 
     def call(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
-        f = kinds.get(component, sites[component.name], variables[component.name])
+        f = functions.get(component, sites[component.name], variables[component.name])
         # A function of one output, as that of a part without ports, returns it bare.
         out: Sequence[ca.MX] = f.call(inputs(component, signals, ports))
         if not component.external:
@@ -203,7 +208,9 @@ def _join(
                 force_on[system.connections[c.name, port.name]] = force
     shares: dict[str, ca.MX] = {}
     for unit, fed in _power_units(system).items():
-        demands = [kinds.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed]
+        demands = [
+            functions.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed
+        ]
         results[unit.name] = call(unit, sum(demands, ca.MX(2, 1)), [])
         names = [v.name for v in variables[unit.name] if v.kind is Kind.OUTPUT]
         share = ca.vertcat(*(results[unit.name][2][names.index(name)] for name in ("flow_share", "power_share")))

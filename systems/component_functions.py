@@ -20,7 +20,7 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 
 
 class ComponentFunctions:
-    """Component functions of one assembly, one for each kind of component."""
+    """Component functions of one assembly, or of several with like components: one for each kind of component."""
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
@@ -30,9 +30,7 @@ class ComponentFunctions:
         key = ("demand", *_form(component, site, variables))
         if key not in self._functions:
             v, inputs = _symbols(component, variables)
-            self._functions[key] = ca.Function(
-                f"demand_{len(self._functions)}", inputs, [ca.vertcat(*component.demand(v))]
-            )
+            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*component.demand(v))])
         return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
@@ -41,9 +39,7 @@ class ComponentFunctions:
         key = _form(component, site, variables)
         if key not in self._functions:
             component_rules.require_declared(component, component.variables(site))
-            self._functions[key] = component_function(
-                component, variables, f"{type(component).__name__}_{len(self._functions)}"
-            )
+            self._functions[key] = component_function(component, variables)
         return self._functions[key]
 
 
@@ -69,7 +65,7 @@ def check_component(component: Component) -> None:
     site = Site(1e4, 100.0)
     variables = component.variables(site)
     component_rules.require_declared(component, variables)
-    component_function(component, variables, "check")
+    component_function(component, variables)
 
 
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
@@ -77,7 +73,7 @@ def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> 
     return (component.form(site), tuple(v.kind for v in variables))
 
 
-def component_function(component: Component, variables: tuple[Variable, ...], name: str) -> ca.Function:
+def component_function(component: Component, variables: tuple[Variable, ...]) -> ca.Function:
     """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
     v, inputs = _symbols(component, variables)
     eq = component_rules.evaluated(component, v)
@@ -98,7 +94,7 @@ def component_function(component: Component, variables: tuple[Variable, ...], na
         stacked(Kind.OUTPUT, eq.outputs),
         *forces,
     ]
-    found = ca.Function(name, inputs, results)
+    found = ca.Function(type(component).__name__, inputs, results)
     if not component.external:
         kinds = (Kind.STATE, Kind.RESIDUAL, Kind.OUTPUT)
         names = [[var.name for var in variables if var.kind is kind for _ in range(var.size)] for kind in kinds]

@@ -103,7 +103,7 @@ class Drives:
                 # The deviations and their rates begin at zero.
                 "calc_ic": False,
                 "linear_solver": "csparse",
-                "step0": 0.1,
+                "step0": 0.03,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             }

@@ -20,10 +20,12 @@ _STEP = 1e-30  # complex step: derivatives to rounding
 
 
 class _Taut(NamedTuple):
-    """Lengths [m] and their derivatives by the tension at the first support [m/N], shapes (n,)."""
+    """Lengths [m] and their derivatives by the tension at the first support [m/N], shapes (n,); of each span horizontal
+    tension, vertical component at the start, and length, (n, 3)."""
 
     length: np.ndarray
     slope: np.ndarray
+    spans: np.ndarray
 
 
 def lengths_for_tension(
@@ -98,8 +100,9 @@ def _taut_for_total(
 ) -> tuple[float, _Taut]:
     """Tension at the first support [N] and span lengths of a taut empty rope of length `total`, from a tension
     near it. Raises SlackRopeError."""
+    taut: _Taut | None = None
     for _ in range(20):
-        taut = _solve(at, weight, strain, reference, names)
+        taut = _solve(at, weight, strain, reference, names, taut)
         miss = taut.length.sum() - total
         if abs(miss) <= 1e-13 * total:
             return reference, taut
@@ -128,8 +131,11 @@ def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: flo
     return np.asarray(support)
 
 
-def _solve(at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str]) -> _Taut:
-    """All spans by Newton's method on (horizontal tension, vertical component at the start, length)."""
+def _solve(
+    at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str], near: _Taut | None = None
+) -> _Taut:
+    """All spans by Newton's method on (horizontal tension, vertical component at the start, length), from those at a
+    tension near this one."""
     chords = parabola.Chords.between(at)
     support = support_tensions(at, weight, strain, tension)
     # What 1 N at the first support does at the others: the potential rises alike.
@@ -138,33 +144,37 @@ def _solve(at: np.ndarray, weight: float, strain: Strain, tension: float, names:
     cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
     length = chords.length / (1.0 + strain.at(mean))
     unknown = np.column_stack([mean * cosine, mean * sine - weight * chords.length / 2.0, length])
+    if near is not None:
+        unknown = near.spans
 
     def residual(u: np.ndarray) -> np.ndarray:
-        force = (u[:, 0], np.zeros_like(u[:, 0]), u[:, 1])
-        piece = segment(force, weight, u[:, 2], strain)
-        return np.column_stack(
+        force = (u[..., 0], np.zeros_like(u[..., 0]), u[..., 1])
+        piece = segment(force, weight, u[..., 2], strain)
+        return np.stack(
             [
                 (piece.reach[0] - chords.horizontal) / chords.length,
                 (piece.reach[2] - chords.rise) / chords.length,
                 norm(force) / support[:-1] - 1.0,
-            ]
+            ],
+            axis=-1,
         )
 
-    error = np.full(len(names), np.inf)
-    jacobian = np.empty((len(names), 3, 3))
+    before, error = unknown, np.full(len(names), np.inf)
+    probe = 1j * _STEP * np.eye(3)[:, None, :]
     with np.errstate(all="ignore"):
         for _ in range(60):
-            error = np.abs(residual(unknown)).max(axis=1)
-            for j in range(3):
-                probe = unknown.astype(complex)
-                probe[:, j] += 1j * _STEP
-                jacobian[:, :, j] = residual(probe).imag / _STEP
+            now = residual(unknown)
+            error = np.abs(now).max(axis=1)
+            jacobian = np.moveaxis(residual(unknown + probe).imag / _STEP, 0, -1)
             if not np.all(np.isfinite(jacobian)) or np.any(np.linalg.det(jacobian) == 0.0):
                 break
-            move = -np.linalg.solve(jacobian, residual(unknown)[:, :, None])[:, :, 0]
+            move = -np.linalg.solve(jacobian, now[:, :, None])[:, :, 0]
             size = np.maximum(np.abs(move[:, 2]) / unknown[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
+            last, before = before, unknown
             unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
-            if size.max() < 1e-14:
+            # Convergence is quadratic: after a move of 1e-10 nothing is left but rounding. Or it goes back and forth.
+            if size.max() < 1e-10 or np.abs(unknown / last - 1.0).max() < 1e-5:
+                error = np.abs(residual(unknown)).max(axis=1)
                 break
         slope = np.linalg.solve(
             jacobian, np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
@@ -176,4 +186,4 @@ def _solve(at: np.ndarray, weight: float, strain: Strain, tension: float, names:
             f"{support[k]:.6g} N at {names[k]!r} is too little for the rope's own weight in that span",
             "Raise the tension or put a support between",
         )
-    return _Taut(unknown[:, 2], slope * gain)
+    return _Taut(unknown[:, 2], slope * gain, unknown)

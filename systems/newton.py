@@ -109,12 +109,6 @@ class Newton:
             y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
             residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
-        drift = (
-            ca.jtimes(residual, point[Kind.STATE], ode)
-            + ca.jtimes(residual, point[Kind.INPUT], slope)
-            + ca.jtimes(residual, time, 1)
-        )
-        stop_if_interrupted()
         known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
         inputs = [v, time, *known, target, damping, anchor, slope]
         self.residual = ca.Function("residual", inputs, [residual])
@@ -125,12 +119,15 @@ class Newton:
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
         self._step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
-        self._symbols = (inputs, residual, matrix, ca.horzcat(residual, drift))
+        self._symbols = (inputs, residual, matrix)
+        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
 
     @cached_property
     def _step_and_rates(self) -> Buffered:
         """As `_step`, with the rates: made only where rates are asked for."""
-        return Buffered(_linear_solves("rates", *self._symbols))
+        inputs, residual, matrix = self._symbols
+        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
+        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
 
     def arguments(self, point: Point) -> list[np.ndarray]:
         """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
@@ -160,11 +157,13 @@ class Newton:
         slope: np.ndarray | None = None,
         damping: float = 0.0,
         iterations: int = 50,
+        shortest: float = 1e-7,
     ) -> np.ndarray | None:
         """Solves in place. With `slope` (nu,), the rates of the inputs, returns those of the algebraic
         variables [per s], shape (nz,), as the states move on.
 
-        With `damping` above 0 each idler's travel is held back in proportion to its move from the start.
+        A step is shortened to a share of at least `shortest`. With `damping` above 0 each idler's travel is held back
+        in proportion to its move from the start.
         Raises EquilibriumError; the point is unchanged then.
         """
         n = len(self.scale)
@@ -182,7 +181,7 @@ class Newton:
             value, sides = function(v, *rest)
             return value.copy(), sides.copy()
 
-        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations)
+        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations, shortest)
         self._put(v, point)
         return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
 
@@ -238,6 +237,7 @@ def damped(
     value: Callable[[np.ndarray], np.ndarray],
     names: Sequence[str],
     iterations: int = 50,
+    shortest: float = 1e-7,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Newton's method from `v`, damped where the residual does not fall.
 
@@ -256,7 +256,7 @@ def damped(
                 # The step from here is small where a single long one has led down to the rounding.
                 if min(last, float(np.abs(sides[:n]).max())) < 1e-6 and _rounded(v, now, value):
                     return v - sides[:n], sides
-                v = _shortened(v, move, before, value, residual, names)
+                v = _shortened(v, move, before, value, residual, names, shortest)
                 last = np.inf
                 now, sides = step(v)
                 after = float(np.linalg.norm(now))
@@ -295,10 +295,11 @@ def _shortened(
     value: Callable[[np.ndarray], np.ndarray],
     residual: np.ndarray,
     names: Sequence[str],
+    shortest: float,
 ) -> np.ndarray:
     """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
     share = 0.5
-    while share > 1e-7:
+    while share > shortest:
         trial = v + (1.0 - share) * move
         if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
             return trial

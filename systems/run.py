@@ -78,12 +78,11 @@ class Run:
 
     def start(self, k: int, read: Callable[[str], float]) -> np.ndarray:
         """Where span k starts, (x, y, z) [m], from a function that reads a variable."""
-        node = self.nodes[k]
-        seat = self.seats[0] if k == 0 else node.through(self.seats[k]) or self.seats[k]
-        place = np.array([read(f"{node.name}.{axis}") for axis in "xyz"])
-        if seat.offset is not None:
-            place += (read(f"{node.name}.{seat.offset}_x"), 0.0, read(f"{node.name}.{seat.offset}_z"))
-        return place
+        return _place(self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k], read)
+
+    def end(self, k: int, read: Callable[[str], float]) -> np.ndarray:
+        """Where span k ends, as `start`: on a shoe not where the next one starts."""
+        return _place(self.seats[k + 1], read)
 
     @property
     def closed(self) -> bool:
@@ -99,6 +98,15 @@ class Run:
     def moves(self) -> bool:
         """Whether rope can run over its ends or through a drive."""
         return any(n.drive_speed is not None or n.kept_tension is not None for n in self.nodes)
+
+
+def _place(seat: Seat, read: Callable[[str], float]) -> np.ndarray:
+    """Where the rope at a seat is, (x, y, z) [m]."""
+    name = seat.owner.name
+    place = np.array([read(f"{name}.{axis}") for axis in "xyz"])
+    if seat.offset is not None:
+        place += (read(f"{name}.{seat.offset}_x"), 0.0, read(f"{name}.{seat.offset}_z"))
+    return place
 
 
 def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:

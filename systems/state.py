@@ -52,6 +52,13 @@ class LineState:
         rope still makes without it. Found again where it is missing."""
 
     @classmethod
+    def declared(cls, model: Model) -> LineState:
+        """As it is declared, without loads: ropes start as its assembly found them."""
+        state = cls(model, declared_point(model), model.runs, [np.zeros(len(run.nodes), int) for run in model.runs])
+        state.write_slots()
+        return state
+
+    @classmethod
     def cold(cls, model: Model) -> LineState:
         """From geometry."""
         state = cls(model, declared_point(model), model.runs, [np.zeros(0, int) for _ in model.runs])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 
 import numpy as np
 import pandas as pd
@@ -216,7 +217,13 @@ def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
 def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> float:
     """Least height of a rope over the ground [m], from the headspar's top on where it runs over that, and for the
     skyline as far as the tailspar. NaN where there is no such rope."""
-    return float(min((least_height(ground, piece).height for piece, _ in _pieces(solved, role)), default=np.nan))
+    pieces = [(above_tangents(ground, piece, end), piece) for piece, end in _pieces(solved, role)]
+    least = np.inf if pieces else np.nan
+    for bound, piece in sorted(pieces, key=itemgetter(0)):
+        if bound >= least:
+            break
+        least = min(least, least_height(ground, piece).height)
+    return float(least)
 
 
 def least_rope_clearance(solved: Solved, ground: Profile) -> float:
@@ -233,7 +240,7 @@ def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, flo
         weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
         first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
         for k, span in enumerate(run.spans[first:], first):
-            start, end = solved.start(r, k), solved.start(r, k + 1)
+            start, end = solved.start(r, k), solved.end(r, k)
             force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
             if force[0] < 0.0:  # it runs back: looked at from its other end
                 start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])

@@ -9,6 +9,7 @@ followed by the payload. A log hangs free where it can; where it cannot, it drag
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,9 @@ BESIDE = 1.0
 
 SHORTEST = 1.0 / 128.0
 """Part of a path below which a step that fails ends it, as at a fold."""
+
+LEAST_STEP = 1e-3
+"""Part of a Newton step below which a root is not nearby."""
 
 FARTHEST = 2.0
 """A carriage or log that moves farther than this in a step [m] may have changed to another state."""
@@ -38,21 +42,44 @@ class Question(NamedTuple):
     height: float | None = None
 
 
+class Effort(IntEnum):
+    """Starts that are tried: NEAR, solved points and one that belongs to the question; QUICK, and directly from
+    geometry; FULL, and all ways along which a state can be followed."""
+
+    NEAR = 0
+    QUICK = 1
+    FULL = 2
+
+
+Way = Callable[[SpanModel, Question], tuple[Point, bool]]
+"""A way to a point; and whether there can be no other."""
+
+
 def meant(
-    at: SpanModel, asked: Question, near: Sequence[Point] = (), *, start: Point | None = None, quick: bool = False
+    at: SpanModel,
+    asked: Question,
+    near: Sequence[Point] = (),
+    *,
+    start: Point | None = None,
+    effort: Effort = Effort.FULL,
+    refused: EquilibriumError | None = None,
 ) -> Point:
     """The equilibrium that is meant. near: solved points to start from, which make it faster; start: one that belongs
-    to this question; quick: only from there and directly from geometry. Raises EquilibriumError."""
+    to this question; refused: the refusal of a try before, after which geometry is no start. Raises
+    EquilibriumError."""
     for known in near:
         try:
-            point, alone = settled(at, known.copy(), asked)
+            point, alone = settled(at, known.copy(), asked, shortest=LEAST_STEP)
         except EquilibriumError:
             continue
         if alone:
             return point
-    refusals: list[EquilibriumError] = []
+    refusals: list[EquilibriumError] = [] if refused is None else [refused]
     direct: Point | None = None
-    for first in (start, None):
+    starts: list[Point | None] = [] if start is None else [start]
+    if refused is None and effort > Effort.NEAR:
+        starts.append(None)
+    for first in starts:
         try:
             found, alone = settled(at, first, asked) if first is not None else _from_geometry(at, asked)
         except EquilibriumError as error:
@@ -61,27 +88,27 @@ def meant(
         if alone:
             return found
         direct = found if direct is None else direct
-        if start is None:
-            break
     if direct is not None and at.log is not None:
         return direct
     # Where more than one state is possible, that by payload is meant; the others are ways to a state.
-    ways = (_by_payload,) if direct is not None else (_by_payload, _lightened, _from_beside, _from_middle)
-    for way in () if quick and direct is None else ways:
+    ways: tuple[Way, ...] = (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
+    if direct is None and asked.payload > 0.0:
+        ways = (_by_payload, *ways)
+    for way in () if effort < Effort.FULL and direct is None else ways:
         try:
-            return way(at, asked)
+            return way(at, asked)[0]
         except EquilibriumError as error:
             refusals.append(error)
     if direct is not None:
         return direct
-    raise _refusal(at, asked, refusals)
+    raise _refusal(at, asked, refusals, refused)
 
 
 def settled(
-    at: SpanModel, point: Point, asked: Question, *, lower: float = 0.0, iterations: int = 25
+    at: SpanModel, point: Point, asked: Question, *, lower: float = 0.0, iterations: int = 25, shortest: float = 1e-7
 ) -> tuple[Point, bool]:
     """A point solved in place and checked, and whether there can be no other. lower: the ground under a log is taken
-    to be so much lower [m]. Raises EquilibriumError."""
+    to be so much lower [m]; shortest: part of a Newton step. Raises EquilibriumError."""
     at.load(point, asked.payload)
     target = [] if at.rig.ideal else [asked.station]
     if at.rig.ideal:
@@ -91,7 +118,7 @@ def settled(
         target.append(asked.height or 0.0)
     at.ground_under(point, lower)
     for _ in range(12):
-        at.newton.solve(point, target=np.array(target, dtype=float), iterations=iterations)
+        at.newton.solve(point, target=np.array(target, dtype=float), iterations=iterations, shortest=shortest)
         if not at.ground_under(point, lower):
             return point, at.check.require(point)
     raise EquilibriumError("The rear of the log finds no rest on the ground", "Try a station beside this one", at.log)
@@ -110,40 +137,41 @@ def _from_geometry(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     return settled(at, dragging, asked, iterations=80)
 
 
-def _directly(at: SpanModel, asked: Question) -> Point:
-    return _from_geometry(at, asked)[0]
-
-
-def _by_payload(at: SpanModel, asked: Question) -> Point:
+def _by_payload(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the empty carriage at this station."""
-    empty, _ = _from_geometry(at, asked._replace(payload=0.0))
+    empty, alone = _from_geometry(at, asked._replace(payload=0.0))
+    if asked.payload == 0.0:
+        return empty, alone
     return follow(at, empty, lambda share: asked._replace(payload=share * asked.payload))
 
 
-def _lightened(at: SpanModel, asked: Question) -> Point:
+def _lightened(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From a heavier carriage, whose ropes are taut, down to the payload."""
     extra = 4.0 * (asked.payload + at.rig.carriage.mass) + 1000.0
     heavy, _ = _from_geometry(at, asked._replace(payload=asked.payload + extra))
     return follow(at, heavy, lambda share: asked._replace(payload=asked.payload + (1.0 - share) ** 3 * extra))
 
 
-def _from_beside(at: SpanModel, asked: Question) -> Point:
+def _from_beside(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the stations to either side."""
     low, high = at.reach
     last: EquilibriumError | None = None
     for station in (asked.station - BESIDE, asked.station + BESIDE):
         if not low < station < high:
             continue
-        beside = asked._replace(station=station)
-        for way in (_directly, _by_payload, _lightened):
+        beside, alone = asked._replace(station=station), False
+        for way in (_from_geometry, _by_payload, _lightened):
+            if alone:  # there is no other state to start from
+                break
             try:
-                return follow(at, way(at, beside), _towards(at, station, asked))
+                point, alone = way(at, beside)
+                return follow(at, point, _towards(at, station, asked))
             except EquilibriumError as error:
                 last = error
     raise last or EquilibriumError("No station is beside it", "Take another station")
 
 
-def _from_middle(at: SpanModel, asked: Question) -> Point:
+def _from_middle(at: SpanModel, asked: Question) -> tuple[Point, bool]:
     """From the middle of the span. Beside a saddle geometry is a bad start: wrong by more than the rope left there."""
     if at.on is not None:
         raise EquilibriumError("A shoe has no middle of a span", "Take another station")
@@ -169,16 +197,16 @@ def follow(
     point: Point,
     ask: Callable[[float], Question],
     lower: Callable[[float], float] = lambda _: 0.0,
-) -> Point:
+) -> tuple[Point, bool]:
     """From a point that answers `ask(0)` to that of `ask(1)`, each step from the one before, halved where it fails or
-    goes far. Raises EquilibriumError where the path ends: at a fold."""
-    done, step = 0.0, 0.25
+    goes far; and whether there can be no other. Raises EquilibriumError where the path ends: at a fold."""
+    done, step, alone = 0.0, 0.25, False
     before: tuple[float, Point] | None = None
     while done < 1.0:
         share = min(done + step, 1.0)
         trial = point.copy() if before is None else _ahead(before[1], point, (share - done) / (done - before[0]))
         try:
-            trial, _ = settled(at, trial, ask(share), lower=lower(share))
+            trial, alone = settled(at, trial, ask(share), lower=lower(share), shortest=LEAST_STEP)
             if step > SHORTEST and _moved(at, point, trial) > FARTHEST:
                 raise EquilibriumError("The carriage moves far in one step", "Take a shorter one")
         except EquilibriumError:
@@ -187,7 +215,7 @@ def follow(
                 raise
             continue
         before, point, done, step = (done, point), trial, share, 2.0 * step
-    return point
+    return point, alone
 
 
 def _ahead(before: Point, last: Point, share: float) -> Point:
@@ -203,12 +231,16 @@ def _moved(at: SpanModel, before: Point, after: Point) -> float:
     return max(abs(at.read(after, slot) - at.read(before, slot)) for slot in at.places)
 
 
-def _refusal(at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError]) -> EquilibriumError:
+def _refusal(
+    at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError], before: EquilibriumError | None
+) -> EquilibriumError:
     """The most telling refusal: a limit that has a name, else that of the direct way."""
     for error in refusals:
         if isinstance(error, OutOfReachError):
             return error
-    first = refusals[0]
+    if before is not None:
+        return before
+    first = refusals[0] if refusals else EquilibriumError("No state is nearby", "Try harder")
     return EquilibriumError(
         f"No equilibrium of {at.model.name!r} with the carriage at station {asked.station:g} m and "
         f"{asked.payload:g} kg: {first.cause}",

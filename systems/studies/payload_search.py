@@ -12,6 +12,7 @@ from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline import Kind, SkylineRig
 from ropeway.systems.studies.certified import certified
 from ropeway.systems.studies.load_path import carriage_height, least_rope_clearance, rope_clearance, row
+from ropeway.systems.studies.meant_root import Effort
 from ropeway.systems.studies.span_model import Solved
 from ropeway.systems.studies.stations import Stations
 from ropeway.systems.studies.terrain import Profile
@@ -34,6 +35,9 @@ _ALIKE = 1e-9
 
 _ZERO = 1e-10
 """A margin so small is none: the search ends there, without a try to close its bracket."""
+
+_LOWEST = 1e-6
+"""How exactly the lowest height of an empty carriage is found, in parts of the gap below the chord."""
 
 _FIRST = 1000.0
 """The first payload tried [kg]: the same at each station, so that no answer depends on another."""
@@ -61,8 +65,8 @@ class PayloadSearch:
         height = carriage_height(self.rig, station, self.clearance)
         mass, best = self._largest(station, height)
         if (mass, best.limit) == (0.0, NO_EQUILIBRIUM):
-            height = self._lowest(station, height)
-            mass, best = self._largest(station, height)
+            height, lowest = self._lowest(station, height)
+            mass, best = lowest._largest(station, height)
         if self._rope_clearance(best) < self.of_rope - 1e-6:
             mass, best = self._raised(station, height)
         return self._row(station, mass, best)
@@ -90,34 +94,40 @@ class PayloadSearch:
         """From a height of the carriage up to the chord of its span [m]."""
         return self.rig.chord(self.rig.span_of(station), station) - height
 
-    def _lowest(self, station: float, height: float) -> float:
-        """The height to which the empty carriage can be lowered: beside a support, and where the rope paid out
-        hangs in other spans, it does not come down further. The height itself where it goes nowhere."""
+    def _lowest(self, station: float, height: float) -> tuple[float, PayloadSearch]:
+        """The height to which the empty carriage can be lowered, and a search that starts from there: beside a support,
+        and where the rope paid out hangs in other spans, it does not come down further. The height itself where it
+        goes nowhere."""
         room = self._room(station, height)
-        alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # where it ends counts on its steps
+        alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # that it counts on nothing else
 
         solved = False
 
-        def found(gap: float, *, quick: bool = True) -> bool:
+        def found(gap: float, effort: Effort) -> bool:
             """Whether it can hang this far below the chord [m]; each is started from the last that can. Near the chord
             its tension is out of reach; deeper than a state that is not, such a root is none of a rig."""
             nonlocal solved
-            tried = alone._try(station, 0.0, height + room - gap, quick=quick)
+            tried = alone._try(station, 0.0, height + room - gap, effort)
             near = tried.limit != NO_EQUILIBRIUM and not solved
             solved |= tried.solved is not None
             return tried.solved is not None or near
 
-        gaps = [gap for gap in (0.05, 0.2, 5e-3, 0.5, 5e-4) if gap < room]
-        first = (gap for quick in (True, False) for gap in gaps if found(gap, quick=quick))
-        low, ratio = next(first, room), 1.3
-        while low < room and ratio > 1.001:  # down by steps, shorter ones where there is nothing
+        gaps = [gap for gap in (0.2, 0.5, 0.05, 5e-3, 5e-4) if gap < room]
+        low = next((gap for effort in (Effort.QUICK, Effort.FULL) for gap in gaps if found(gap, effort)), room)
+        ratio = 1.3
+        while low < room:  # down by steps, shorter ones where there is nothing, and over what only seems an end
             deeper = min(ratio * low, room)
-            sure = ratio > 1.1 or ratio**0.5 <= 1.001
-            if found(deeper) or (sure and found(deeper, quick=False)):
+            if found(deeper, Effort.NEAR) or (ratio > 1.1 and found(deeper, Effort.QUICK)):
                 low = deeper
-            else:
+            elif ratio > 1.0 + _LOWEST:
                 ratio **= 0.5
-        return height + room - low
+            else:
+                gaps = [gap for gap in (1.1 * low, *gaps) if low < gap < room]
+                beyond = next((gap for gap in gaps if found(gap, Effort.QUICK)), None)
+                if beyond is None:
+                    break
+                low, ratio = beyond, 1.3
+        return height + room - low, alone
 
     def _raised(self, station: float, height: float) -> tuple[float, Tried]:
         """With the carriage raised until the skyline itself clears the ground; where that is impossible, a payload of 0
@@ -138,9 +148,9 @@ class PayloadSearch:
         """The largest payload [kg], and the state with it."""
         tried: dict[float, Tried] = {}
 
-        def least(mass: float, *, quick: bool = False) -> float:
+        def least(mass: float, effort: Effort = Effort.FULL) -> float:
             if mass not in tried:
-                tried[mass] = self._try(station, mass, height, quick=quick)
+                tried[mass] = self._try(station, mass, height, effort)
             return tried[mass].margin
 
         low = 0.0
@@ -159,9 +169,9 @@ class PayloadSearch:
             if high > MOST:
                 return low, tried[low]._replace(limit="nothing")
         for _ in range(4):
-            while least(high, quick=True) == -1.0 and high - low > 1e-3:  # come down to where there is an equilibrium
+            while least(high, Effort.QUICK) == -1.0 and high - low > 1e-3:  # come down to where there is an equilibrium
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if least(middle, quick=True) >= 0.0 else (low, middle)
+                low, high = (middle, high) if least(middle, Effort.QUICK) >= 0.0 else (low, middle)
             if least(high) != -1.0:
                 break
             further = [mass for mass in (low + 1.0, 1.02 * low) if least(mass) >= 0.0]
@@ -180,9 +190,9 @@ class PayloadSearch:
             mass = max(m for m, found in tried.items() if found.margin >= 0.0 and m <= mass)
         return mass, tried[mass]
 
-    def _try(self, station: float, mass: float, height: float | None, *, quick: bool = False) -> Tried:
+    def _try(self, station: float, mass: float, height: float | None, effort: Effort = Effort.FULL) -> Tried:
         try:
-            solved = self.solver.solve(station, mass, height, quick=quick)
+            solved = self.solver.solve(station, mass, height, effort=effort)
         except OutOfReachError as error:
             return Tried(-1.0, error.limit, None)
         except EquilibriumError:

@@ -56,18 +56,18 @@ class RigCheck:
         ]
         self.log = None if rig.turn is None else LogCheck(rig.turn, rig.terrain, rig.carriage.name, model)
         along, others = _free_places(rig, model, on)
-        self._free = _Free(model, [*others, *along], _under_carriage(rig, model))
-        self._beside = [self._free.beside(along, support.name) for support in rig.supports]
-        self._on = on
-        self._x = model.z.index.get(f"{rig.carriage.name}.x")
-        self._jacobian = Buffered(newton.jacobian)
         pattern = newton.jacobian.sparsity_out(0)
-        self._entries = np.array(pattern.row()), np.array(pattern.get_col())
+        entries = np.array([pattern.row(), pattern.get_col()])
+        self._free = _Free(model, entries, [*others, *along], _under_carriage(rig, model))
+        self._along, self._on = along, on
+        self._beside: dict[int, _Free] = {}
+        self._x = model.z.index.get(f"{rig.carriage.name}.x")
+        self._outputs, self._jacobian = outputs_of(model), Buffered(newton.jacobian)
 
     def require(self, point: Point) -> bool:
         """Raises EquilibriumError for a root that no rope can have, or that is unstable. Returns whether there can be
         no other root: all ropes that run through are taut, guyed spars about upright, a log as it must be."""
-        outputs = outputs_of(self.model)(*point.arguments)[0].copy()
+        outputs = self._outputs(*point.arguments)[0].copy()
         names = self.model.y.names
         lengths = outputs[self._lengths]
         if not lengths.min() > 0.0:
@@ -107,6 +107,8 @@ class RigCheck:
         near = self._on
         if near is None and self._x is not None:
             near = self.rig.shoe_near(float(point.z[self._x]))
+        if near is not None and near not in self._beside:
+            self._beside[near] = self._free.beside(self._along, self.rig.supports[near].name)
         free = self._free if near is None else self._beside[near]
         if not free.balances:
             return
@@ -126,12 +128,10 @@ class RigCheck:
         raise EquilibriumError(f"The balance at {name!r} is unstable", "Give the ropes more tension", name)
 
     def _jacobian_at(self, point: Point) -> np.ndarray:
-        """The Jacobian of the scaled residuals by the scaled unknowns, all entries."""
+        """The entries of the Jacobian of the scaled residuals by the scaled unknowns."""
         arguments = self.newton.arguments(point)
         arguments[6] = np.zeros(self.newton.jacobian.size1_in(6))
-        found = np.zeros(self.newton.jacobian.size_out(0))
-        found[self._entries] = self._jacobian(*arguments)[0]
-        return found
+        return self._jacobian(*arguments)[0]
 
     def _tops(self) -> dict[str, list[Balance]]:
         """Which way the top of each guyed spar can go."""
@@ -177,36 +177,46 @@ def _places(balances: Sequence[Balance]) -> np.ndarray:
 
 
 class _Free:
-    """What can move in a model. `kept`: rows and columns that stay as they are."""
+    """What can move in a model. entries: rows and columns of its Jacobian's entries; `kept`: rows and columns that stay
+    as they are."""
 
-    def __init__(self, model: Model, balances: Sequence[Balance], kept: np.ndarray) -> None:
-        self.model, self.balances, self.kept = model, tuple(balances), kept
-        self._rows, self._columns = _places(balances)
-        outside = np.concatenate([_places(balances), kept], axis=1)
-        self._inner = [np.setdiff1d(np.arange(len(model.z)), these) for these in outside]
-        self._signs = -np.array([b.sign for b in balances])
+    def __init__(self, model: Model, entries: np.ndarray, balances: Sequence[Balance], kept: np.ndarray) -> None:
+        self.model, self.entries, self.balances, self.kept = model, entries, tuple(balances), kept
+        self._signs = -np.array([b.sign for b in balances])[:, None]
+        # What is in balance first, then what can move: blocks of one matrix.
+        self._inner, places = 0, np.full(entries.shape, -1)
+        for place, entry, these, still in zip(places, entries, _places(balances), kept, strict=True):
+            inner = np.setdiff1d(np.arange(len(model.z)), np.concatenate([these, still]))
+            order = np.full(max(int(entry.max(initial=0)) + 1, len(model.z)), -1)
+            order[inner], order[these] = np.arange(len(inner)), len(inner) + np.arange(len(these))
+            place[:], self._inner = order[entry], len(inner)
+        self._used = np.flatnonzero((places >= 0).all(axis=0))
+        self._size = self._inner + len(self.balances)
+        self._at = places[0, self._used] * self._size + places[1, self._used]
 
     def beside(self, along: Sequence[Balance], support: str) -> _Free:
         """With the carriage kept in its way, and tensions on both sides of a support equal."""
         travels = [self.model.z.index.get(f"{name}.travel") for name in (support, f"{support}_mainline")]
         free = [b for b in self.balances if b not in along and b.travel not in travels]
-        return _Free(self.model, free, np.concatenate([_places(along), self.kept], axis=1))
+        return _Free(self.model, self.entries, free, np.concatenate([_places(along), self.kept], axis=1))
 
     def condensed(self, balances: Sequence[Balance]) -> _Free:
         """On some of the places, the others in balance."""
-        return _Free(self.model, balances, self.kept)
+        return _Free(self.model, self.entries, balances, self.kept)
 
     def pivots(self, jacobian: np.ndarray) -> np.ndarray:
-        """Pivots of their stiffness, all else but `kept` in balance; zero after a negative one."""
-        rows, columns, inner = self._rows, self._columns, self._inner
-        pivots = np.zeros(len(rows))
+        """Pivots of their stiffness, all else but `kept` in balance; zero after a negative one. jacobian: its
+        entries."""
+        n, pivots = self._inner, np.zeros(len(self.balances))
+        entries = np.zeros(self._size**2)
+        entries[self._at] = jacobian[self._used]
+        whole = entries.reshape(self._size, self._size)
         try:
-            moved = np.linalg.solve(jacobian[np.ix_(*inner)], jacobian[np.ix_(inner[0], columns)])
+            moved = np.linalg.solve(whole[:n, :n], whole[:n, n:])
         except np.linalg.LinAlgError:
             return pivots
-        stiffness = jacobian[np.ix_(rows, columns)] - jacobian[np.ix_(rows, inner[1])] @ moved
-        stiffness *= self._signs[:, None]
-        for k in range(len(rows)):
+        stiffness = self._signs * (whole[n:, n:] - whole[n:, :n] @ moved)
+        for k in range(len(pivots)):
             pivots[k] = stiffness[k, k]
             if not pivots[k] > 0.0:
                 break

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,9 +14,11 @@ from ropeway.components import catenary, shoe
 from ropeway.components.component import Kind as Part
 from ropeway.components.component import Node, Seat
 from ropeway.components.errors import InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
-from ropeway.systems.assembly import assemble
+from ropeway.systems.assembly import assembled
 from ropeway.systems.certificate import Certificate, certify_records
+from ropeway.systems.component_functions import ComponentFunctions
 from ropeway.systems.equilibrium import Equilibrium
 from ropeway.systems.model import Model
 from ropeway.systems.newton import Newton, Point, Slot, newton_of, outputs_of
@@ -39,10 +42,12 @@ class SpanModel:
     """A rig's model with the carriage at a place, its starting values for a station, a payload and, where the yarder
     sets it, a height of the carriage; `check` tells which solved points count."""
 
-    def __init__(self, rig: SkylineRig, place: Place, *, by_height: bool = False) -> None:
+    def __init__(
+        self, rig: SkylineRig, place: Place, functions: ComponentFunctions, *, by_height: bool = False
+    ) -> None:
         self.rig, self.place, self.by_height = rig, place, by_height
         self.span, self.on = place.span, place.on
-        self.model: Model = assemble(rig.system(place.span, on=place.on, rollers=place.rollers))
+        self.model: Model = assembled(rig.system(place.span, on=place.on, rollers=place.rollers), functions)
         m, name = self.model, rig.carriage.name
         self.log = None if rig.turn is None else rig.turn.log.name
         self._mass = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
@@ -55,7 +60,8 @@ class SpanModel:
             given.append(self.axes[2])
             freed.append(self.slot(f"{rig.skyline_drum}.{'tension' if rig.kind is Kind.RUNNING else 'travel'}"))
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
-        blank = LineState.cold(m)
+        self._outputs = outputs_of(m)
+        blank = LineState.declared(m)
         self._blank, self._passed = blank.point, blank.passed
         self.roles = tuple(_role(rig, run) for run in m.runs)
         self.places = (
@@ -82,7 +88,7 @@ class SpanModel:
 
     def outputs(self, point: Point) -> np.ndarray:
         """All outputs at a point, shape (ny,)."""
-        return outputs_of(self.model)(*point.arguments)[0].copy()
+        return self._outputs(*point.arguments)[0].copy()
 
     def cold(self, station: float, payload: float, height: float | None) -> Point:
         """Starting values from geometry."""
@@ -318,20 +324,46 @@ class Solved:
         return -self[f"{name}.shoe_force"] / self[f"{name}.tension_a"] * self[f"{name}.radius"]
 
     def __getitem__(self, name: str) -> float:
-        m, on = self.at.model, self.at.on
-        owner, _, quantity = name.rpartition(".")
-        if on is not None and owner == self.at.rig.supports[on].name:  # the carriage on it speaks for both
-            name = f"{self.at.rig.carriage.name}.{quantity}"
-        if name in m.y.index:
-            return float(self.outputs[m.y.index[name]])
-        return self.at.read(self.point, self.at.slot(name))
+        on = self.at.on
+        if on is not None:
+            owner, _, quantity = name.rpartition(".")
+            if owner == self.at.rig.supports[on].name:  # the carriage on it speaks for both
+                name = f"{self.at.rig.carriage.name}.{quantity}"
+        k = self.at.model.y.index.get(name)
+        return self.at.read(self.point, self.at.slot(name)) if k is None else float(self.outputs[k])
 
     def start(self, r: int, k: int) -> np.ndarray:
         """Where span k of run r starts, (x, y, z) [m]."""
         return self.at.model.runs[r].start(k, self.__getitem__)
 
+    def end(self, r: int, k: int) -> np.ndarray:
+        """Where it ends."""
+        return self.at.model.runs[r].end(k, self.__getitem__)
+
+
+def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False) -> SpanModel:
+    """The model of a rig at a place, or of its twin with a clamp: made once."""
+    return _span_model(rig, place, by_height, clamped)
+
 
 @lru_cache(maxsize=256)
-def span_model(rig: SkylineRig, place: Place, by_height: bool = False) -> SpanModel:
-    """The model of a rig at a place: made once."""
-    return SpanModel(rig, place, by_height=by_height)
+def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool) -> SpanModel:
+    return SpanModel(
+        clamped_twin(rig) if clamped else rig, place, _functions_of(rig, threading.get_ident()), by_height=by_height
+    )
+
+
+@lru_cache(maxsize=64)
+def _functions_of(rig: SkylineRig, thread: int) -> ComponentFunctions:
+    """The component functions that all models of a rig share which one thread makes: CasADi counts references to its
+    functions without a lock."""
+    return ComponentFunctions()
+
+
+@lru_cache(maxsize=64)
+def clamped_twin(rig: SkylineRig) -> SkylineRig:
+    """The rig with its carriage held on the skyline instead of by its mainline."""
+    head = rig.headspar
+    if isinstance(head, GuyedSpar):
+        head = replace(head, blocks=tuple(rope for rope in head.blocks if rope != "mainline"))
+    return replace(rig, headspar=head, mainline=None, carriage=replace(rig.carriage, holding="bisector"))

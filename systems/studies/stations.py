@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
-from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
-from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.newton import Point
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.studies.meant_root import Question, meant
+from ropeway.systems.rigs.skyline import STEEPEST, Kind, SkylineRig
+from ropeway.systems.studies.meant_root import Effort, Question, meant
 from ropeway.systems.studies.span_model import Place, Solved, span_model
 
 SIDE = 0.02
@@ -38,8 +34,10 @@ class Stations:
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
-    def solve(self, station: float, payload: float, height: float | None = None, *, quick: bool = False) -> Solved:
-        """quick: a refusal is believed without a look from beside. Raises InputError outside the skyline,
+    def solve(
+        self, station: float, payload: float, height: float | None = None, *, effort: Effort = Effort.FULL
+    ) -> Solved:
+        """effort: below FULL a refusal is believed without a look from beside. Raises InputError outside the skyline,
         EquilibriumError where there is no equilibrium."""
         span, on = self.rig.span_of(station), None
         rig = self.rig
@@ -56,11 +54,11 @@ class Stations:
         if height is not None:
             self._require_below_chord(span, x, height)
         try:
-            return self._held(Place(span), asked, shoe, quick=quick)
+            return self._held(Place(span), asked, shoe, effort=effort)
         except OutOfReachError:
             raise
         except EquilibriumError:
-            if on is None or quick:
+            if on is None or effort < Effort.FULL:
                 raise
             self._walk(Place(span), on, asked)
             return self._held(Place(span), asked, None)
@@ -86,7 +84,7 @@ class Stations:
             return None
         try:
             place = Place(span, rollers=span + 1)
-            laid = self._solve(self.rig, place, Question(x, payload), quick=True, start=shoe)
+            laid = self._solve(place, Question(x, payload), effort=Effort.QUICK, start=shoe)
         except EquilibriumError:
             return None
         roller = f"{self.rig.supports[span].name}_mainline"
@@ -94,34 +92,44 @@ class Stations:
 
     def _on_shoe(self, on: int, station: float, payload: float) -> Solved | None:
         """The carriage held on a shoe, whether it presses on it or not; None where that cannot be."""
+        support = self.rig.supports[on]
+        if abs(station - support.centre[0]) > STEEPEST * support.radius:
+            return None
         try:
             return self._held(Place(on, on), Question(station, payload), None)
         except EquilibriumError:
             return None
 
-    def _held(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved:
+    def _held(self, place: Place, asked: Question, shoe: Solved | None, *, effort: Effort = Effort.FULL) -> Solved:
         """The carriage held by its mainline, its clamp or an ideal force. shoe: the same on a shoe nearby.
 
         By its mainline wherever that pulls; by its clamp where it would have to push, or to pull less than its own
         weight does."""
         rig = self.rig
+        if effort is Effort.NEAR and not any((place, clamp) in self._last for clamp in (False, True)):
+            effort = Effort.QUICK
         if rig.ideal or rig.carriage.clamped:
-            return self._solve(rig, place, asked, start=shoe, quick=quick)
+            return self._solve(place, asked, start=shoe, effort=effort)
         if rig.kind is Kind.RUNNING and asked.height is None:
             self._require_lift(asked.station, asked.payload)
         name, own = rig.carriage.name, self._own_pull(place.span, asked.station)
         # Started with the clamp where the last one was held by it: that is faster, the answer is the same.
-        held = self._clamped(place, asked, shoe, quick=quick) if self._was_clamped.get(place) else None
-        pulled = None
+        held = self._clamped(place, asked, shoe, effort=effort) if self._was_clamped.get(place) else None
+        pulled, refused, tried = None, None, held
         if held is None or held[f"{name}.holding"] > 0.0:
-            with suppress(EquilibriumError):
-                pulled = self._solve(rig, place, asked, quick=True, start=held or shoe)
-        if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
-            held = self._clamped(place, asked, shoe, quick=quick)
-        holds = np.inf if held is None else held[f"{name}.holding"]
-        if pulled is None and holds > 0.0:
             try:
-                pulled = self._solve(rig, place, asked, quick=quick or holds <= own, start=held or shoe)
+                pulled = self._solve(place, asked, effort=min(effort, Effort.QUICK), start=held or shoe)
+            except EquilibriumError as error:
+                refused = error
+        if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
+            held = self._clamped(place, asked, shoe, effort=effort)
+        holds = np.inf if held is None else held[f"{name}.holding"]
+        if refused is not None and holds > 0.0:
+            full = effort if holds > own else min(effort, Effort.QUICK)
+            try:
+                if held is tried and full < Effort.FULL:
+                    raise refused
+                pulled = self._solve(place, asked, effort=full, start=None if held is tried else held, refused=refused)
             except EquilibriumError:
                 if held is None or holds > own:
                     raise
@@ -138,10 +146,12 @@ class Stations:
             )
         return cast(Solved, held)
 
-    def _clamped(self, place: Place, asked: Question, shoe: Solved | None, *, quick: bool = False) -> Solved | None:
+    def _clamped(
+        self, place: Place, asked: Question, shoe: Solved | None, *, effort: Effort = Effort.FULL
+    ) -> Solved | None:
         """The carriage held by its clamp; None where there is no equilibrium."""
         try:
-            return self._solve(clamped_twin(self.rig), place, asked, clamp=True, quick=quick, start=shoe)
+            return self._solve(place, asked, clamp=True, effort=effort, start=shoe)
         except EquilibriumError:
             return None
 
@@ -191,25 +201,27 @@ class Stations:
 
     def _solve(
         self,
-        rig: SkylineRig,
         place: Place,
         asked: Question,
         *,
         clamp: bool = False,
-        quick: bool = False,
+        effort: Effort = Effort.FULL,
         start: Solved | None = None,
+        refused: EquilibriumError | None = None,
     ) -> Solved:
-        """start: a solution of another model: on the shoe nearby, or held by the clamp at the same place."""
-        at = span_model(rig, place, self.by_height)
+        """start: a solution of another model: on the shoe nearby, or held by the clamp at the same place; refused: the
+        refusal of a try from near and from geometry."""
+        at = span_model(self.rig, place, self.by_height, clamp)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:
             first = at.pulled(start)
-        elif start is not None and start.at.rig is rig:
+        elif start is not None and start.at.rig is at.rig:
             first = at.off_shoe(start)
-        point = meant(at, asked, _ahead(known, asked), start=first, quick=quick)
+        near = [] if refused is not None else _ahead(known, asked)
+        point = meant(at, asked, near, start=first, effort=effort, refused=refused)
         self._last[place, clamp] = [*known[-1:], _Known(asked, point)]
-        held_by = "clamp" if clamp or rig.carriage.clamped else "holding" if rig.ideal else "mainline"
+        held_by = "clamp" if clamp or at.rig.carriage.clamped else "holding" if at.rig.ideal else "mainline"
         return Solved(at, point, at.outputs(point), held_by, asked)
 
 
@@ -221,27 +233,21 @@ class _Known(NamedTuple):
 
 
 def _ahead(known: list[_Known], asked: Question) -> list[Point]:
-    """Where to start from: the last solved point, or on the line through the last two of one payload."""
+    """Where to start from: the last solved point, or on the line through the last two of one payload, at one station
+    by their heights."""
     if not known:
         return []
     last, first = known[-1], known[0]
     if len(known) == 1 or not last.asked.payload == first.asked.payload == asked.payload:
         return [last.point]
-    if last.asked.station == first.asked.station:
+    before, now, then = ((q.station, q.height or 0.0) for q in (first.asked, last.asked, asked))
+    axis = int(before[0] == now[0] == then[0])
+    if before[axis] == now[axis]:
         return [last.point]
-    share = (asked.station - last.asked.station) / (last.asked.station - first.asked.station)
+    share = (then[axis] - now[axis]) / (now[axis] - before[axis])
     if not 0.0 < share <= 2.0:
         return [last.point]
     point = last.point.copy()
     point.z[:] += share * (last.point.z - first.point.z)
     point.x[:] += share * (last.point.x - first.point.x)
     return [point]
-
-
-@lru_cache(maxsize=64)
-def clamped_twin(rig: SkylineRig) -> SkylineRig:
-    """The rig with its carriage held on the skyline instead of by its mainline."""
-    head = rig.headspar
-    if isinstance(head, GuyedSpar):
-        head = replace(head, blocks=tuple(rope for rope in head.blocks if rope != "mainline"))
-    return replace(rig, headspar=head, mainline=None, carriage=replace(rig.carriage, holding="bisector"))

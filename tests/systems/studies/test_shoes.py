@@ -7,7 +7,9 @@ import skyline_oracle as oracle
 
 import ropeway as rw
 from ropeway.systems.rigs.bare_skyline import bare_tension
+from ropeway.systems.studies.load_path import _pieces, least_rope_clearance, rope_clearance
 from ropeway.systems.studies.stations import Stations
+from ropeway.systems.studies.terrain import least_height
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 CABLE = oracle.Cable(3.48 * oracle.G, 34.8e6)
@@ -218,3 +220,24 @@ def test_bad_shoes_are_refused(how: dict[str, float], words: str) -> None:
             tension=50e3,
             carriage=rw.Carriage("carriage", mass=450.0),
         )
+
+
+def test_a_rope_clears_the_ground_by_its_bound_at_least_where_it_leaves_shoes() -> None:
+    """The bound that a payload search asks first counts from where the rope touches a shoe, not from where the next
+    span starts."""
+    ground = rw.Profile([0.0, 90.0, 150.0, 240.0], [30.0, 26.0, 14.0, 8.0])
+    rig = rw.standing_skyline(
+        ground,
+        headspar=rw.HeadSpar("head", station=0.0, height=11.0),
+        supports=[rw.IntermediateSupport("s1", station=130.0, height=10.0, radius=3.0)],
+        tailspar=rw.TailSpar("tail", station=240.0, height=12.0),
+        skyline=rw.Rope(mass_per_length=2.1, axial_stiffness=22e6, breaking_load=360e3),
+        carriage=rw.Carriage("carriage", mass=300.0),
+        tension=55e3,
+    )
+    stations = Stations(rig)
+    for station in (40.0, 100.0, 131.0, 180.0):
+        found = stations.solve(station, 900.0)
+        heights = [least_height(ground, piece).height for piece, _ in _pieces(found, "skyline")]
+        assert least_rope_clearance(found, ground) <= min(heights) + 1e-9
+        assert rope_clearance(found, ground) == pytest.approx(min(heights), abs=1e-12)
