@@ -107,7 +107,7 @@ if TYPE_CHECKING:
     from ropeway.components.component import Site as Site
     from ropeway.components.component import Variable as Variable
     from ropeway.components.drive import Drive as Drive
-    from ropeway.components.drive import Motion as Motion
+    from ropeway.components.drive import DriveMotion as DriveMotion
     from ropeway.components.errors import (
         EquilibriumError as EquilibriumError,
     )
@@ -256,7 +256,7 @@ _HOMES = {
         "ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
     ),
     "ropeway.components.component": "Component Energies Equations Kind Limit Node RopeEnd Seat Site Variable",
-    "ropeway.components.drive": "Drive Motion",
+    "ropeway.components.drive": "Drive DriveMotion",
     "ropeway.systems.component_functions": "check_component",
     "ropeway.systems.assembly": "assemble",
     "ropeway.systems.equilibrium": "Equilibrium equilibrium",

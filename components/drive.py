@@ -25,7 +25,7 @@ STANDSTILL = 0.01
 """Speed within which a drive passes from driving to braking [m/s]."""
 
 
-class Motion(NamedTuple):
+class DriveMotion(NamedTuple):
     """What a drive does to its sheave: `speed` of the rope [m/s], `force` on the rope [N], and by name the rates of its
     states and its outputs."""
 
@@ -50,7 +50,7 @@ class Drive(ABC):
     """What it takes from a power unit."""
 
     @abstractmethod
-    def motion(self, v: Any) -> Motion:
+    def motion(self, v: Any) -> DriveMotion:
         """The rope's speed, the force on it, rates of the drive's states and its outputs."""
 
     def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
@@ -76,8 +76,8 @@ class Drive(ABC):
 class IdealDrive(Drive):
     """Turns its sheave at the commanded speed, whatever force that needs."""
 
-    def motion(self, v: Any) -> Motion:
-        return Motion((v.speed + v.correction) * (1 - v.brake), v.tension_in - v.tension_out)
+    def motion(self, v: Any) -> DriveMotion:
+        return DriveMotion((v.speed + v.correction) * (1 - v.brake), v.tension_in - v.tension_out)
 
 
 @checked
@@ -218,7 +218,7 @@ class HydraulicDrive(Drive):
     def _loss(self, v: Any) -> Any:
         return v.bearing_friction * v.bearing_load * sign(v.rope_speed, STANDSTILL) + v.drag * v.rope_speed
 
-    def motion(self, v: Any) -> Motion:
+    def motion(self, v: Any) -> DriveMotion:
         xp = namespace(v.rope_speed)
         speed, volume = v.rope_speed, v.volume_per_metre
         wish = self._wish(v)
@@ -255,7 +255,7 @@ class HydraulicDrive(Drive):
         rates = {"rope_speed": (total + pull - loss) / v.inertia}
         if self.command_lag > 0.0:
             rates["command"] = (v.speed + v.correction - v.command) / v.command_lag
-        return Motion(
+        return DriveMotion(
             speed=speed,
             force=total,
             rates=rates,

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from ropeway.components.check import PartName
 from ropeway.components.component import Component, Node
 from ropeway.components.span import Span
-
-if TYPE_CHECKING:
-    from ropeway.systems.system import System
+from ropeway.systems.declarations import Declarations
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +40,7 @@ def renamed(component: Component, prefix: str) -> Component:
     return replace(component, name=name)
 
 
-def include(outer: System, inner: System, prefix: str, origin: str) -> Subsystem:
+def include(outer: Declarations, inner: Declarations, prefix: str, origin: str) -> Subsystem:
     """Adds the declarations of a system to another, under dotted names. What names a component keeps naming it."""
 
     def named(name: str) -> str:
@@ -57,13 +54,13 @@ def include(outer: System, inner: System, prefix: str, origin: str) -> Subsystem
 
     outer.components |= {c.name: c for c in own.values()}
     outer.connections |= {(named(a), end): (named(b), seat) for (a, end), (b, seat) in inner.connections.items()}
-    outer._seated |= {(named(owner), seat) for owner, seat in inner._seated}
+    outer.seated |= {(named(owner), seat) for owner, seat in inner.seated}
     outer.supplies |= {named(drive): named(unit) for drive, unit in inner.supplies.items()}
     outer.links |= {(named(a), i): (named(b), o) for (a, i), (b, o) in inner.links.items()}
     for hung in inner.hung:
         load = replace(hung.load, name=named(hung.load.name))
         outer.hung.append(replace(hung, load=load, spans=there(hung.spans)))
     outer.feeds += [replace(feed, spans=there(feed.spans), prefix=f"{prefix}.{feed.prefix}") for feed in inner.feeds]
-    outer._origins |= {c.name: origin for c in own.values()}
+    outer.origins |= {c.name: origin for c in own.values()}
     outer.precedences |= {f"{prefix}.{group}" if group else prefix: p for group, p in inner.precedences.items()}
     return Subsystem(prefix, own)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar, overload
@@ -28,6 +27,7 @@ from ropeway.components.load import Load
 from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
+from ropeway.systems.declarations import Declarations, Feed, Hung
 from ropeway.systems.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.subsystem import Subsystem, include
 
@@ -42,31 +42,8 @@ _COMMAND_LINE = ("typer", "click")
 _PACKAGE = str(Path(__file__).parents[1])
 
 
-@dataclass(frozen=True)
-class Hung:
-    """A load on consecutive spans: `at` [m, unstretched] from the first span's end a. On a single span it
-    is pinned at that distance until the line moves; on several it has its place on the rope."""
-
-    load: Load
-    spans: tuple[Span, ...]
-    at: float
-
-
-@dataclass(frozen=True)
-class Feed:
-    """Loads that come in at a run's first support, every `spacing` metres of unstretched rope, with `masses`
-    [kg] used in order and repeated; they are taken off at its last support. On an endless rope there are
-    `around` loads, and they go round."""
-
-    spans: tuple[Span, ...]
-    spacing: float
-    masses: tuple[float, ...]
-    around: int | None = None
-    prefix: str = ""
-
-
 @checked
-class System:
+class System(Declarations):
     """Components and their connections. Declarations only: nothing is solved here."""
 
     def __init__(self, name: str = "system", *, gravity: float = GRAVITY, precedence: str = "all at once") -> None:
@@ -74,17 +51,7 @@ class System:
         `ropeway.components.response.PRECEDENCES`. Raises InputError."""
         check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
-        self.name = name
-        self.gravity = gravity
-        self.precedences = {"": precedence}
-        self.components: dict[str, Component] = {}
-        self.connections: dict[tuple[str, str], tuple[str, str]] = {}
-        self.supplies: dict[str, str] = {}
-        self.links: dict[tuple[str, str], tuple[str, str]] = {}
-        self.hung: list[Hung] = []
-        self.feeds: list[Feed] = []
-        self._origins: dict[str, str] = {}
-        self._seated: set[tuple[str, str]] = set()  # the seats in `connections`
+        super().__init__(name, gravity, precedence)
 
     def __repr__(self) -> str:
         spans = sum(isinstance(c, Span) for c in self.components.values())
@@ -150,7 +117,7 @@ class System:
                 f"Two components are named {component.name!r}{first}", "Give each component a name of its own"
             )
         self.components[component.name] = component
-        self._origins[component.name] = caller()
+        self.origins[component.name] = caller()
         return component
 
     def _include(self, inner: System, name: str | None) -> Subsystem:
@@ -186,18 +153,18 @@ class System:
             self._require_part(port.owner)
         seat = self._open(seat)
         ends = self.connections
-        if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in self._seated:
+        if (end.owner.name, end.name) in ends or (seat.owner.name, seat.name) in self.seated:
             taken = end if (end.owner.name, end.name) in ends else seat
             raise InputError(f"Port {taken} is joined twice", "Each port takes one connection")
         self.connections[end.owner.name, end.name] = (seat.owner.name, seat.name)
-        self._seated.add((seat.owner.name, seat.name))
+        self.seated.add((seat.owner.name, seat.name))
 
     def _open(self, seat: Seat) -> Seat:
         """The seat, or another open one where all are alike. Raises InputError where none is open."""
         node = seat.owner
         if not (isinstance(node, Node) and node.interchangeable):
             return seat
-        found = next((s for s in node.seats if (node.name, s.name) not in self._seated), None)
+        found = next((s for s in node.seats if (node.name, s.name) not in self.seated), None)
         if found is None:
             raise InputError(f"All {len(node.seats)} ends of {node.described} are taken", "Give it more with ends=")
         return found
@@ -275,8 +242,8 @@ class System:
         for span, a, b in zip(spans, leaving, arriving[1:], strict=True):
             trial.connect(span.a, a)
             trial.connect(span.b, b)
-        self.components, self.connections, self._origins = trial.components, trial.connections, trial._origins
-        self._seated = trial._seated
+        self.components, self.connections, self.origins = trial.components, trial.connections, trial.origins
+        self.seated = trial.seated
         return spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
@@ -330,7 +297,7 @@ class System:
 
     def origin(self, name: str, text: str = "{}") -> str:
         """File and line of the user's code that added a component, in a text; empty where there is no such code."""
-        origin = self._origins.get(name)
+        origin = self.origins.get(name)
         return text.format(origin) if origin else ""
 
     def copy(self) -> System:
@@ -339,8 +306,8 @@ class System:
         other.precedences = dict(self.precedences)
         other.components, other.connections = dict(self.components), dict(self.connections)
         other.supplies, other.links = dict(self.supplies), dict(self.links)
-        other.hung, other.feeds, other._origins = list(self.hung), list(self.feeds), dict(self._origins)
-        other._seated = set(self._seated)
+        other.hung, other.feeds, other.origins = list(self.hung), list(self.feeds), dict(self.origins)
+        other.seated = set(self.seated)
         return other
 
     def _require_part(self, component: Component) -> None:

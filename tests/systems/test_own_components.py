@@ -223,8 +223,8 @@ class SlipDrive(rw.Drive):
 
     slip: float = 0.1
 
-    def motion(self, v: Any) -> rw.Motion:
-        return rw.Motion((1.0 - self.slip) * (v.speed + v.correction), v.tension_in - v.tension_out)
+    def motion(self, v: Any) -> rw.DriveMotion:
+        return rw.DriveMotion((1.0 - self.slip) * (v.speed + v.correction), v.tension_in - v.tension_out)
 
 
 def test_a_drive_of_ones_own() -> None:
