@@ -33,9 +33,9 @@ class Feed:
 
 
 class Declarations:
-    """`connections`: for each rope end its seat; `supplies`: for each drive its power unit; `links`: for each driven input
-    its source; `precedences`: who acts first among the control sheaves of each subsystem, "" being those of the system
-    itself."""
+    """What `System` holds. `connections`: the seat of each rope end; `supplies`: the power unit of each drive; `links`:
+    the source of each driven input; `precedences`: who acts first among the control sheaves of each subsystem, ""
+    being those of the system itself."""
 
     def __init__(self, name: str, gravity: float, precedence: str) -> None:
         self.name = name
