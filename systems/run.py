@@ -16,7 +16,8 @@ from ropeway.components.component import Node, Seat
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.rope import Rope
 from ropeway.components.span import Span
-from ropeway.systems.system import Feed, System
+from ropeway.systems.declarations import Feed
+from ropeway.systems.system import System
 
 
 @dataclass(frozen=True)
