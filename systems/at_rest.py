@@ -179,10 +179,13 @@ class TooHeavyError(EquilibriumError):
 def loaded(state: LineState) -> LineState:
     """The state to which a line comes as its loads grow from a small part of their masses to all. Raises
     TooHeavyError; EquilibriumError where loads are not the reason."""
-    near, share, step = _afresh(state), _FIRST_SHARE, _FIRST_SHARE
-    near.runs = [_scaled(run, share) for run in near.runs]
-    near.restart()
-    solve(near)
+    share = _FIRST_SHARE
+    try:
+        near = _lightly_loaded(state, share)
+    except EquilibriumError:
+        share *= _FIRST_SHARE
+        near = _lightly_loaded(state, share)
+    step = share
     while share < 1.0 and step >= _LEAST_SHARE:
         more, trial = min(1.0, share + step), near.copy()
         trial.runs = [_scaled(run, more / share) for run in trial.runs]
@@ -195,6 +198,15 @@ def loaded(state: LineState) -> LineState:
             near, share, step = trial, more, 2.0 * step
     if share < 1.0:
         raise _not_loaded(near, share)
+    return near
+
+
+def _lightly_loaded(state: LineState, share: float) -> LineState:
+    """The state with a small share of its loads, from geometry. Raises EquilibriumError."""
+    near = _afresh(state)
+    near.runs = [_scaled(run, share) for run in near.runs]
+    near.restart()
+    solve(near)
     return near
 
 

@@ -172,8 +172,9 @@ def _solve(
             size = np.maximum(np.abs(move[:, 2]) / unknown[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
             last, before = before, unknown
             unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
-            # Convergence is quadratic: after a move of 1e-10 nothing is left but rounding. Or it goes back and forth.
-            if size.max() < 1e-10 or np.abs(unknown / last - 1.0).max() < 1e-5:
+            # Convergence is quadratic: after a move of 1e-10 nothing is left but rounding. Or large moves alternate.
+            alternates = size.max() > 1e-3 and np.abs(unknown / last - 1.0).max() < 1e-5
+            if size.max() < 1e-10 or alternates:
                 error = np.abs(residual(unknown)).max(axis=1)
                 break
         slope = np.linalg.solve(

@@ -344,9 +344,10 @@ class ScheduleProblem:
             self._cost([self.peak], [self.task.weights["peak tension"] * FORCE])
         w = ca.SX.sym("w", 2)
         free = [i for i, fixed in enumerate(self.task.fixed) if not fixed]
-        pairs = np.array([[self.v[i, j], self.v[i, j + 1]] for i in free for j in range(len(self.task.grid) - 1)])
-        term = Term(w, ca.SX(0, 1), ca.SX(0, 1), STEADINESS * (w[1] - w[0]) ** 2)
-        self._plain(term, pairs.T)
+        pairs = [[self.v[i, j], self.v[i, j + 1]] for i in free for j in range(len(self.task.grid) - 1)]
+        if pairs:
+            term = Term(w, ca.SX(0, 1), ca.SX(0, 1), STEADINESS * (w[1] - w[0]) ** 2)
+            self._plain(term, np.array(pairs).T)
 
     def size(self, limit: str) -> float:
         """The size of a limit, in the problem's units: relaxations count relative to it."""
