@@ -27,9 +27,9 @@ def require_declared(component: Component, variables: Sequence[Variable]) -> Non
     for v in variables:
         if not isinstance(v, Variable):
             raise InputError(f"{owner}: variables() returns {v!r}", "Return Variable objects")
-    _require_names(component, variables)
     for v in variables:
         _require_sound(v, owner)
+    _require_names(component, variables)
     sizes = {kind: sum(v.size for v in variables if v.kind is kind) for kind in Kind}
     if sizes[Kind.ALGEBRAIC] != sizes[Kind.RESIDUAL]:
         raise InputError(
@@ -61,6 +61,11 @@ def _require_names(component: Component, variables: Sequence[Variable]) -> None:
 
 def _require_sound(v: Variable, owner: str) -> None:
     named = f"{owner}: variable {v.name!r}"
+    texts, numbers = (v.name, v.unit, v.description), (v.nominal, *np.ravel(np.array(v.value, dtype=object)))
+    if not all(isinstance(text, str) for text in texts) or not isinstance(v.kind, Kind):
+        raise InputError(f"{named} is {v!r}", "Give a name, a Kind, a unit and a description")
+    if not all(isinstance(n, (int, float, np.number)) and not isinstance(n, bool) for n in numbers):
+        raise InputError(f"{named} has the value {v.value!r} and the nominal value {v.nominal!r}", "Give numbers")
     if units.parse(v.unit) is None and v.unit:
         raise InputError(f"{named} has the unit {v.unit!r}, which is not known", "Write it as in 'N', 'm/s2' or '1'")
     if not (isinstance(v.size, int) and v.size >= 0):

@@ -73,6 +73,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Inhaul": lambda: rw.Inhaul(rig(), pd.DataFrame({"x": [1.0]}), pd.DataFrame({"x": [1.0]})),
         "IntermediateSupport": lambda: rw.IntermediateSupport("jack", station=125.0, height=8.0),
         "Intervention": lambda: rw.Intervention(1.0, "brake", "c"),
+        "Joint": lambda: rw.Joint("knot", mass=40.0, **at),
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
         "Log": log,
@@ -119,6 +120,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "catenary_for_length": lambda: {**CURVE, "length": 123.0},
         "catenary_for_sag": lambda: {**CURVE, "sag": 4.0, "at": 0.4},
         "catenary_for_tension": lambda: {**CURVE, "tension": 30e3, "weight": 30.0},
+        "check_component": lambda: {"component": rw.Anchor("a", at=(3.0, 4.0))},
         "compare_payload_methods": lambda: {
             "span": 190.0, "deflection": 22.0, "chord_slopes": (0.0, 0.15), "rope": ROPE, "tension": 150e3,
             "carriage_mass": 140.0, "carriage": 0.5, "as_printed": False, "gravity": 9.8,

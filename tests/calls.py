@@ -36,9 +36,16 @@ def _fields(thing: Any) -> dict[str, Any]:
     return {f.name: getattr(thing, f.name) for f in fields(thing) if f.init}
 
 
+EXTENSION = {
+    "Component", "Drive", "DriveMotion", "Energies", "Equations", "Kind", "Limit", "Node", "RopeEnd", "Seat", "Site",
+    "Variable",
+}  # fmt: skip
+"""What components of a user are made of: made a thousand times in an assembly, which checks them as a whole."""
+
+
 def public_names() -> list[str]:
-    """All names of the root and of `rw.fmu` that can be called, without the errors."""
-    names = [*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)]
+    """All names of the root and of `rw.fmu` that can be called, without the errors and what components are made of."""
+    names = [n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in EXTENSION]
     return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 
 
@@ -47,6 +54,7 @@ PROTOCOL = {name for base in (Component, Node, Response) for name in vars(base)}
 INSIDE = {
     "wheel_equations", "wheel_outputs", "line_outputs", "total", "placed", "require_above", "own_variables", "demand",
     "motion", "block_out", "driver", "outputs", "clearance", "travels", "forget", "restore",
+    "precedence_of", "energies",
 }  # fmt: skip
 """Methods that take the library's own intermediate objects."""
 

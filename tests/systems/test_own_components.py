@@ -178,6 +178,9 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("pull", PAR, "furlong"),)}, "unit 'furlong'"),
     ({"variables_": (var("pull", PAR, nominal=0.0),)}, "nominal"),
     ({"variables_": (var("pull", PAR, value=float("nan")),)}, "value nan"),
+    ({"variables_": (rw.Variable("pull", "output", "N", "pull"),)}, "a Kind"),  # type: ignore[arg-type]
+    ({"variables_": (rw.Variable(7, PAR, "N", "pull"),)}, "a name"),  # type: ignore[arg-type]
+    ({"variables_": (var("pull", PAR, value="12 kN"),)}, "Give numbers"),
     ({"limited": "pull"}, "limit 'too much' names 'pull'"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": 1.0 if v.rope.force[0] > 0 else 2.0}}}, "if_else"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": max(v.rope.force[0], 1.0)}}}, "fmax"),
