@@ -43,7 +43,8 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
         raise InputError("slots does not fit the system", "Give a number of slots for each span of each run")
     starts = [run_start(run, system.gravity) for run in runs]
     sites = _sites(system, runs, starts, slots)
-    variables = with_links(system, {c.name: c.variables(sites[c.name]) for c in system.components.values()})
+    own = {c.name: functions.variables_of(c, sites[c.name]) for c in system.components.values()}
+    variables = with_links(system, own)
     rows = with_residuals(system, variables)
     tables = {kind: _table(kind, rows, system) for kind in Kind}
     dae, outputs = _join(system, runs, sites, variables, tables, functions)

@@ -24,6 +24,15 @@ class ComponentFunctions:
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
+        self._declared: set[Hashable] = set()
+
+    def variables_of(self, component: Component, site: Site) -> tuple[Variable, ...]:
+        """A component's variables. Raises InputError where they break a rule: asked once for each form."""
+        variables, form = component.variables(site), component.form(site)
+        if form not in self._declared:
+            component_rules.require_declared(component, variables)
+            self._declared.add(form)
+        return variables
 
     def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """What a drive asks of its power unit, (2,): the same inputs as its equations."""
@@ -38,7 +47,6 @@ class ComponentFunctions:
         stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
-            component_rules.require_declared(component, component.variables(site))
             self._functions[key] = component_function(component, variables)
         return self._functions[key]
 
