@@ -151,158 +151,136 @@ if TYPE_CHECKING:
         WriteError as WriteError,
     )
     from ropeway.components.rope import ropes as ropes
-    from ropeway.systems.assembly import assemble as assemble
-    from ropeway.systems.component_functions import check_component as check_component
-    from ropeway.systems.equilibrium import Equilibrium as Equilibrium
-    from ropeway.systems.equilibrium import equilibrium as equilibrium
-    from ropeway.systems.intervention import Intervention as Intervention
-    from ropeway.systems.model import Model as Model
-    from ropeway.systems.result import Result as Result
+    from ropeway.components.terrain import Profile as Profile
+    from ropeway.systems.dynamics.result import Result as Result
+    from ropeway.systems.dynamics.simulation import simulate as simulate
+    from ropeway.systems.modelling.assembly import assemble as assemble
+    from ropeway.systems.modelling.component_functions import check_component as check_component
+    from ropeway.systems.modelling.dae_model import Model as Model
+    from ropeway.systems.modelling.intervention import Intervention as Intervention
+    from ropeway.systems.modelling.system import System as System
     from ropeway.systems.rigs.endless import endless as endless
     from ropeway.systems.rigs.guylines import string_guylines as string_guylines
     from ropeway.systems.rigs.live_skyline import gravity_skyline as gravity_skyline
     from ropeway.systems.rigs.live_skyline import live_skyline as live_skyline
     from ropeway.systems.rigs.monocable import monocable as monocable
     from ropeway.systems.rigs.running_skyline import running_skyline as running_skyline
-    from ropeway.systems.rigs.skyline import SkylineRig as SkylineRig
-    from ropeway.systems.rigs.skyline import Turn as Turn
+    from ropeway.systems.rigs.skyline_rig import SkylineRig as SkylineRig
+    from ropeway.systems.rigs.skyline_rig import Turn as Turn
     from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
-    from ropeway.systems.simulation import simulate as simulate
-    from ropeway.systems.studies.cable_stretch import (
-        UnstretchedLength as UnstretchedLength,
-    )
-    from ropeway.systems.studies.cable_stretch import (
-        fit_construction_stretch as fit_construction_stretch,
-    )
-    from ropeway.systems.studies.cable_stretch import (
-        stretched_position as stretched_position,
-    )
-    from ropeway.systems.studies.cable_stretch import (
-        unstretched_length as unstretched_length,
-    )
-    from ropeway.systems.studies.cable_stretch_cases import twelve_cases as twelve_cases
-    from ropeway.systems.studies.cases import latin_hypercube as latin_hypercube
-    from ropeway.systems.studies.catenary_fundamentals import (
-        CatenaryCurve as CatenaryCurve,
-    )
-    from ropeway.systems.studies.catenary_fundamentals import (
+    from ropeway.systems.statics.equilibrium import Equilibrium as Equilibrium
+    from ropeway.systems.statics.equilibrium_solver import equilibrium as equilibrium
+    from ropeway.systems.studies.control.objectives import objectives as objectives
+    from ropeway.systems.studies.control.optimise_schedule import optimise_schedule as optimise_schedule
+    from ropeway.systems.studies.control.receding_horizon import RecedingHorizon as RecedingHorizon
+    from ropeway.systems.studies.control.receding_horizon import receding_horizon as receding_horizon
+    from ropeway.systems.studies.control.scheduling.initial_schedules import balanced as balanced
+    from ropeway.systems.studies.control.scheduling.limits import ScheduleLimits as ScheduleLimits
+    from ropeway.systems.studies.control.scheduling.robustness import Disturbance as Disturbance
+    from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan as SchedulePlan
+    from ropeway.systems.studies.control.tune_response import TunedResponse as TunedResponse
+    from ropeway.systems.studies.control.tune_response import tune_response as tune_response
+    from ropeway.systems.studies.handbook.cable_stretch import UnstretchedLength as UnstretchedLength
+    from ropeway.systems.studies.handbook.cable_stretch import fit_construction_stretch as fit_construction_stretch
+    from ropeway.systems.studies.handbook.cable_stretch import stretched_position as stretched_position
+    from ropeway.systems.studies.handbook.cable_stretch import unstretched_length as unstretched_length
+    from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve as CatenaryCurve
+    from ropeway.systems.studies.handbook.inextensible_catenary import (
         catenary_for_horizontal as catenary_for_horizontal,
     )
-    from ropeway.systems.studies.catenary_fundamentals import (
-        catenary_for_length as catenary_for_length,
-    )
-    from ropeway.systems.studies.catenary_fundamentals import (
-        catenary_for_sag as catenary_for_sag,
-    )
-    from ropeway.systems.studies.catenary_fundamentals import (
-        catenary_for_tension as catenary_for_tension,
-    )
-    from ropeway.systems.studies.inhaul import Inhaul as Inhaul
-    from ropeway.systems.studies.inhaul import inhaul as inhaul
-    from ropeway.systems.studies.load_path import load_path as load_path
-    from ropeway.systems.studies.loaded_span import LoadedSpan as LoadedSpan
-    from ropeway.systems.studies.longest_rope import longest_rope as longest_rope
-    from ropeway.systems.studies.objectives import objectives as objectives
-    from ropeway.systems.studies.optimise_supports import Candidate as Candidate
-    from ropeway.systems.studies.optimise_supports import SupportPlan as SupportPlan
-    from ropeway.systems.studies.optimise_supports import optimise_supports as optimise_supports
-    from ropeway.systems.studies.optimise_supports import support_range as support_range
-    from ropeway.systems.studies.payload import PayloadStudy as PayloadStudy
-    from ropeway.systems.studies.payload import payload as payload
-    from ropeway.systems.studies.payload_comparison import (
-        compare_payload_methods as compare_payload_methods,
-    )
-    from ropeway.systems.studies.payload_comparison import (
-        method_errors as method_errors,
-    )
-    from ropeway.systems.studies.payload_exact import elastic_load as elastic_load
-    from ropeway.systems.studies.payload_exact import exact_load as exact_load
-    from ropeway.systems.studies.payload_methods import (
-        payload_for_tension as payload_for_tension,
-    )
-    from ropeway.systems.studies.payload_methods import (
-        tension_for_payload as tension_for_payload,
-    )
-    from ropeway.systems.studies.receding_horizon import RecedingHorizon as RecedingHorizon
-    from ropeway.systems.studies.receding_horizon import receding_horizon as receding_horizon
-    from ropeway.systems.studies.schedule import optimise_schedule as optimise_schedule
-    from ropeway.systems.studies.scheduling.limits import ScheduleLimits as ScheduleLimits
-    from ropeway.systems.studies.scheduling.plan import SchedulePlan as SchedulePlan
-    from ropeway.systems.studies.scheduling.robustness import Disturbance as Disturbance
-    from ropeway.systems.studies.scheduling.run import balanced as balanced
-    from ropeway.systems.studies.sensitivities import sensitivities as sensitivities
-    from ropeway.systems.studies.set_up import SetUp as SetUp
-    from ropeway.systems.studies.set_up import set_up as set_up
-    from ropeway.systems.studies.set_up import tension_history as tension_history
-    from ropeway.systems.studies.sweep import sweep as sweep
-    from ropeway.systems.studies.terrain import Profile as Profile
-    from ropeway.systems.studies.tune_response import TunedResponse as TunedResponse
-    from ropeway.systems.studies.tune_response import tune_response as tune_response
-    from ropeway.systems.studies.turk_solvers import SpanProblem as SpanProblem
-    from ropeway.systems.studies.turk_solvers import solve_span as solve_span
-    from ropeway.systems.studies.worksheet import lira_worksheet as lira_worksheet
-    from ropeway.systems.system import System as System
+    from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_length as catenary_for_length
+    from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_sag as catenary_for_sag
+    from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_tension as catenary_for_tension
+    from ropeway.systems.studies.handbook.lira_worksheet import lira_worksheet as lira_worksheet
+    from ropeway.systems.studies.handbook.loaded_span import LoadedSpan as LoadedSpan
+    from ropeway.systems.studies.handbook.longest_rope import longest_rope as longest_rope
+    from ropeway.systems.studies.handbook.lyons_cases import twelve_cases as twelve_cases
+    from ropeway.systems.studies.handbook.payload_comparison import compare_payload_methods as compare_payload_methods
+    from ropeway.systems.studies.handbook.payload_comparison import method_errors as method_errors
+    from ropeway.systems.studies.handbook.payload_exact import elastic_load as elastic_load
+    from ropeway.systems.studies.handbook.payload_exact import exact_load as exact_load
+    from ropeway.systems.studies.handbook.payload_methods import payload_for_tension as payload_for_tension
+    from ropeway.systems.studies.handbook.payload_methods import tension_for_payload as tension_for_payload
+    from ropeway.systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem
+    from ropeway.systems.studies.handbook.turk_solvers import solve_span as solve_span
+    from ropeway.systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
+    from ropeway.systems.studies.skyline.inhaul import Inhaul as Inhaul
+    from ropeway.systems.studies.skyline.inhaul import inhaul as inhaul
+    from ropeway.systems.studies.skyline.load_path import load_path as load_path
+    from ropeway.systems.studies.skyline.payload import PayloadStudy as PayloadStudy
+    from ropeway.systems.studies.skyline.payload import payload as payload
+    from ropeway.systems.studies.skyline.pretension import SetUp as SetUp
+    from ropeway.systems.studies.skyline.pretension import set_up as set_up
+    from ropeway.systems.studies.skyline.pretension import tension_history as tension_history
+    from ropeway.systems.studies.skyline.support_layout import Candidate as Candidate
+    from ropeway.systems.studies.skyline.support_layout import SupportPlan as SupportPlan
+    from ropeway.systems.studies.skyline.support_layout import optimise_supports as optimise_supports
+    from ropeway.systems.studies.skyline.support_layout import support_range as support_range
+    from ropeway.systems.studies.sweeps.cases import latin_hypercube as latin_hypercube
+    from ropeway.systems.studies.sweeps.sweep import sweep as sweep
 
 _HOMES = {
     "ropeway.components": (
-        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum Elastic "
-        "GuyedSpar Guyline HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport Joint Load Log "
-        "ProportionalResponse Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold TensionedReturn "
-        "ThresholdResponse"
-    ),
-    "ropeway.components.rope": "ropes",
-    "ropeway.components.errors": (
-        "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError RopewayWarning "
-        "ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError WorkerError WriteError"
+        "Anchor Block Carriage CarriageOnShoe ConstructionStretch ControlSheave DieselHydraulicUnit Drum "
+        "Elastic GuyedSpar Guyline HeadSpar HydraulicDrive HydraulicPowerUnit IdealDrive IntermediateSupport "
+        "Joint Load Log ProportionalResponse Rope Schedule Sheave Span SpringAnchor TailSpar Tailhold "
+        "TensionedReturn ThresholdResponse"
     ),
     "ropeway.components.component": "Component Energies Equations Kind Limit Node RopeEnd Seat Site Variable",
     "ropeway.components.drive": "Drive DriveMotion",
-    "ropeway.systems.component_functions": "check_component",
-    "ropeway.systems.assembly": "assemble",
-    "ropeway.systems.equilibrium": "Equilibrium equilibrium",
-    "ropeway.systems.intervention": "Intervention",
-    "ropeway.systems.model": "Model",
-    "ropeway.systems.result": "Result",
+    "ropeway.components.errors": (
+        "EquilibriumError InfeasibleScheduleError InputError Interrupted OutOfReachError RopewayError "
+        "RopewayWarning ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError "
+        "WorkerError WriteError"
+    ),
+    "ropeway.components.rope": "ropes",
+    "ropeway.components.terrain": "Profile",
+    "ropeway.systems.dynamics.result": "Result",
+    "ropeway.systems.dynamics.simulation": "simulate",
+    "ropeway.systems.modelling.assembly": "assemble",
+    "ropeway.systems.modelling.component_functions": "check_component",
+    "ropeway.systems.modelling.dae_model": "Model",
+    "ropeway.systems.modelling.intervention": "Intervention",
+    "ropeway.systems.modelling.system": "System",
     "ropeway.systems.rigs.endless": "endless",
-    "ropeway.systems.rigs.monocable": "monocable",
-    "ropeway.systems.simulation": "simulate",
     "ropeway.systems.rigs.guylines": "string_guylines",
     "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
+    "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.rigs.running_skyline": "running_skyline",
-    "ropeway.systems.rigs.skyline": "SkylineRig Turn",
+    "ropeway.systems.rigs.skyline_rig": "SkylineRig Turn",
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
-    "ropeway.systems.studies.inhaul": "Inhaul inhaul",
-    "ropeway.systems.studies.load_path": "load_path",
-    "ropeway.systems.studies.optimise_supports": "Candidate SupportPlan optimise_supports support_range",
-    "ropeway.systems.studies.receding_horizon": "RecedingHorizon receding_horizon",
-    "ropeway.systems.studies.schedule": "optimise_schedule",
-    "ropeway.systems.studies.scheduling.limits": "ScheduleLimits",
-    "ropeway.systems.studies.scheduling.plan": "SchedulePlan",
-    "ropeway.systems.studies.scheduling.robustness": "Disturbance",
-    "ropeway.systems.studies.objectives": "objectives",
-    "ropeway.systems.studies.scheduling.run": "balanced",
-    "ropeway.systems.studies.payload": "PayloadStudy payload",
-    "ropeway.systems.studies.sensitivities": "sensitivities",
-    "ropeway.systems.studies.set_up": "SetUp set_up tension_history",
-    "ropeway.systems.studies.cases": "latin_hypercube",
-    "ropeway.systems.studies.sweep": "sweep",
-    "ropeway.systems.studies.terrain": "Profile",
-    "ropeway.systems.studies.cable_stretch": (
+    "ropeway.systems.statics.equilibrium": "Equilibrium",
+    "ropeway.systems.statics.equilibrium_solver": "equilibrium",
+    "ropeway.systems.studies.control.objectives": "objectives",
+    "ropeway.systems.studies.control.optimise_schedule": "optimise_schedule",
+    "ropeway.systems.studies.control.receding_horizon": "RecedingHorizon receding_horizon",
+    "ropeway.systems.studies.control.scheduling.initial_schedules": "balanced",
+    "ropeway.systems.studies.control.scheduling.limits": "ScheduleLimits",
+    "ropeway.systems.studies.control.scheduling.robustness": "Disturbance",
+    "ropeway.systems.studies.control.scheduling.schedule_plan": "SchedulePlan",
+    "ropeway.systems.studies.control.tune_response": "TunedResponse tune_response",
+    "ropeway.systems.studies.handbook.cable_stretch": (
         "UnstretchedLength fit_construction_stretch stretched_position unstretched_length"
     ),
-    "ropeway.systems.studies.cable_stretch_cases": "twelve_cases",
-    "ropeway.systems.studies.catenary_fundamentals": (
+    "ropeway.systems.studies.handbook.inextensible_catenary": (
         "CatenaryCurve catenary_for_horizontal catenary_for_length catenary_for_sag catenary_for_tension"
     ),
-    "ropeway.systems.studies.loaded_span": "LoadedSpan",
-    "ropeway.systems.studies.longest_rope": "longest_rope",
-    "ropeway.systems.studies.payload_comparison": "compare_payload_methods method_errors",
-    "ropeway.systems.studies.payload_exact": "elastic_load exact_load",
-    "ropeway.systems.studies.payload_methods": "payload_for_tension tension_for_payload",
-    "ropeway.systems.studies.tune_response": "TunedResponse tune_response",
-    "ropeway.systems.studies.turk_solvers": "SpanProblem solve_span",
-    "ropeway.systems.studies.worksheet": "lira_worksheet",
-    "ropeway.systems.system": "System",
+    "ropeway.systems.studies.handbook.lira_worksheet": "lira_worksheet",
+    "ropeway.systems.studies.handbook.loaded_span": "LoadedSpan",
+    "ropeway.systems.studies.handbook.longest_rope": "longest_rope",
+    "ropeway.systems.studies.handbook.lyons_cases": "twelve_cases",
+    "ropeway.systems.studies.handbook.payload_comparison": "compare_payload_methods method_errors",
+    "ropeway.systems.studies.handbook.payload_exact": "elastic_load exact_load",
+    "ropeway.systems.studies.handbook.payload_methods": "payload_for_tension tension_for_payload",
+    "ropeway.systems.studies.handbook.turk_solvers": "SpanProblem solve_span",
+    "ropeway.systems.studies.sensitivity.sensitivities": "sensitivities",
+    "ropeway.systems.studies.skyline.inhaul": "Inhaul inhaul",
+    "ropeway.systems.studies.skyline.load_path": "load_path",
+    "ropeway.systems.studies.skyline.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.skyline.pretension": "SetUp set_up tension_history",
+    "ropeway.systems.studies.skyline.support_layout": "Candidate SupportPlan optimise_supports support_range",
+    "ropeway.systems.studies.sweeps.cases": "latin_hypercube",
+    "ropeway.systems.studies.sweeps.sweep": "sweep",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 

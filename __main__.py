@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ropeway.cli_options import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line, folder_for
 from ropeway.components.errors import Interrupted, SimulationError
-from ropeway.components.files import whole
 from ropeway.components.rounding import at_least, at_most
-from ropeway.fmu.command import app as fmu_commands
-from ropeway.fmu.terminal import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line, folder_for
+from ropeway.components.whole_files import whole
+from ropeway.fmu.cli import app as fmu_commands
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ropeway.systems.result import Result
-    from ropeway.systems.studies.scheduling.plan import SchedulePlan
+    from ropeway.systems.dynamics.result import Result
+    from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 
 app = typer.Typer(
     help="Cable logging systems and material ropeways: statics and simulation.",
@@ -150,7 +150,7 @@ def payload(
 ) -> None:
     """Largest payload at stations along a standing skyline, and what limits it."""
     import ropeway as rw
-    from ropeway.systems.studies.corridor_report import payload_command
+    from ropeway.systems.studies.skyline.payload_command import payload_command
 
     with errors_on_one_line():
         folder_for(out)
@@ -209,7 +209,7 @@ def ropes() -> None:
 def _simulate(run: Callable[[], Result], out: Path) -> None:
     """Runs a simulation, writes its tables and pictures, and prints a summary. What has run is written too where the
     run stops before its end."""
-    from ropeway.systems.result import Result
+    from ropeway.systems.dynamics.result import Result
 
     folder_for(out)
     try:
@@ -288,7 +288,7 @@ def _report_plan(plan: SchedulePlan, out: Path) -> None:
 
 def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
     """Prints objectives beside those of constant speed, limits, and robustness."""
-    from ropeway.systems.studies.scheduling.limits import UNITS
+    from ropeway.systems.studies.control.scheduling.limits import UNITS
 
     units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
     runs = {"constant speed": plan.constant, "sheaves in balance": plan.balanced, "optimised": plan.objectives}

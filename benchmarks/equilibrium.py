@@ -23,12 +23,12 @@ from rich.table import Table
 from scipy.optimize import root
 
 import ropeway as rw
-from ropeway.systems.assembly import assemble
-from ropeway.systems.certificate import certify
-from ropeway.systems.equilibrium import Equilibrium
-from ropeway.systems.model import Model
-from ropeway.systems.newton import Buffered, Newton, newton_of
-from ropeway.systems.state import LineState
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.newton import Buffered, Newton, newton_of
+from ropeway.systems.statics.certificate import certify
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.line_state import LineState
 
 KINDS = {"driven": lines.driven, "given": lines.given}
 

@@ -24,9 +24,9 @@ import numpy as np
 from pythonfmu import Fmi2Causality, Fmi2Slave, Real
 
 import ropeway as rw
-from ropeway.systems.assembly import assemble
-from ropeway.systems.moving import Moving
-from ropeway.systems.state import LineState
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.statics.line_state import LineState
 
 rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 line = rw.monocable(rope, {supports!r}, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
@@ -39,7 +39,7 @@ class PythonLine(Fmi2Slave):
         rest = rw.equilibrium(model)
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         state.unpin()
-        self.line = Moving(state, model.signals, 1e-6, lambda exact: None, lambda *a: None, lambda: lambda: None)
+        self.line = EventStepper(state, model.signals, 1e-6, lambda exact: None, lambda *a: None, lambda: lambda: None)
         self.line.set_time(0.0)
         self.line.solve(0.1)
         self.place = model.y.index["c1.tension_in"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ropeway.components.rope import Rope
-from ropeway.systems.studies.payload_comparison import method_errors
+from ropeway.systems.studies.handbook.payload_comparison import method_errors
 
 ROPE = Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 TENSION = 19600.0 * 9.80665

@@ -13,11 +13,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ropeway.systems.studies.kendrick import kendrick_iteration
-from ropeway.systems.studies.loaded_span import LoadedSpan
-from ropeway.systems.studies.longest_rope import longest_rope
-from ropeway.systems.studies.payload_exact import catenary_clamped
-from ropeway.systems.studies.payload_methods import METHODS
+from ropeway.systems.studies.handbook.kendrick import kendrick_iteration
+from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
+from ropeway.systems.studies.handbook.longest_rope import longest_rope
+from ropeway.systems.studies.handbook.payload_exact import catenary_clamped
+from ropeway.systems.studies.handbook.payload_methods import METHODS
 
 HARVEY_PARAMETER = 32e-6
 HARVEY_LONGEST = 0.5

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 import ropeway as rw
-from ropeway.systems.assembly import assemble
+from ropeway.systems.modelling.assembly import assemble
 
 
 def main(spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None) -> None:

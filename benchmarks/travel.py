@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 import ropeway as rw
-from ropeway.systems.assembly import assemble
+from ropeway.systems.modelling.assembly import assemble
 
 
 class Run(NamedTuple):

@@ -1,13 +1,13 @@
 """Floor 1: what a thing is. One component a file, physics only."""
 
-from ropeway.components.anchor import Anchor
+from ropeway.components.anchor import Anchor, SpringAnchor
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.diesel_unit import DieselHydraulicUnit
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
-from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
+from ropeway.components.guyed_spar import GuyedSpar, Guyline
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.joint import Joint
 from ropeway.components.load import Load

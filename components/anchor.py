@@ -6,8 +6,12 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from ropeway.components import check, laws
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
-from ropeway.components.checked import checked
+from ropeway.components.check import POSITIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 
 
@@ -45,3 +49,62 @@ class Anchor(Node):
         return Equations(
             outputs={"tension": norm(pull), **{f"pull_{axis}": pull[i] for i, axis in enumerate("xyz")}},
         )
+
+
+@checked
+@dataclass(frozen=True, kw_only=True)
+class SpringAnchor(Node):
+    """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
+
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check.positive(self.stiffness, self.described, "stiffness", "N/m")
+
+    @property
+    def rope(self) -> Seat:
+        """Where the rope is fixed."""
+        return Seat(self, "rope")
+
+    @property
+    def seats(self) -> tuple[Seat, ...]:
+        return (self.rope,)
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return tuple((axis, f"spring_{axis}") for axis in "xyz")
+
+    def structure(self, site: Site) -> Hashable:
+        return ()
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        par = Kind.PARAMETER
+        return (
+            Variable("stiffness", par, "N/m", "stiffness of the anchor", self.stiffness, 1e6, range=POSITIVE),
+            *(
+                Variable(f"rest_{a}", par, "m", f"{a} without pull", at, 100.0)
+                for a, at in zip("xyz", self.at, strict=True)
+            ),
+            *(
+                Variable(a, Kind.ALGEBRAIC, "m", f"{a} of the anchor", at, 100.0)
+                for a, at in zip("xyz", self.at, strict=True)
+            ),
+            *(Variable(f"spring_{a}", Kind.RESIDUAL, "N", f"forces, {a}", 0.0, 0.01 * site.force) for a in "xyz"),
+            Variable("tension", Kind.OUTPUT, "N", "tension of the rope at the anchor", nominal=site.force),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        pull = v.rope.force
+        place, rest = (v.x, v.y, v.z), (v.rest_x, v.rest_y, v.rest_z)
+        return Equations(
+            residuals={f"spring_{a}": pull[i] - v.stiffness * (place[i] - rest[i]) for i, a in enumerate("xyz")},
+            outputs={"tension": norm(pull)},
+        )
+
+    def laws(self, v: Any) -> dict[str, laws.Law]:
+        place, rest = np.stack([v.x, v.y, v.z]), np.stack([v.rest_x, v.rest_y, v.rest_z])
+        found = laws.balance(v.rope.force, -v.stiffness * (place - rest))
+        # Coordinates are rounded, and a stiff spring feels it.
+        rounding = 1e-7 * v.stiffness * np.abs(rest).max(axis=0)
+        return {f"spring_{axis}": laws.Law(law.miss, law.size + rounding) for axis, law in found.items()}

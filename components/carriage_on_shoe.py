@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ropeway.components import laws, shoe
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport

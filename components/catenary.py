@@ -161,7 +161,7 @@ def loaded(
     return stations
 
 
-class Profile(NamedTuple):
+class SpanCurve(NamedTuple):
     """A loaded span at many stations. `reach` and `force` have shape (n, 3): the vector from the span's
     start [m] and the tension vector [N] (just before a load that stands on the station)."""
 
@@ -188,7 +188,7 @@ def profile(
     distances: Sequence[float],
     loads: Sequence[float],
     stations: np.ndarray,
-) -> Profile:
+) -> SpanCurve:
     """Position, tension and slope at `stations` [m, unstretched, from the span's start] of a loaded span."""
     nodes = loaded(force, weight, strain, length, distances, loads)
     starts = np.array([(0.0, 0.0, 0.0), *(n.reach for n in nodes[:-1])])
@@ -199,4 +199,4 @@ def profile(
     piece = np.maximum(np.searchsorted(cuts, station, side="left") - 1, 0)
     f = forces[piece]
     part = segment((f[:, 0], f[:, 1], f[:, 2]), weight, station - cuts[piece], strain)
-    return Profile(station, starts[piece] + np.column_stack(part.reach), np.column_stack(part.force))
+    return SpanCurve(station, starts[piece] + np.column_stack(part.reach), np.column_stack(part.force))

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ropeway.components import kinds
+from ropeway.components import accepted_values
 from ropeway.components.errors import InputError
 
 Point = tuple[float, float, float]
@@ -56,12 +56,12 @@ def name(value: str, what: str) -> None:
 def number(value: object, owner: str, field: str, unit: str = "", within: Range = ANY) -> None:
     """A finite number within a range."""
     try:
-        refused = within.refuses(kinds.real(value))
-    except kinds.RefusedError as refusal:
+        refused = within.refuses(accepted_values.real(value))
+    except accepted_values.RefusedError as refusal:
         refused = refusal.expected
     if refused:
         of_unit = f" [{unit}]" if unit else ""
-        raise InputError(f"{owner}: {field} is {kinds.short(value)}", f"Give {refused}{of_unit}")
+        raise InputError(f"{owner}: {field} is {accepted_values.short(value)}", f"Give {refused}{of_unit}")
 
 
 def positive(value: float, owner: str, field: str, unit: str = "", *, infinite: bool = False) -> None:

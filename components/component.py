@@ -17,9 +17,9 @@ from enum import Enum
 from typing import Any, ClassVar, NamedTuple
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector
 from ropeway.components.check import ANY, Range
-from ropeway.components.checked import checked
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule

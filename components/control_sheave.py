@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable, form_of
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE
-from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Limit, Port, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above

@@ -14,9 +14,9 @@ from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
-from ropeway.components.checked import checked
 from ropeway.components.component import Energies, Kind, Limit, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check, laws
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError

@@ -73,6 +73,10 @@ class InputError(RopewayError, ValueError):
     """A value that no component or system can have. Raised before anything is built."""
 
 
+class CompilerError(RopewayError):
+    """There is no C compiler, or it failed: its messages are in the cause."""
+
+
 class UnbalancedSystemError(InputError):
     """Equations and unknowns of a system do not match: a port left open, or too much said."""
 

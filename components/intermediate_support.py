@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ropeway.components import check, laws, shoe
+from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ropeway.components import check, laws
+from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 
 

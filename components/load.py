@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ropeway.components import check
-from ropeway.components.checked import checked
+from ropeway.components.argument_checks import checked
 
 
 @checked

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Outlet, Port, Site, Variable
 from ropeway.components.smooth import clip_above
 

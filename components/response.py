@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from ropeway.components import check
+from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 from ropeway.components import check
+from ropeway.components.annotation_checks import Unbounded
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
-from ropeway.components.checked import checked
 from ropeway.components.errors import InputError, UnknownNameError
-from ropeway.components.hints import Unbounded
 
 if TYPE_CHECKING:
     import pandas as pd

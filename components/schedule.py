@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from ropeway.components import table
-from ropeway.components.checked import checked
+from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.components.files import whole
+from ropeway.components.whole_files import whole
 
 
 @checked
@@ -70,7 +70,9 @@ class Schedule:
         InputError
             With file, line and column.
         """
-        layout = table.Layout({"time": "s", column: "m/s" if column == "speed" else ""}, f"time,{column}\n0,0.5\n10,1")
+        layout = table.TableLayout(
+            {"time": "s", column: "m/s" if column == "speed" else ""}, f"time,{column}\n0,0.5\n10,1"
+        )
         read = table.read(path, layout)
         values = read.numbers("time", column)
         read.require_increase(values[:, 0], "time", "s")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ropeway.components import check, laws
+from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
 from ropeway.components.smooth import angle_between, sign
 

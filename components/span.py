@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ropeway.components import catenary, check
+from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.checked import checked
 from ropeway.components.component import Component, Equations, Kind, Limit, RopeEnd, Site, Variable
 from ropeway.components.rope import Rope
 

@@ -7,27 +7,15 @@ gives the one that stands on a terrain.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Protocol, Self
+from typing import Self
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
-from ropeway.components.checked import checked
+from ropeway.components.argument_checks import checked
 from ropeway.components.component import Limit, Node
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Sheave
-
-
-class Ground(Protocol):
-    """A terrain: the elevation [m] at a station [m]."""
-
-    def elevation_at(self, station: float) -> float:
-        """Raises InputError outside the terrain."""
-        ...
-
-    def vertex_at(self, station: float) -> tuple[float, float, float, float, float]:
-        """The vertex of the ground nearest to a station: its station and elevation [m], the slopes (rise over
-        run) before and after it, and half the shorter of its two segments [m]."""
-        ...
+from ropeway.components.terrain import Profile
 
 
 @checked
@@ -61,7 +49,7 @@ class Standing(Node):
                 f"{self.described} stands {-self.height:g} m below the ground", "Give a height above the ground"
             )
 
-    def placed(self, ground: Ground | None) -> Self:
+    def placed(self, ground: Profile | None) -> Self:
         """The same at its point on a terrain. Raises InputError where that cannot be."""
         if self.station is None or self.height is None:
             self.require_above(ground)
@@ -73,7 +61,7 @@ class Standing(Node):
         elevation = ground.elevation_at(self.station)
         return replace(self, at=(self.station, 0.0, elevation + self.height))
 
-    def require_above(self, ground: Ground | None) -> None:
+    def require_above(self, ground: Profile | None) -> None:
         """Raises InputError where its point lies below a terrain."""
         if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
             raise InputError(

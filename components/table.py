@@ -25,7 +25,7 @@ HEADER = -1
 
 
 @dataclass(frozen=True)
-class Layout:
+class TableLayout:
     """What a table must have. `columns`: names of those that it needs, with the unit of those that hold numbers
     ("" for any) and None for text; `example`: its first lines, as errors show them; `differences`: columns whose values
     are differences, for which the zero of a scale does not count."""
@@ -55,7 +55,7 @@ class Table:
     rows: Sequence[Sequence[Cell]]
     lines: Sequence[str]
     first: str
-    layout: Layout
+    layout: TableLayout
     separator: str
 
     def __len__(self) -> int:
@@ -128,7 +128,7 @@ class Table:
         return values if (factor, offset) == (1.0, 0.0) else factor * values + offset
 
 
-def read(source: Source, *layouts: Layout) -> Table:
+def read(source: Source, *layouts: TableLayout) -> Table:
     """A table from a file or a DataFrame.
 
     Parameters
@@ -160,7 +160,7 @@ def read(source: Source, *layouts: Layout) -> Table:
     return _checked(raw, layouts)
 
 
-def _checked(raw: RawTable, layouts: Sequence[Layout]) -> Table:
+def _checked(raw: RawTable, layouts: Sequence[TableLayout]) -> Table:
     """A table whose header and rows fit each other and one of the layouts. Raises InputError."""
     wanted = {column.casefold(): column for layout in layouts for column in layout.columns}
     keys, given = list(raw.header), [""] * len(raw.header)
@@ -203,7 +203,7 @@ def _length_hint(row: Sequence[Cell], raw: RawTable) -> str:
     return "Give each row a value, or a blank, for each column"
 
 
-def _with_example(remedy: str, layout: Layout) -> str:
+def _with_example(remedy: str, layout: TableLayout) -> str:
     end = "" if remedy.endswith("?") else "."
     return f"{remedy}{end} An example: {' / '.join(layout.example.splitlines())}"
 

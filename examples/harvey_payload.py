@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 import ropeway as rw
-from ropeway.systems.studies.payload_comparison import compare_payload_methods
+from ropeway.systems.studies.handbook.payload_comparison import compare_payload_methods
 
 TENSION = 19600.0 * 9.80665
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import ropeway as rw
-from ropeway.systems.studies.cable_stretch import unstretched_length
-from ropeway.systems.studies.cable_stretch_cases import CASES, locus_phi, psi_average, psi_construction, twelve_cases
+from ropeway.systems.studies.handbook.cable_stretch import unstretched_length
+from ropeway.systems.studies.handbook.lyons_cases import CASES, locus_phi, psi_average, psi_construction, twelve_cases
 
 
 def main(folder: Path | None = None) -> Path:

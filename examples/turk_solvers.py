@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from ropeway.systems.studies.turk_solvers import History, SpanProblem, solve_span
+from ropeway.systems.studies.handbook.turk_solvers import History, SpanProblem, solve_span
 
 LOADS = 8
 METHODS = {"successive substitution": "#b5482a", "Newton-Raphson": "#1b6ca8", "Brown": "#5b8c2a"}

@@ -4,28 +4,28 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ropeway.fmu.cosimulation import CoSimulation as CoSimulation
-    from ropeway.fmu.embedded import FmuComponent as FmuComponent
-    from ropeway.fmu.embedded import component as component
+    from ropeway.fmu.cosimulation.cosimulation import CoSimulation as CoSimulation
+    from ropeway.fmu.cosimulation.step_control import StepControl as StepControl
     from ropeway.fmu.errors import FmuError as FmuError
     from ropeway.fmu.errors import FmuExportError as FmuExportError
     from ropeway.fmu.errors import FmuImportError as FmuImportError
     from ropeway.fmu.errors import FmuRunError as FmuRunError
     from ropeway.fmu.errors import FmuVariableError as FmuVariableError
-    from ropeway.fmu.exporting import export as export
-    from ropeway.fmu.imported import Fmu as Fmu
-    from ropeway.fmu.imported import load as load
-    from ropeway.fmu.slave import Slave as Slave
-    from ropeway.fmu.stepping import StepControl as StepControl
+    from ropeway.fmu.exporting.export import export as export
+    from ropeway.fmu.importing.fmu_component import FmuComponent as FmuComponent
+    from ropeway.fmu.importing.fmu_component import component as component
+    from ropeway.fmu.importing.fmu_file import Fmu as Fmu
+    from ropeway.fmu.importing.fmu_file import load as load
+    from ropeway.fmu.importing.participant import Slave as Slave
 
 _HOMES = {
-    "cosimulation": "CoSimulation",
-    "embedded": "FmuComponent component",
+    "cosimulation.cosimulation": "CoSimulation",
+    "cosimulation.step_control": "StepControl",
     "errors": "FmuError FmuExportError FmuImportError FmuRunError FmuVariableError",
-    "exporting": "export",
-    "imported": "Fmu load",
-    "slave": "Slave",
-    "stepping": "StepControl",
+    "exporting.export": "export",
+    "importing.fmu_component": "FmuComponent component",
+    "importing.fmu_file": "Fmu load",
+    "importing.participant": "Slave",
 }
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 

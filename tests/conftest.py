@@ -1,15 +1,12 @@
-"""Makes the helpers of this folder importable from every test, and gives the campaigns their options."""
+"""Settings of all tests, and the options of the campaigns."""
 
 import os
 import signal
-import sys
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from hypothesis import settings
 
-sys.path.insert(0, str(Path(__file__).parent))
 # Most of an export's time is the compiler's optimisation: two FMUs of tests/fmu/conftest.py have it, others do without.
 os.environ.setdefault("CFLAGS", "-O0")
 settings.register_profile("ropeway", deadline=None, derandomize=True, max_examples=50)

@@ -16,8 +16,8 @@ import typer
 from typer.testing import CliRunner
 
 from ropeway.__main__ import app
+from ropeway.cli_options import errors_on_one_line
 from ropeway.components.errors import RopewayWarning
-from ropeway.fmu.terminal import errors_on_one_line
 
 Command = Callable[..., Any]
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"

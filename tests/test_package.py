@@ -32,6 +32,15 @@ def test_every_package_has_an_init() -> None:
         assert (ROOT.joinpath(*package.split(".")[1:]) / "__init__.py").is_file(), package
 
 
+def test_folders_are_small_and_named_in_the_readme() -> None:
+    structure = (ROOT / "README.md").read_text().split("## Structure")[1]
+    for package in packages()[1:]:
+        folder = ROOT.joinpath(*package.split(".")[1:])
+        assert f"{folder.name}/" in structure, package
+        modules = [p for p in folder.glob("*.py") if p.name != "__init__.py"]
+        assert len(modules) <= 18 or folder.name in ("components", "examples"), package
+
+
 @pytest.mark.slow
 def test_wheel_holds_the_tree(tmp_path: Path) -> None:
     source = tmp_path / "source"
@@ -43,7 +52,8 @@ def test_wheel_holds_the_tree(tmp_path: Path) -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     wanted = {f"ropeway/{f}" for f in tracked if f.endswith(".py") and ("/" not in f or f.split("/")[0] in CODE)}
     assert wanted <= names
-    assert {"ropeway/py.typed", "ropeway/examples/line.csv"} <= names
+    data = ("py.typed", "examples/line.csv", "systems/native/ropeway.h", "fmu/exporting/templates/fmi3.c")
+    assert {f"ropeway/{name}" for name in data} <= names
     assert not any(n.startswith(("tests/", "ropeway/tests/", "ropeway/benchmarks/")) for n in names)
 
 

@@ -8,9 +8,9 @@ from ropeway.components.anchor import Anchor
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.span import Span
 from ropeway.components.spar import Block
-from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.rigs.skyline import SkylineRig
-from ropeway.systems.system import System
+from ropeway.systems.modelling.system import System
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 
 def bare_tension(rig: SkylineRig) -> float:

@@ -9,20 +9,20 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.checked import checked
+from ropeway.components.annotation_checks import Positive
+from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.errors import InputError
-from ropeway.components.hints import Positive
 from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
 from ropeway.components.table import Source
-from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.rigs.supports import own_values, read_supports
-from ropeway.systems.system import GRAVITY, System
+from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.support_table import own_values, read_supports
+from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 
 @checked

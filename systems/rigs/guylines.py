@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from ropeway.components.anchor import Anchor
-from ropeway.components.checked import checked
+from ropeway.components.anchor import Anchor, SpringAnchor
+from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
-from ropeway.components.guyed_spar import GuyedSpar, Guyline, SpringAnchor
+from ropeway.components.guyed_spar import GuyedSpar, Guyline
 from ropeway.components.span import Span
-from ropeway.systems.equilibrium import equilibrium
-from ropeway.systems.system import System
+from ropeway.systems.modelling.system import System
+from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 
 @checked

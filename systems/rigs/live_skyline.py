@@ -4,29 +4,30 @@ from __future__ import annotations
 
 from typing import Unpack
 
+from ropeway.components.annotation_checks import Positive
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
-from ropeway.components.checked import checked
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
-from ropeway.components.spar import Ground, HeadSpar, TailSpar
-from ropeway.systems.rigs.joining import SkylineParts, joined
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.system import GRAVITY
+from ropeway.components.spar import HeadSpar, TailSpar
+from ropeway.components.terrain import Profile
+from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.rigs.rig_builder import SkylineParts, joined
+from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 
 
 @checked
-def live_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
+def live_skyline(terrain: Profile | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
     """A skyline on a drum at the headspar, so that it can be lowered and raised: `HEADSPAR.travel` is the rope
     paid out [m]. All keywords are those of `standing_skyline`; `payload(..., clearance=)` and `load_path(...,
     height=)` set its length at each station. Raises InputError, SlackRopeError.
     """
-    return joined(Kind.LIVE, terrain, **parts)
+    return joined(RigKind.LIVE, terrain, **parts)
 
 
 @checked
 def gravity_skyline(
-    terrain: Ground | None,
+    terrain: Profile | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
@@ -43,7 +44,7 @@ def gravity_skyline(
     SlackRopeError.
     """
     return joined(
-        Kind.GRAVITY,
+        RigKind.GRAVITY,
         terrain,
         headspar=headspar,
         tailspar=tailspar,

@@ -8,20 +8,20 @@ from typing import Any, TypeVar
 
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
-from ropeway.components.checked import checked
+from ropeway.components.annotation_checks import Positive
+from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
-from ropeway.components.hints import Positive
 from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
-from ropeway.systems.empty_rope import support_tensions
-from ropeway.systems.rigs.supports import own_values, read_supports
-from ropeway.systems.system import GRAVITY, System
+from ropeway.systems.modelling.empty_rope import support_tensions
+from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.support_table import own_values, read_supports
 
 _Part = TypeVar("_Part", Drive, Response)
 

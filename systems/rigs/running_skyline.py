@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from ropeway.components import check
+from ropeway.components.annotation_checks import Positive
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
-from ropeway.components.checked import checked
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.hints import Positive
 from ropeway.components.rope import Rope
-from ropeway.components.spar import Ground, HeadSpar, TailSpar
-from ropeway.systems.rigs.joining import joined
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
-from ropeway.systems.system import GRAVITY
+from ropeway.components.spar import HeadSpar, TailSpar
+from ropeway.components.terrain import Profile
+from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.rigs.rig_builder import joined
+from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 
 
 @checked
 def running_skyline(
-    terrain: Ground | None,
+    terrain: Profile | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
@@ -36,7 +37,7 @@ def running_skyline(
     if carriage.clamped:
         raise InputError(f"{carriage.described} is clamped", "A running skyline's carriage rolls on the haulback")
     return joined(
-        Kind.RUNNING,
+        RigKind.RUNNING,
         terrain,
         headspar=headspar,
         tailspar=tailspar,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Unpack
 
-from ropeway.components.checked import checked
-from ropeway.components.spar import Ground
-from ropeway.systems.rigs.joining import SkylineParts, joined
-from ropeway.systems.rigs.skyline import Kind, SkylineRig
+from ropeway.components.argument_checks import checked
+from ropeway.components.terrain import Profile
+from ropeway.systems.rigs.rig_builder import SkylineParts, joined
+from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 
 
 @checked
-def standing_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
+def standing_skyline(terrain: Profile | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
     """A standing skyline with its carriage.
 
     terrain: a `Profile`, or None when headspar, supports and tailspar are placed with at=.
@@ -26,4 +26,4 @@ def standing_skyline(terrain: Ground | None, **parts: Unpack[SkylineParts]) -> S
     on a dropline, which drags on the ground or hangs free; the payload is then its mass. `name`; `gravity` [m/s2].
     Raises InputError, SlackRopeError.
     """
-    return joined(Kind.STANDING, terrain, **parts)
+    return joined(RigKind.STANDING, terrain, **parts)

@@ -1,0 +1,1 @@
+"""Floor 8: questions about a system, a folder for each subject."""

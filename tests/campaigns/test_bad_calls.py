@@ -24,14 +24,14 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import calls
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
-from call_objects import CARRIAGE, HEAD, ROPE, TAIL
 
 import ropeway as rw
+from support import calls
+from support.call_objects import CARRIAGE, HEAD, ROPE, TAIL
 
 if TYPE_CHECKING:
     from conftest import Campaign

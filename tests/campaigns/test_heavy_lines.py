@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from drum_oracle import GRAVITY, drum_ends, holds_tension
-from oracle import Material
 
 import ropeway as rw
+from support.drum_oracle import GRAVITY, drum_ends, holds_tension
+from support.oracle import Material
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 MATERIAL = Material(ROPE.mass_per_length * GRAVITY, *ROPE.strain)

@@ -10,8 +10,9 @@ import time
 import numpy as np
 import pytest
 from conftest import Campaign
-from random_rigs import drawn
-from rig_verdicts import Verdict, judge
+
+from support.random_rigs import drawn
+from support.rig_verdicts import Verdict, judge
 
 
 @pytest.mark.slow

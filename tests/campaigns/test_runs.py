@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import RandomRun, random_run
 
 import ropeway as rw
+from support.runs import RandomRun, random_run
 
 LIMIT = 90.0
 """Processor time [s] that one run may take: thousands of loads that swing over a support take most of it."""

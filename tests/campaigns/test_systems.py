@@ -11,9 +11,9 @@ from collections import Counter
 
 import pytest
 from conftest import Campaign
-from known_systems import judged, known_system, stiffness
 
 import ropeway as rw
+from support.known_systems import judged, known_system, stiffness
 
 LONGEST = 60.0
 """Seconds that no system may take."""
@@ -21,7 +21,7 @@ LONGEST = 60.0
 
 def stable(case: object) -> bool:
     """Whether the known equilibrium is one that a rope keeps."""
-    from known_systems import Known, _pieces
+    from support.known_systems import Known, _pieces
 
     assert isinstance(case, Known)
     on = {name: (k, distance) for name, k, distance, _, _ in case.loads}

@@ -26,7 +26,7 @@ NAMES = {
     "mac-roman": "Höhe Stütze Weißbach Größe Vallée",
     "cp1252": "Höhe Stütze Weißbach Größe Rivière Vallée Châtel Forêt Città Sørli Ås Málaga Peña São",
 }
-LAYOUT = table.Layout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4")
+LAYOUT = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4")
 
 
 def written(value: float, mark: str, groups: str) -> str:
@@ -115,7 +115,7 @@ def test_no_name_is_garbled_silently(campaign: Any, tmp_path: Path) -> None:
         path.write_bytes(("name,x\n" + "".join(f"{name} {i},{i}\n" for i, name in enumerate(chosen))).encode(encoding))
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
-            read = attempt(lambda: table.read(path, table.Layout({"name": None}, "name\na")).texts("name"))
+            read = attempt(lambda: table.read(path, table.TableLayout({"name": None}, "name\na")).texts("name"))
         if isinstance(read, rw.InputError):
             assert encoding not in ("utf-8", "cp1252"), f"seed {seed}: {read}"
             found["refused"] += 1

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracle import Material, by_ode
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from support.oracle import Material, by_ode
 
 EA = 34.8e6
 STRAINS = {"elastic": Strain(1.0 / EA, 0.0), "inextensible": Strain(0.0, 0.0), "new": Strain(1.0 / EA, 1.2e-13)}

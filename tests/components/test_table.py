@@ -18,7 +18,7 @@ import ropeway as rw
 from ropeway.components import table
 from ropeway.components.identifier import identifier
 
-GROUND = table.Layout({"station": "m", "elevation": "m", "remark": None}, "station,elevation,remark\n0,846.4,road")
+GROUND = table.TableLayout({"station": "m", "elevation": "m", "remark": None}, "station,elevation,remark\n0,846.4,road")
 ROWS = [(0.0, 1846.25, "Bach"), (12.5, 1840.5, 'Weg "alt"'), (1033.75, 1790.0, "Höhe; oben, links")]
 
 
@@ -109,7 +109,7 @@ def test_never_another_number(
 def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("time;speed\n" + ";".join(cells) + "\n")
-    found = table.read(path, table.Layout({"time": "s", "speed": "m/s"}, "time,speed\n0,1"))
+    found = table.read(path, table.TableLayout({"time": "s", "speed": "m/s"}, "time,speed\n0,1"))
     assert found.numbers("time", "speed")[0].tolist() == pytest.approx(expected, rel=1e-15)
 
 

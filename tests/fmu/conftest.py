@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import pytest
-from fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
-from kinds import kinds_fmu
-from masses import mass_fmu
 
 from ropeway.fmu import export
+from support.fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
+from support.kinds import kinds_fmu
+from support.masses import mass_fmu
 
 Make = Callable[..., Path]
 """A function that exports a system to a file of a name: `make(name, system, fmi, ...)`."""

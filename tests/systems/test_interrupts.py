@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from fmus import corridor
-from schedule_lines import line
 
 import ropeway as rw
-from ropeway.fmu import compiler
+from ropeway.systems.dynamics.simulation import _Simulation
 from ropeway.systems.interrupts import interruptible, keeping, stop_if_interrupted, users_code
-from ropeway.systems.newton import Buffered
-from ropeway.systems.simulation import _Simulation
-from ropeway.systems.studies.scheduling import nonlinear_program
-from ropeway.systems.studies.stations import Stations
+from ropeway.systems.native import compiler
+from ropeway.systems.solvers.newton import Buffered
+from ropeway.systems.studies.control.scheduling import nonlinear_program
+from ropeway.systems.studies.skyline.station_solver import Stations
+from support.fmus import corridor
+from support.schedule_lines import line
 
 Patch = pytest.MonkeyPatch
 

@@ -9,12 +9,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from fmus import corridor
-from schedule_lines import line
 
 import ropeway as rw
-from ropeway.fmu.cosimulation import CoSimulation
-from ropeway.systems.newton import Buffered
+from ropeway.fmu.cosimulation.cosimulation import CoSimulation
+from ropeway.systems.solvers.newton import Buffered
+from support.fmus import corridor
+from support.schedule_lines import line
 
 
 @pytest.fixture(autouse=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.studies.corridor_report import payload_command
+from ropeway.systems.studies.skyline.payload_command import payload_command
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)

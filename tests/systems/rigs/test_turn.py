@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.studies.stations import Stations
+from ropeway.systems.studies.skyline.station_solver import Stations
 
 G = 9.80665
 CORRIDOR = rw.Profile.from_csv(Path(rw.__file__).parent / "examples" / "corridor.csv")

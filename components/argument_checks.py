@@ -1,0 +1,166 @@
+"""The door of the library: what a user calls checks its arguments by their annotations.
+
+`@checked` stands on functions, methods and classes that a user calls. The annotations are resolved once, when one is
+called for the first time. Signatures, help and types stay what they are.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import typing
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from functools import cache, wraps
+from types import FunctionType, SimpleNamespace
+from typing import Any, NamedTuple, TypeVar
+
+from ropeway.components.accepted_values import Check, RefusedError, short
+from ropeway.components.annotation_checks import check_of
+from ropeway.components.errors import InputError
+
+_Target = TypeVar("_Target", bound=Callable[..., Any])
+
+
+def checked(target: _Target) -> _Target:
+    """Check the arguments of a function; of a class, those of its constructor and of its own public methods.
+
+    A wrong kind of value, an unknown, missing or superfluous argument is an InputError.
+    """
+    if not isinstance(target, type):
+        return typing.cast(_Target, _door(target, target.__qualname__, lambda: _hints_of(target)))
+    kind: Any = target
+    if isinstance(vars(kind).get("__init__"), FunctionType):
+        constructor = kind.__init__
+        kind.__init__ = _door(constructor, kind.__name__, lambda: _hints_of(constructor, kind))
+    for name, member in list(vars(kind).items()):
+        function = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
+        if (not name.startswith("_") or name == "__getitem__") and isinstance(function, FunctionType):
+            door = checked(function)
+            setattr(kind, name, type(member)(door) if function is not member else door)
+    return target
+
+
+class _Signature(NamedTuple):
+    """The arguments of a callable: their checks by name, None where everything is allowed."""
+
+    owner: str
+    positional: tuple[str, ...]
+    required: tuple[str, ...]
+    checks: Mapping[str, Check | None]
+    rest: str
+    open: bool
+    """Whether all is allowed: as the laws of a component, which the solvers call."""
+
+    def admit(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[Any, ...]:
+        """Positional arguments as they are used; those by name are replaced in place. Raises InputError."""
+        checks, positional, given = self.checks, self.positional, len(args)
+        if self.open and given == len(positional) and not kwargs:
+            return args
+        if given > len(positional) and not self.rest:
+            bound = positional[:1] in (("self",), ("cls",))
+            raise InputError(
+                f"{self.owner} has {given - bound} arguments without a name",
+                f"It takes {len(positional) - bound} at most",
+            )
+        found = list(args)
+        for i, value in enumerate(args):
+            name = positional[i] if i < len(positional) else self.rest
+            check = checks[name]
+            if check is not None:
+                try:
+                    found[i] = check(value)
+                except RefusedError as refusal:
+                    raise self.refused(name, refusal, args, kwargs) from None
+        for name, value in kwargs.items():
+            check = checks.get(name, _unknown)
+            if check is _unknown or name == self.rest:
+                raise self.unknown(name)
+            if name in positional[:given]:
+                raise InputError(f"{self.owner} has two values for {name}", "Give one")
+            if check is not None:
+                try:
+                    kwargs[name] = check(value)
+                except RefusedError as refusal:
+                    raise self.refused(name, refusal, args, kwargs) from None
+        if missing := [n for n in self.required if n not in kwargs and n not in positional[:given]]:
+            raise InputError(f"{self.owner} has no {', no '.join(missing)}", f"Give {' and '.join(missing)}")
+        return tuple(found)
+
+    def refused(self, name: str, refusal: RefusedError, args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> InputError:
+        """The error for one argument; a component is named by its own name too."""
+        owner = self.owner
+        if self.checks.get("name") is not None and name != "name":
+            known = dict(zip(self.positional, args, strict=False)) | dict(kwargs)
+            owner += f" {known['name']!r}" if isinstance(known.get("name"), str) else ""
+        return InputError(f"{owner}: {name}{refusal.place} is {short(refusal.value)}", f"Give {refusal.expected}")
+
+    def unknown(self, name: str) -> InputError:
+        """The error for a keyword that the callable does not have."""
+        names = [n for n in self.checks if n not in (self.rest, "self", "cls")]
+        near = get_close_matches(name, names, 1)
+        remedy = f"Did you mean {near[0]}?" if near else f"It has {', '.join(names) or 'no arguments'}"
+        return InputError(f"{self.owner} has no argument {name!r}", remedy)
+
+
+def _unknown(value: Any) -> Any:
+    """Stands for the check of an argument that does not exist."""
+    return value
+
+
+def _door(function: Any, owner: str, hints: Callable[[], Mapping[str, Any]]) -> Any:
+    signature = cache(lambda: _signature(function, owner, hints()))
+
+    @wraps(function)
+    def door(*args: Any, **kwargs: Any) -> Any:
+        args = signature().admit(args, kwargs)
+        try:
+            return function(*args, **kwargs)
+        except (ArithmeticError, MemoryError) as error:
+            raise InputError(
+                f"{owner}: the numbers given lead beyond what a computer can hold ({type(error).__name__})",
+                "Check their units; one of them is far too large or too small",
+            ) from error
+
+    return door
+
+
+def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signature:
+    positional: list[str] = []
+    required: list[str] = []
+    checks: dict[str, Check | None] = {}
+    rest = ""
+    for name, parameter in inspect.signature(function).parameters.items():
+        hint = hints.get(name, Any)
+        if parameter.kind is parameter.VAR_KEYWORD:
+            (parts,) = typing.get_args(hint)  # Unpack[a TypedDict]
+            for key, kind in typing.get_type_hints(parts, include_extras=True).items():
+                checks[key] = check_of(kind)
+                said = typing.get_origin(kind)
+                if said is typing.Required or (parts.__total__ and said is not typing.NotRequired):
+                    required.append(key)
+            continue
+        checks[name] = check_of(hint)
+        if parameter.kind is parameter.VAR_POSITIONAL:
+            rest = name
+            continue
+        if parameter.kind is not parameter.KEYWORD_ONLY:
+            positional.append(name)
+        if parameter.default is parameter.empty:
+            required.append(name)
+    everything = not rest and len(checks) == len(positional) and not any(checks.values())
+    return _Signature(owner, tuple(positional), tuple(required), checks, rest, everything)
+
+
+def _hints_of(function: Any, kind: type | None = None) -> dict[str, Any]:
+    """Annotations of the arguments. Those of a constructor that are a field's mean what they do in the module of the
+    class that declares the field."""
+    hints: dict[str, Any] = {}
+    for name, hint in function.__annotations__.items():
+        if name == "return":
+            continue
+        bases = () if kind is None else kind.__mro__
+        home = next((b for b in bases if vars(b).get("__annotations__", {}).get(name) == hint), function)
+        names = vars(sys.modules[home.__module__])
+        hints |= typing.get_type_hints(SimpleNamespace(__annotations__={name: hint}), names, include_extras=True)
+    return hints

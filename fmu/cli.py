@@ -1,0 +1,115 @@
+"""`ropeway fmu export LINE.csv -o line.fmu`, `ropeway fmu info X.fmu`, `ropeway fmu run X.fmu --until 60`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, cast
+
+import pandas as pd
+import typer
+
+from ropeway.cli_options import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
+from ropeway.components.whole_files import whole
+
+app = typer.Typer(
+    help="FMUs: export a line, show what is in an FMU, run one.", no_args_is_help=True, rich_markup_mode=None
+)
+
+File = Annotated[Path, typer.Argument(help="An FMU.")]
+
+
+@app.command("export")
+def export_line(
+    line: Annotated[Path, typer.Argument(help="Supports: CSV with columns name,x,y,z,kind, as for `simulate`.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The FMU to write.")] = Path("line.fmu"),
+    fmi: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "2.0",
+    platform: Annotated[
+        list[str] | None, typer.Option(help="Platform of a binary; repeat the option for more.")
+    ] = None,
+    rope: RopeName = "RHOL-IWRC 29",
+    tension: Tension = 45e3,
+    speed: Annotated[float, typer.Option(help="Speed of the rope at the start [m/s].")] = 1.0,
+    load_mass: LoadMass = 300.0,
+    load_spacing: LoadSpacing = 50.0,
+) -> None:
+    """Export a mono-cable line as an FMU."""
+    from ropeway.components.rope import Rope
+    from ropeway.fmu.exporting.export import export
+    from ropeway.systems.rigs.monocable import monocable
+
+    with errors_on_one_line():
+        system = monocable(
+            Rope.named(rope),
+            line,
+            tension=tension,
+            speed=speed,
+            load_mass=load_mass,
+            load_spacing=load_spacing,
+            name=line.stem,
+        )
+        path = export(system, out, cast(Literal["2.0", "3.0"], fmi), platforms=tuple(platform or ("host",)))
+        typer.echo(f"Written to {path.resolve()} ({path.stat().st_size / 1e3:.0f} kB)")
+
+
+@app.command()
+def info(file: File) -> None:
+    """Show what an FMU is and its inputs, outputs and parameters."""
+    from ropeway.fmu.importing.fmu_file import load
+
+    with errors_on_one_line():
+        fmu = load(file)
+        typer.echo(f"{fmu.name}: FMI {fmu.fmi}, {', '.join(fmu.kinds)}; binaries: {', '.join(fmu.platforms) or 'none'}")
+        for causality in ("input", "output", "parameter"):
+            chosen = fmu.variables[fmu.variables["causality"] == causality]
+            typer.echo(f"\n{len(chosen)} of causality {causality}")
+            for name, row in chosen.iterrows():
+                start = "" if row["start"] is None else f" = {row['start']}"
+                typer.echo(f"  {name}{start} [{row['unit'] or '-'}]  {row['description']}")
+
+
+@app.command()
+def run(
+    file: File,
+    until: Annotated[float, typer.Option(help="End of the run [s].")],
+    step: Annotated[float, typer.Option(help="Communication step, the time between two rows [s].")] = 0.1,
+    out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
+    start: Annotated[
+        list[str] | None, typer.Option(help="A start value as name=value; repeat the option for more.")
+    ] = None,
+) -> None:
+    """Run an FMU, for Co-Simulation or Model Exchange; write its outputs as a table."""
+    from ropeway.components.errors import InputError, Interrupted
+    from ropeway.fmu.cosimulation.cosimulation import CoSimulation
+    from ropeway.fmu.errors import FmuRunError
+    from ropeway.fmu.importing.fmu_file import load
+    from ropeway.fmu.importing.variable_types import from_text
+
+    with errors_on_one_line():
+        if not out.parent.is_dir():
+            raise InputError(f"There is no folder {out.parent}", "Make it, or choose another")
+        if out.is_dir():
+            raise InputError(f"{out} is a folder", "Give the name of a file with --out")
+        fmu = load(file)
+        values = {}
+        for text in start or []:
+            name, equals, value = text.partition("=")
+            if not equals:
+                raise InputError(f"{text!r} is not name=value", "Give a value after an equals sign")
+            values[name] = from_text(fmu.entry(name), value)
+        together = CoSimulation(step)
+        together.add("fmu", fmu, start=values)
+        try:
+            typer.echo(_table(together.run(until), out))
+        except (FmuRunError, Interrupted) as error:
+            if isinstance(error.result, pd.DataFrame) and len(error.result):
+                typer.echo(_table(error.result, out), err=True)
+            raise
+
+
+def _table(frame: pd.DataFrame, out: Path) -> str:
+    """Writes the outputs of a run with their units, and says so."""
+    units = frame.attrs["units"]
+    named = frame.rename(columns={c: f"{c.removeprefix('fmu.')} [{units[c]}]" for c in frame.columns})
+    with whole(out) as file:
+        named.rename_axis("time [s]").to_csv(file)
+    return f"{len(named)} rows of {len(named.columns)} outputs written to {out.resolve()}"

@@ -1,0 +1,1 @@
+"""FMUs and systems coupled by a master."""

@@ -1,0 +1,280 @@
+"""Open slaves and what passes between them: a common start, and one communication step after another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ropeway.fmu.cosimulation.discrete_exchange import Connection, Exchange
+from ropeway.fmu.cosimulation.input_signals import Signal
+from ropeway.fmu.errors import FmuRunError
+from ropeway.fmu.importing.participant import OpenFmu
+
+Master = Literal["Jacobi", "Gauss-Seidel"]
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """How a step is taken. master: "Jacobi" (all from the values at the last point) or "Gauss-Seidel" (in the order in
+    which they were added, each with the newest values); iterated: repeated until the values at its end agree to
+    `tolerance`, relative, in at most so many iterations."""
+
+    master: Master
+    iterated: bool
+    tolerance: float
+    iterations: int
+
+    @property
+    def order(self) -> int:
+        """By which power of the step inputs within it are wrong: they are held, or linear."""
+        return 2 if self.iterated else 1
+
+
+class Coupling:
+    """Slaves between two communication points, at `time` [s]. `values` is what the continuous connections carry,
+    `missed` by how much the values at the end of the last step differ from those that the slaves were given for it:
+    held ones, or, when iterated, those that the step before predicted. `aligned`: all slaves stand at `time`; they do
+    not where an FMU ends the run within a step after others have gone further."""
+
+    def __init__(
+        self,
+        slaves: Mapping[str, OpenFmu],
+        connections: Sequence[Connection],
+        scheme: Scheme,
+        signals: Mapping[str, Signal] | None = None,
+        time: float = 0.0,
+    ) -> None:
+        self.slaves, self.scheme, self.time, self.aligned = slaves, scheme, time, True
+        held = [c for c in connections if c.held]
+        self.connections = connections = [c for c in connections if not c.held]
+        loose = {t: s for t, s in (signals or {}).items() if s.linear}
+        self._signals = {name: _owned(loose, name) for name in slaves}
+        jumps = {t: s for t, s in (signals or {}).items() if not s.linear}
+        self.held = Exchange(slaves, held, jumps, scheme.iterations)
+        self._sources = {name: _ends([c.source for c in connections], name) for name in slaves}
+        self._targets = {name: _ends([c.target for c in connections], name) for name in slaves}
+        self._factors = np.array([c.factor for c in connections])
+        self._offsets = np.array([c.offset for c in connections])
+        self.values = np.zeros(len(connections))
+        self.missed = np.zeros(len(connections))
+        self._slopes = np.zeros(len(connections))
+        self._outputs = {name: slave.fmu.outputs() for name, slave in slaves.items()}
+        self.names = [f"{name}.{v}" for name, outputs in self._outputs.items() for v in outputs]
+        self.nominals = np.concatenate([_nominals(slaves[name], outputs) for name, outputs in self._outputs.items()])
+        self.input_nominals = np.array([1.0] * len(connections))
+        for name, ends in self._targets.items():
+            for i, nominal in zip(ends, _nominals(slaves[name], list(ends.values())), strict=True):
+                self.input_nominals[i] = nominal
+
+    @property
+    def can_restore(self) -> bool:
+        """Whether a step can be repeated."""
+        return all(slave.can_restore for slave in self.slaves.values())
+
+    def outputs(self) -> np.ndarray:
+        """All real outputs, as in `names`. Raises FmuRunError."""
+        return np.concatenate([self.slaves[name].get(outputs) for name, outputs in self._outputs.items()])
+
+    def _read(self, name: str, values: np.ndarray) -> None:
+        """Writes what a slave gives to its connections into `values`."""
+        ends, slave = self._sources[name], self.slaves[name]
+        found = slave.get(list(ends.values()))
+        for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
+            if not math.isfinite(value):
+                cause = f"{name}.{variable} is {value} at t = {slave.time:.9g} s"
+                raise FmuRunError(cause, "Look at its inputs there", time=slave.time)
+            values[i] = self._factors[i] * value + self._offsets[i]
+
+    def _read_all(self) -> np.ndarray:
+        values = np.zeros(len(self.connections))
+        for name in self.slaves:
+            self._read(name, values)
+        return values
+
+    def _inputs(self, name: str, values: np.ndarray) -> dict[str, float]:
+        return {variable: float(values[i]) for i, variable in self._targets[name].items()}
+
+    def _now(self, name: str) -> dict[str, float]:
+        """What signals give a slave from now on."""
+        return {variable: float(signal.after(self.time)) for variable, signal in self._signals[name].items()}
+
+    def _miss(self, values: np.ndarray) -> np.ndarray:
+        """What the slaves answer to values, less these."""
+        for name, slave in self.slaves.items():
+            slave.set(self._inputs(name, values) | self._now(name))
+        return self._read_all() - values
+
+    def exchange(self) -> None:
+        """Passes all values on, with outputs that follow inputs at once. Raises FmuRunError."""
+        for _ in range(self.scheme.iterations):
+            values = self._read_all()
+            self.values = values + self._miss(values)
+            if not self.held.settle(self.time):
+                return
+        raise FmuRunError(
+            f"Values of the connections keep changing at t = {self.time:.9g} s",
+            "Discrete and real connections are a loop: cut it",
+            time=self.time,
+        )
+
+    def initialise(self) -> None:
+        """Consistent values of the connections. Raises FmuRunError."""
+        self.held.settle(self.time)
+        self._solve()
+        if self.held.settle(self.time):
+            self._solve()
+
+    def _solve(self) -> None:
+        """Consistent values of the continuous connections by a damped Newton's method. Raises FmuRunError."""
+        values = self._read_all()
+        miss = self._miss(values)
+        for _ in range(self.scheme.iterations):
+            if self._agree(miss, values):
+                self.values = values
+                return
+            move, share = np.linalg.lstsq(self._loop(values), -miss, rcond=None)[0], 1.0
+            before = np.linalg.norm(miss / self.input_nominals)
+            while share > 1e-6:
+                try:
+                    miss = self._miss(values + share * move)
+                except FmuRunError as error:  # values that a slave refuses: too far
+                    if error.fatal:
+                        raise
+                else:
+                    if np.linalg.norm(miss / self.input_nominals) < (1.0 - 0.1 * share) * before:
+                        break
+                share /= 2.0
+            else:
+                break
+            values = values + share * move
+        worst = self.connections[int(np.argmax(np.abs(miss) / self.input_nominals))]
+        raise FmuRunError(
+            f"The slaves find no common start: {worst.source} and {worst.target} cannot be made to agree",
+            "Give start values nearer to a solution; the algebraic loop may have none",
+        )
+
+    def _agree(self, change: np.ndarray, values: np.ndarray) -> bool:
+        return bool(np.all(np.abs(change) <= self.scheme.tolerance * (1.0 + np.abs(values))))
+
+    def _loop(self, values: np.ndarray) -> np.ndarray:
+        """Derivatives of the slaves' answers, less the values, by the values."""
+        matrix = -np.eye(len(values))
+        for name, slave in self.slaves.items():
+            rows, columns = self._sources[name], self._targets[name]
+            if rows and columns:
+                direct = slave.derivatives(list(rows.values()), self._inputs(name, values))
+                matrix[np.ix_(list(rows), list(columns))] += self._factors[list(rows), None] * direct
+        return matrix
+
+    @property
+    def ended(self) -> str | None:
+        """Why an FMU has ended the run itself; None while none has."""
+        return next((slave.ended for slave in self.slaves.values() if slave.ended is not None), None)
+
+    def step(self, size: float) -> None:
+        """Moves all slaves on by `size` seconds, or until an FMU ends the run. When it fails they stand anywhere.
+        Raises FmuRunError."""
+        if self.scheme.iterated:
+            self._iterate(size)
+        else:
+            self._once(size)
+
+    def _advance(self, size: float, start: np.ndarray, end: np.ndarray, sent: np.ndarray) -> float:
+        """Moves all slaves on, with connections that go from `start` to `end`, which newest values are written into by
+        Gauss-Seidel; what each slave was given at its end goes into `sent`. Returns how far all come: less than `size`
+        where an FMU ends the run."""
+        for name, slave in self.slaves.items():
+            places = list(self._targets[name])
+            sent[places] = end[places]
+            if size > 0.0:
+                given = {v: float(s.before(self.time + size)) for v, s in self._signals[name].items()}
+                slave.step(size, self._inputs(name, start) | self._now(name), self._inputs(name, end) | given)
+            if slave.ended is not None:
+                size = min(size, slave.time - self.time)
+            if self.scheme.master == "Gauss-Seidel":
+                self._read(name, end)
+        return size
+
+    def _arrive(self, size: float) -> None:
+        self.time += size
+        self.aligned = all(abs(slave.time - self.time) <= 1e-9 * (1.0 + size) for slave in self.slaves.values())
+
+    def _once(self, size: float) -> None:
+        values, given = self.values.copy(), self.values.copy()
+        self._arrive(self._advance(size, values, values, given))
+        if self.aligned:
+            self.exchange()
+            self.missed = np.abs(self.values - given)
+
+    def _iterate(self, size: float) -> None:
+        foretold = self.values + size * self._slopes
+        end, sent = foretold.copy(), foretold.copy()
+        with self.saved() as back:
+            for turn in range(self.scheme.iterations):
+                before = end.copy()
+                if turn:
+                    back()
+                reached = self._advance(size, self.values, end, sent)
+                if 0.0 < reached < (1.0 - 1e-9) * size:  # an FMU ends the run: nobody goes further
+                    size, foretold = reached, self.values + reached * self._slopes
+                    end = foretold.copy()
+                    continue
+                end = self._read_all()
+                if reached == 0.0 or self._agree(end - before, end):
+                    break
+            else:
+                worst = self.connections[int(np.argmax(np.abs(end - before) / (1.0 + np.abs(end))))]
+                raise FmuRunError(
+                    f"The values at the end of the step of {size:g} s do not agree after {self.scheme.iterations} "
+                    f"iterations, worst is {worst.source}",
+                    "Make the step smaller",
+                    time=self.time,
+                )
+        self._slopes = (end - self.values) / size
+        self.missed = np.abs(end - foretold)
+        self.values = end
+        self._arrive(reached)
+        if self.aligned and self.held.settle(self.time):
+            self.exchange()
+
+    @contextmanager
+    def saved(self) -> Iterator[Callable[[], None]]:
+        """Keeps the present point; gives a function that goes back to it. Raises FmuRunError, InputError."""
+        values, slopes, time, given = self.values, self._slopes, self.time, dict(self.held.given)
+        states: dict[str, Any] = {}
+
+        def back() -> None:
+            for name, slave in self.slaves.items():
+                slave.restore(states[name])
+            self.values, self._slopes, self.time, self.aligned = values, slopes, time, True
+            self.held.given = dict(given)
+
+        try:
+            for name, slave in self.slaves.items():
+                states[name] = slave.save()
+            yield back
+        finally:
+            for name, state in states.items():
+                self.slaves[name].forget(state)
+
+
+def _ends(ends: Sequence[str], slave: str) -> dict[int, str]:
+    """Variables of a slave among the ends of connections, by place."""
+    found = ((i, *end.partition(".")[::2]) for i, end in enumerate(ends))
+    return {i: variable for i, owner, variable in found if owner == slave}
+
+
+def _owned(signals: Mapping[str, Signal], slave: str) -> dict[str, Signal]:
+    """Signals of a slave by variable."""
+    ends = ((*target.partition(".")[::2], signal) for target, signal in signals.items())
+    return {variable: signal for owner, variable, signal in ends if owner == slave}
+
+
+def _nominals(slave: OpenFmu, names: Sequence[str]) -> np.ndarray:
+    nominals = slave.fmu.variables.loc[list(names), "nominal"]
+    return np.array([1.0 if n is None or not np.isfinite(n) or n == 0.0 else abs(n) for n in nominals])

@@ -1,0 +1,32 @@
+"""Where an FMU keeps its binaries, and macOS libraries for several architectures."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+
+
+def binary_folder(fmi: str, platform: str, platforms: Sequence[str]) -> str:
+    """Where the library of a platform belongs inside the FMU. FMI 2.0 has one folder for Linux and one for macOS: the
+    first belongs to x86_64 when that is among the platforms, the second takes both (see universal)."""
+    architecture, system = platform.split("-")
+    if fmi == "3.0":
+        return f"{architecture}-{'darwin' if system == 'macos' else system}"
+    if system == "linux" and architecture != "x86_64" and "x86_64-linux" in platforms:
+        return platform
+    return {"linux": "linux64", "windows": "win64", "macos": "darwin64"}[system]
+
+
+_MACHO = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}  # CPU type and subtype
+_ALIGNMENT = 14  # bits: page size of Apple's processors
+
+
+def universal(slices: dict[str, bytes]) -> bytes:
+    """A macOS library for several architectures, from one library for each."""
+    head = struct.pack(">II", 0xCAFEBABE, len(slices))
+    body, table, place = b"", b"", 1 << _ALIGNMENT
+    for architecture, data in slices.items():
+        cpu, subtype = _MACHO[architecture]
+        table += struct.pack(">IIIII", cpu, subtype, place + len(body), len(data), _ALIGNMENT)
+        body += data + b"\0" * (-len(data) % (1 << _ALIGNMENT))
+    return (head + table).ljust(place, b"\0") + body

@@ -1,0 +1,258 @@
+"""What an FMU computes: the model's equations and their derivatives as functions for C, and which of its variables
+depend on which once the algebraic variables are eliminated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, reduce
+from operator import or_
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ropeway.components.errors import InputError
+from ropeway.components.schedule import Schedule
+from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.intervention import SWITCHED
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.pending_events import Pending
+
+
+@dataclass(frozen=True, eq=False)
+class ModelEquations:
+    """The equations of a line that stands in an equilibrium. `state` is where the FMU starts: its loads ride
+    with the rope. `corridor`: of a skyline's carriage, the places that it comes through. `pending`: what a run has
+    left to go on with, where the line is in the course of one."""
+
+    state: LineState
+    corridor: Corridor | None = None
+    pending: Pending = field(default_factory=Pending)
+
+    @classmethod
+    def at(cls, rest: Equilibrium) -> ModelEquations:
+        """Starting from an equilibrium, or in the course of a run. Raises InputError during an emergency stop."""
+        if rest.pending.stopping is not None:
+            raise InputError(
+                f"An emergency stop takes {rest.model.name!r} down: its end is not part of an FMU",
+                "Export the line at an earlier time, or its equilibrium there: equilibrium(line, start=...)",
+            )
+        state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
+        state.unpin()
+        return cls(state, pending=rest.pending)
+
+    @property
+    def model(self) -> Model:
+        """The flat model."""
+        return self.state.model
+
+    @cached_property
+    def symbols(self) -> list[ca.MX]:
+        """t, x, z, u, p, d."""
+        symbols: list[ca.MX] = self.model.dae.mx_in()
+        return symbols
+
+    @cached_property
+    def dae(self) -> ca.Function:
+        """(t, x, z, u, p, d) -> (ode, alg), dense."""
+        return ca.Function("rw_dae", self.symbols, [ca.densify(v) for v in self.model.dae(*self.symbols)])
+
+    @cached_property
+    def outputs(self) -> ca.Function:
+        """(t, x, z, u, p, d) -> y, dense."""
+        return ca.Function("rw_outputs", self.symbols, [ca.densify(self.model.outputs(*self.symbols))])
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """(t, x, z, u, p, d) -> derivatives of (ode, alg) by (x, z); its pattern holds the diagonal of the states."""
+        x, z = self.symbols[1], self.symbols[2]
+        whole = ca.vertcat(*self.model.dae(*self.symbols))
+        if self.corridor is None:
+            matrix = ca.horzcat(ca.jacobian(whole, x), ca.jacobian(whole, z))
+        else:
+            matrix = self.corridor.united.jacobian(*self.symbols)
+        n, nx = matrix.shape[0], x.numel()
+        diagonal = ca.Sparsity.triplet(n, n, list(range(nx)), list(range(nx)))
+        return ca.Function("rw_jacobian", self.symbols, [ca.project(matrix, matrix.sparsity() + diagonal)])
+
+    @cached_property
+    def tangent(self) -> ca.Function:
+        """(t, x, z, u, p, d, and a change of each) -> changes of (ode, alg, y), dense."""
+        seeds = [ca.MX.sym(f"d{name}", s.shape) for name, s in zip("txzupd", self.symbols, strict=True)]
+        changes = []
+        for f in (self.model.dae, self.model.outputs):
+            results = [ca.MX(*f.size_out(i)) for i in range(f.n_out())]
+            changes += f.forward(1).call([*self.symbols, *results, *seeds])
+        return ca.Function("rw_tangent", [*self.symbols, *seeds], [ca.densify(c) for c in changes])
+
+    @property
+    def functions(self) -> tuple[ca.Function, ...]:
+        """All functions that the C core calls."""
+        margins = () if self.corridor is None else (self.corridor.function,)
+        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks, *margins)
+
+    @cached_property
+    def clocks(self) -> tuple[ca.Function, ...]:
+        """(t, x, z, u, p, d) -> new values of the entries of each clock, dense."""
+        return tuple(
+            ca.Function(f"rw_clock_{i}", self.symbols, [ca.densify(clock.update(*self.symbols))])
+            for i, clock in enumerate(self.model.clocks)
+        )
+
+    @cached_property
+    def pattern(self) -> ca.Sparsity:
+        """Pattern of the Jacobian."""
+        pattern: ca.Sparsity = self.jacobian.sparsity_out(0)
+        return pattern
+
+    @cached_property
+    def factors(self) -> tuple[list[int], int, int]:
+        """Order of the columns for LU, and room that L and U may need with any choice of pivots (the patterns of a
+        QR factorisation hold them)."""
+        if self.pattern.shape[0] == 0:
+            return [], 1, 1
+        v, r, _, order = self.pattern.qr_sparse()
+        return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
+
+    @cached_property
+    def coupled(self) -> bool:
+        """Whether the rates depend on more than inputs and time, linearly: then they must be integrated."""
+        if len(self.model.x) == 0:
+            return False
+        if any(self.model.dae.jac_sparsity(0, argument).nnz() for argument in (1, 2)):
+            return True
+        symbols = self.model.dae.sx_in()
+        ode = self.model.dae.expand()(*symbols)[0]
+        return not ca.is_linear(ode, ca.vertcat(symbols[0], symbols[3]))
+
+    @cached_property
+    def schedules(self) -> dict[int, Schedule]:
+        """Schedules among the signals, by input."""
+        return {i: s for i, s in enumerate(self.model.signals) if isinstance(s, Schedule)}
+
+    @cached_property
+    def switches(self) -> dict[str, int]:
+        """Discrete variables that somebody may set while the line runs, by name: brakes and losses of pressure."""
+        own = {variable for variable, _ in SWITCHED.values()}
+        return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
+
+    @property
+    def borders(self) -> int:
+        """Borders between places of a carriage."""
+        return 0 if self.corridor is None else len(self.corridor.order) - 1
+
+    @cached_property
+    def mass_names(self) -> list[list[str]]:
+        """For each run the names of its masses that can be set: of its loads, or of those that its feed repeats."""
+        names = []
+        for run in self.state.runs:
+            if run.feed is None:
+                names.append([f"{name}.mass" for name in run.loads.names])
+            else:
+                first, n = run.nodes[0].name, len(run.feed.masses)
+                names.append([f"{first}.load_mass[{i + 1}]" for i in range(n)] if n > 1 else [f"{first}.load_mass"])
+        return names
+
+    @cached_property
+    def masses(self) -> np.ndarray:
+        """Values of `mass_names` [kg]."""
+        masses = [
+            self.state.around(r).mass
+            if run.around
+            else run.loads.mass
+            if run.feed is None
+            else np.array(run.feed.masses)
+            for r, run in enumerate(self.state.runs)
+        ]
+        return np.concatenate([[], *masses])
+
+
+class Dependencies:
+    """Which knowns (states, inputs, switches, parameters, masses, numbered through) rates, algebraic variables and
+    outputs depend on after elimination: one bit mask each."""
+
+    def __init__(self, equations: ModelEquations) -> None:
+        m = equations.model
+        self._m = m
+        self.first_input = len(m.x)
+        self.first_switch = self.first_input + len(m.u)
+        self.first_parameter = self.first_switch + len(equations.switches)
+        self.first_mass = self.first_parameter + len(m.p)
+        self.count = self.first_mass + len(equations.masses)
+        self._slots = self._slot_masks(equations)
+        self.z = self._eliminated(self._direct(m.dae, 1))
+        self.rates = self._through(m.dae, 0)
+        self.outputs = self._through(m.outputs, 0)
+        margins = [] if equations.corridor is None else self._through(equations.corridor.function, 0)
+        self.margins = reduce(or_, margins, 0)
+
+    def _slot_masks(self, equations: ModelEquations) -> list[int]:
+        """For each discrete variable what it is made of: parameters and masses, or a switch."""
+        masks = [0] * len(self._m.d)
+        for i, entry in enumerate(equations.switches.values()):
+            masks[entry] = 1 << (self.first_switch + i)
+        mass = self.first_mass
+        for run, layout, names in zip(equations.state.runs, self._m.layouts, equations.mass_names, strict=True):
+            every = sum(1 << (mass + i) for i in range(len(names)))
+            mass += len(names)
+            # Where loads come round, they lie a whole rope behind those of the round before.
+            before = sum(1 << (self.first_parameter + int(i)) for i in layout.length_start) if run.around else 0
+            for k, n in enumerate(layout.slots.count):
+                for j in range(int(n)):
+                    masks[int(layout.slots.mass[k]) + j] |= every
+                    masks[int(layout.slots.at[k]) + j] |= before
+                before |= 1 << (self.first_parameter + int(layout.length_start[k]))
+        return masks
+
+    def _direct(self, f: ca.Function, result: int) -> list[int]:
+        """Masks of a function's result, algebraic variables left aside."""
+        masks = [0] * f.size1_out(result)
+        for argument, first in ((1, 0), (3, self.first_input), (4, self.first_parameter)):
+            for row, column in _entries(f.jac_sparsity(result, argument)):
+                masks[row] |= 1 << (first + column)
+        for row, column in _entries(f.jac_sparsity(result, 5)):
+            masks[row] |= self._slots[column]
+        return masks
+
+    def _eliminated(self, residuals: list[int]) -> list[int]:
+        """Masks of the algebraic variables: each is determined by the residual matched with it."""
+        n = len(residuals)
+        if n == 0:
+            return []
+        pattern = self._m.dae.jac_sparsity(1, 2)
+        row, column = np.array(pattern.row()), np.array(pattern.get_col())
+        determined = self._m.determined
+        needs = csr_matrix((np.ones(len(row)), (determined[row], column)), shape=(n, n))
+        count, block = connected_components(needs, connection="strong")
+        masks = [0] * count
+        for r, mask in enumerate(residuals):
+            masks[block[determined[r]]] |= mask
+        edges = {(int(block[determined[r]]), int(block[c])) for r, c in zip(row, column, strict=True)}
+        changed = True
+        while changed:
+            changed = False
+            for a, b in edges:
+                if masks[b] & ~masks[a]:
+                    masks[a] |= masks[b]
+                    changed = True
+        return [masks[b] for b in block]
+
+    def _through(self, f: ca.Function, result: int) -> list[int]:
+        masks = self._direct(f, result)
+        for row, column in _entries(f.jac_sparsity(result, 2)):
+            masks[row] |= self.z[column]
+        return masks
+
+    def bits(self, mask: int) -> list[int]:
+        """The knowns of a mask, ascending."""
+        return [i for i, c in enumerate(reversed(bin(mask)[2:])) if c == "1"]
+
+
+def _entries(pattern: ca.Sparsity) -> Iterator[tuple[int, int]]:
+    rows: Sequence[int] = pattern.row()
+    columns: Sequence[int] = pattern.get_col()
+    return zip(rows, columns, strict=True)

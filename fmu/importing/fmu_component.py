@@ -1,0 +1,202 @@
+"""A Model Exchange FMU as a component of a system: its equations are solved in one run with all others."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import weakref
+import zipfile
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import casadi as ca
+import fmpy
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check, units
+from ropeway.components.argument_checks import checked
+from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
+from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
+from ropeway.fmu.importing.fmu_file import Fmu, load
+from ropeway.fmu.importing.instance import Instance, require_kind
+from ropeway.fmu.importing.model_exchange_integrator import Integrator
+from ropeway.fmu.importing.participant import OpenFmu, require_causality
+from ropeway.fmu.importing.readable_description import make_readable
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class FmuComponent(Component):
+    """What `component` returns. `function(t, x, u, p) -> (ode, y)` calls the FMU, in its own units; `scales`: the
+    factor and offset of each variable to SI units."""
+
+    external: ClassVar[bool] = True
+    fmu: Fmu
+    function: ca.Function
+    owned: tuple[Variable, ...]
+    scales: Mapping[str, tuple[float, float]]
+
+    @property
+    def ports(self) -> tuple[Port, ...]:
+        return ()
+
+    def structure(self, site: Site) -> Hashable:
+        return self
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return self.owned
+
+    def driver(self, name: str) -> float:
+        """An input that nothing drives keeps its start value."""
+        return next(float(v.value) for v in self.owned if v.name == name and isinstance(v.value, float))
+
+    def equations(self, v: Any) -> Equations:
+        raw = {kind: [w.name for w in self.owned if w.kind is kind] for kind in Kind}
+        vectors = [
+            ca.vertcat(ca.MX(0, 1), *((getattr(v, n) - self.scales[n][1]) / self.scales[n][0] for n in raw[kind]))
+            for kind in (Kind.STATE, Kind.INPUT, Kind.PARAMETER)
+        ]
+        ode, y = self.function(v.time, *vectors)
+        return Equations(
+            rates={n: self.scales[n][0] * ode[i] for i, n in enumerate(raw[Kind.STATE])},
+            outputs={n: self.scales[n][0] * y[i] + self.scales[n][1] for i, n in enumerate(raw[Kind.OUTPUT])},
+        )
+
+
+@checked
+def component(
+    name: str,
+    fmu: Fmu | str | Path,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    ignore_events: bool = False,
+) -> FmuComponent:
+    """A Model Exchange FMU of version 2.0 or 3.0 as a component. Connect its `input`s and `output`s (its real inputs,
+    outputs and states); an input that nothing drives keeps its start value. All are in SI units.
+
+    parameters: values of its parameters; those that it lets be tuned at any time are parameters of the model besides.
+    Discrete inputs, and variables other than real scalars, keep their start values. The states start where the FMU's
+    own initialisation puts them. Its Jacobians are exact where it has directional derivatives, else differences that
+    CasADi takes of it; its explicit dependence on time enters no Jacobian.
+
+    CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
+    ignore_events says that its equations are the same on both sides of them (those that this library exports for a
+    system without loads that cross supports, say), and one that announces a time event too. Such FMUs are for
+    `CoSimulation`. A system with an FMU cannot be exported, and runs several times slower than one without.
+
+    Raises InputError, FmuImportError, FmuVariableError, FmuRunError.
+    """
+    check.name(name, "FMU component")
+    file = fmu if isinstance(fmu, Fmu) else load(fmu)
+    require_kind(file, "ModelExchange")
+    values = dict(parameters or {})
+    for key, value in values.items():
+        require_causality(file, key, "parameter")
+        check.number(value, f"FMU component {name!r}", key)
+    count = int(file.description.numberOfEventIndicators or 0)
+    if count and not ignore_events:
+        raise _has_events(file, f"{count} event indicators")
+    if any(v.variable.dimensions for v in file.description.derivatives):
+        raise FmuImportError(
+            f"{file.path.name} has arrays of states: CasADi, which calls it in a component, reads single ones only",
+            "Couple it by CoSimulation",
+        )
+    folder = tempfile.mkdtemp(prefix="ropeway-")
+    try:
+        fmpy.extract(str(file.path), unzipdir=folder)
+        make_readable(Path(folder), tunes=_tunes(file, name, values))
+        dae = ca.DaeBuilder(name, folder)
+        # CasADi reads all outputs as real numbers, and knows no dependencies of others.
+        dae.set_y([n for n in file.outputs() if dae.has(n) and n not in dae.x()])
+        groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
+        starts = _starts(file, name, values, groups, ignore_events)  # the FMU tells what it refuses
+        for key, value in values.items():
+            dae.set(key, value)
+        # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
+        options = {"enable_forward": False, "enable_reverse": False}
+        function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
+        function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # whether it can
+    except FmuError:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    except RuntimeError as error:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise FmuImportError(
+            f"CasADi, which calls FMUs in components, cannot use {file.path.name}: {_reason(file, error)}",
+            "Couple it by CoSimulation",
+        ) from error
+    owned, scales = _variables(file, groups, starts)
+    made = FmuComponent(name, file, function, owned, scales)
+    weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
+    return made
+
+
+def _reason(fmu: Fmu, error: RuntimeError) -> str:
+    reason = str(error).strip().splitlines()[-1]
+    if fmu.fmi == "2.0" or "memory object" not in reason:
+        return reason
+    with zipfile.ZipFile(fmu.path) as archive:
+        if any(name.startswith("resources/") and not name.endswith("/") for name in archive.namelist()):
+            return "it reads files of its own, and CasADi names their folder without the last slash"
+    return reason
+
+
+def _tunes(fmu: Fmu, name: str, values: Mapping[str, float]) -> bool:
+    """Whether tunable parameters can be set at any time, as CasADi does; the standard allows it at events only."""
+    tunable = [n for n in fmu.names("parameter") if fmu.entries[n].variability == "tunable"]
+    if not tunable:
+        return True
+    instance = Instance(fmu, name, "ModelExchange")
+    try:
+        instance.enter(0.0, values)
+        instance.leave()
+        Integrator(instance, 1e-6).begin()
+        present = instance.read(tunable)
+        try:
+            instance.set(dict(zip(tunable, present, strict=True)))
+        except FmuRunError:
+            return False
+        return True
+    finally:
+        instance.close()
+
+
+def _has_events(fmu: Fmu, what: str) -> FmuImportError:
+    return FmuImportError(
+        f"{fmu.path.name} has {what}: a run with it as a component does not follow its events",
+        "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
+    )
+
+
+def _starts(
+    fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
+) -> dict[Kind, np.ndarray]:
+    """Values after the FMU's own initialisation. Raises FmuImportError where it announces an event."""
+    with OpenFmu(fmu, name, "ModelExchange") as slave:
+        slave.enter(0.0, values)
+        slave.leave()
+        moment = slave.save()
+        slave.forget(moment)
+        if np.isfinite(moment.next_event) and not ignore_events:
+            raise _has_events(fmu, f"an event at t = {moment.next_event:g} s")
+        return {kind: slave.get(list(names)) for kind, names in groups.items()}
+
+
+def _variables(
+    fmu: Fmu, groups: Mapping[Kind, Sequence[str]], starts: Mapping[Kind, np.ndarray]
+) -> tuple[tuple[Variable, ...], dict[str, tuple[float, float]]]:
+    """The variables in SI units, and the factor and offset to them. Where no nominal is given, the start is one."""
+    owned, scales = [], {}
+    for kind, names in groups.items():
+        for name, start in zip(names, starts[kind], strict=True):
+            row = fmu.variable(name)
+            unit, factor, offset = units.to_si(str(row["unit"]), fmu.units, difference=bool(row["relative"]))
+            nominal = max(1.0, abs(float(start))) if pd.isna(row["nominal"]) else abs(float(row["nominal"])) or 1.0
+            scales[name] = factor, offset
+            value = float(factor * start + offset)
+            described = str(row["description"])
+            owned.append(Variable(name, kind, unit, described, value, abs(factor) * nominal, kept_at_rest=True))
+    return tuple(owned), scales

@@ -1,0 +1,138 @@
+"""How variables of an instance are read and written: in groups of one type, arrays as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from ctypes import POINTER, c_size_t, c_uint8, cast
+from dataclasses import dataclass
+from typing import Any
+
+from fmpy import fmi3 as binding3
+
+from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.importing.variable_types import Value, kind_of, taken_by
+
+_IN_2 = {"Enumeration": "Integer"}
+_IN_3 = {"Enumeration": "Int64"}
+"""Types that are passed as another one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Variables of one type. names: of those asked for; places: theirs among all that are asked for; references: of
+    variables, arrays once; count: of all their elements; picked: where the names' values are among these; scalars:
+    there is no array; real: they are real numbers; label: the names, for messages; fixed: one of them that cannot
+    change during a run."""
+
+    type: str
+    names: tuple[str, ...]
+    places: list[int]
+    references: list[int]
+    count: int
+    picked: list[int]
+    scalars: bool
+    real: bool
+    label: str
+    fixed: str
+
+
+class Access:
+    """Values of an instance, given its FMU and FMPy's object."""
+
+    def __init__(self, fmu: Fmu, opened: Any, three: bool) -> None:
+        self._fmu, self._opened, self._three = fmu, opened, three
+        self._groups: dict[tuple[str, ...], list[Group]] = {}  # the same variables are asked for at every step
+
+    def references(self, names: Iterable[str]) -> list[int]:
+        """Value references. Raises FmuVariableError."""
+        return [self._fmu.entry(name).reference for name in names]
+
+    def groups(self, names: tuple[str, ...]) -> list[Group]:
+        """Variables by their types. Raises FmuVariableError."""
+        if names not in self._groups:
+            places: dict[str, list[int]] = {}
+            for i, name in enumerate(names):
+                places.setdefault(self._fmu.entry(name).type, []).append(i)
+            self._groups[names] = [self._group(kind, names, own) for kind, own in places.items()]
+        return self._groups[names]
+
+    def _group(self, fmi_type: str, names: tuple[str, ...], places: list[int]) -> Group:
+        own = tuple(names[i] for i in places)
+        entries = [self._fmu.entry(name) for name in own]
+        first: dict[int, int] = {}
+        count = 0
+        for entry in entries:
+            if entry.reference not in first:
+                first[entry.reference] = count
+                count += entry.size
+        fixed = [
+            name
+            for name, e in zip(own, entries, strict=True)
+            if e.causality in ("parameter", "calculatedParameter", "structuralParameter") and e.variability != "tunable"
+        ]
+        return Group(
+            (_IN_3 if self._three else _IN_2).get(fmi_type, fmi_type),
+            own,
+            places,
+            list(first),
+            count,
+            [first[e.reference] + e.place for e in entries],
+            count == len(own) == len(first),
+            kind_of(fmi_type) == "Real",
+            ", ".join(own),
+            fixed[0] if fixed else "",
+        )
+
+    def read(self, group: Group) -> list[Value]:
+        """Values of a group's names."""
+        shown = self._whole(group)
+        return shown if group.scalars else [shown[i] for i in group.picked]
+
+    def _whole(self, group: Group) -> list[Any]:
+        """Values of all elements. Raises FMPy's FMICallException, as all calls here."""
+        if not self._three:
+            shown = getattr(self._opened, f"get{group.type}")(group.references)
+            if group.type == "Boolean":
+                return [bool(v) for v in shown]
+            return [_decoded(v) for v in shown] if group.type == "String" else shown
+        if group.type == "String":
+            return self._strings(group)
+        if group.type == "Binary":
+            return [v or b"" for v in self._opened.getBinary(group.references, group.count)]
+        shown = getattr(self._opened, f"get{group.type}")(group.references, group.count)
+        return list(shown)
+
+    def _strings(self, group: Group) -> list[str]:
+        references = (binding3.fmi3ValueReference * len(group.references))(*group.references)
+        shown = (binding3.fmi3String * group.count)()
+        self._opened.fmi3GetString(self._opened.component, references, len(references), shown, group.count)
+        return [_decoded(v) for v in shown]
+
+    def write(self, group: Group, values: Mapping[str, object]) -> None:
+        """Sets a group's names; elements of an array that are not among them keep their values. Raises
+        FmuVariableError."""
+        file, entry = self._fmu.path.name, self._fmu.entries
+        own: list[Any] = [values[name] for name in group.names]
+        if not group.real or any(type(value) is not float for value in own):
+            own = [taken_by(entry[name], name, file, value) for name, value in zip(group.names, own, strict=True)]
+        if not group.scalars:
+            given = len(set(group.picked)) == group.count
+            every = [None] * group.count if given else self._whole(group)
+            for i, value in zip(group.picked, own, strict=True):
+                every[i] = value
+            own = every
+        if group.type == "Binary":
+            self._set_binary(group, own)
+        else:
+            getattr(self._opened, f"set{group.type}")(group.references, own)
+
+    def _set_binary(self, group: Group, values: list[Any]) -> None:
+        references = (binding3.fmi3ValueReference * len(group.references))(*group.references)
+        buffers = [(c_uint8 * max(len(v), 1))(*v) for v in values]
+        pointers = (binding3.fmi3Binary * len(buffers))(*(cast(b, POINTER(c_uint8)) for b in buffers))
+        sizes = (c_size_t * len(values))(*(len(v) for v in values))
+        self._opened.fmi3SetBinary(self._opened.component, references, len(references), sizes, pointers, len(values))
+
+
+def _decoded(text: bytes | None) -> str:
+    return (text or b"").decode(errors="replace")

@@ -1,0 +1,1 @@
+"""Floor 6: a line in time, from event to event."""

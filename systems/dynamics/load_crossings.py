@@ -1,0 +1,279 @@
+"""Loads that cross supports: when the next one does, and what then happens to the line.
+
+A load at place c on the rope stands on support k exactly when the support's travel is X_k - c, X_k the rope
+at the support at zero travel: a threshold known in advance. At a crossing the load changes spans, tensions
+and the travel of idlers jump. Where a sheave holds the rope down, the load can be pushed back from either
+side; it then stands on the sheave, which carries it, until one side wins.
+
+A drum that keeps its tension can draw back a load that is put on there. Such a load rests on the drum until the
+rope carries it away from the drum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ropeway.systems.dynamics.chattering import FinalError
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.stability import unstable
+
+PUT_ON, TAKEN_OFF = "load put on", "load taken off"
+NEAR = 1e-9
+"""A load is on a support within this part of the neighbouring span."""
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """The load of number `load` at support `k` of run `r`; forward: from a to b. `time` [s] from now, at present
+    speed, and `gap` [m] of travel until then; both negative when overdue. Where an endless rope begins and ends, at
+    k = 0, one crossing is that of both ends."""
+
+    time: float
+    gap: float
+    r: int
+    k: int
+    load: int
+    forward: bool
+
+    def opposite(self, other: Crossing) -> bool:
+        """Whether one is the way back of the other."""
+        return (self.r, self.k, self.load) == (other.r, other.k, other.load) and self.forward != other.forward
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """How far each support's travel is from the next load that crosses it, shapes (supports,) [m]: `ahead`
+    forward and `behind` backward, negative where the threshold has been passed; inf where there is none."""
+
+    ahead: np.ndarray
+    behind: np.ndarray
+
+
+def gaps(state: LineState, r: int) -> Gaps:
+    """The gaps of a run; takes more loads from its feed when the last one comes near."""
+    run = state.runs[r]
+    if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
+        state.extend(r)
+    if run.around and state.passed[r][-1] < 1:
+        state.extend(r, ahead=True)
+    beyond, rope = state.passed[r], state.rope(r)
+    padded = np.concatenate([[np.inf], state.runs[r].loads.place, [-np.inf]])
+    # rope falls as travel grows: the next load forward is the first that has not passed.
+    ahead, behind = rope - padded[beyond + 1], padded[beyond] - rope
+    if run.around:  # the wheel where the rope begins and ends counts once
+        ahead[-1] = behind[-1] = np.inf
+    # Over a sheave on which a load stands none goes.
+    busy = state.busy(r)
+    ahead[busy] = behind[busy] = np.inf
+    for (own, k), (load, further) in state.resting.items():
+        if own == r and load == _number(state, r, k, forward=k == 0):
+            (ahead if k == 0 else behind)[k] += further
+    return Gaps(ahead, behind)
+
+
+def _number(state: LineState, r: int, k: int, *, forward: bool) -> int:
+    """Number of the load that crosses support k next."""
+    return int(state.passed[r][k]) + state.runs[r].loads.first - (0 if forward else 1)
+
+
+def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
+    """The first crossing at the present `rates` of travel of each run [m/s]; overdue ones have a negative
+    time. None if no load moves towards a support."""
+    best: Crossing | None = None
+    for r, rate in enumerate(rates):
+        gap = gaps(state, r)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = np.where(rate > 1e-12, gap.ahead / rate, np.where(rate < -1e-12, gap.behind / -rate, np.inf))
+        k = int(np.argmin(times))
+        if np.isfinite(times[k]) and (best is None or times[k] < best.time):
+            forward = bool(rate[k] > 0.0)
+            load = _number(state, r, k, forward=forward)
+            best = Crossing(float(times[k]), float(gap.ahead[k] if forward else gap.behind[k]), r, k, load, forward)
+    return best
+
+
+def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Crossing:
+    """The same crossing from here: its time and gap anew."""
+    gap, rate = gaps(state, crossing.r), float(rates[crossing.r][crossing.k])
+    value = float((gap.ahead if crossing.forward else gap.behind)[crossing.k])
+    way = rate if crossing.forward else -rate
+    return replace(crossing, gap=value, time=value / way if way > 1e-12 else np.inf)
+
+
+def _at(state: LineState, r: int, k: int, *, forward: bool) -> Crossing:
+    """The next crossing of support k, here."""
+    return Crossing(0.0, 0.0, r, k, _number(state, r, k, forward=forward), forward)
+
+
+def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Crossing]:
+    """All crossings that happen at the time of the first one, itself among them."""
+    found = [first]
+    for r, rate in enumerate(rates):
+        gap, near = gaps(state, r), NEAR * state.span_scale[r]
+        ahead = np.flatnonzero((np.abs(gap.ahead) <= near) & (rate > 0.0))
+        behind = np.flatnonzero((np.abs(gap.behind) <= near) & (rate < 0.0))
+        found += [_at(state, r, int(k), forward=True) for k in ahead]
+        found += [_at(state, r, int(k), forward=False) for k in behind]
+    return [first, *(c for c in found[1:] if (c.r, c.k) != (first.r, first.k))]
+
+
+def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
+    """Loads that a jump of the line has thrown past a support; at the ends of the run, not those that have
+    `just` been put on or taken off there (run, support)."""
+    found = []
+    for r in range(len(state.passed)):
+        gap, near = gaps(state, r), NEAR * state.span_scale[r]
+        ends = (0, len(gap.ahead) - 1)
+        skip = {k for k in ends if (r, k) in just}
+        found += [
+            _at(state, r, int(k), forward=forward)
+            for forward, left in ((True, gap.ahead), (False, gap.behind))
+            for k in np.flatnonzero(left < -near)
+            if k not in skip
+        ]
+    return found
+
+
+def passes(state: LineState, crossing: Crossing) -> bool:
+    """Whether the load goes on beyond its support, rather than being pushed back onto it.
+
+    With f the tension vectors of the rope beside the load, P its weight: beyond the support the load hangs
+    on the other side, and rope must run on its way: |f_out - P z| >= |f_in| forward (times the sheave's
+    tension ratio), the other way round backward.
+    """
+    run, layout = state.runs[crossing.r], state.model.layouts[crossing.r]
+    k = crossing.k
+    if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
+        return True
+    forces = sides(state, crossing.r, k, crossing.load - run.loads.first)
+    enough = 1.0 - 1e-9  # a load without mass passes
+    if crossing.forward:
+        return forces.out_loaded >= enough * forces.ratio * forces.in_bare
+    return forces.ratio * forces.in_loaded >= enough * forces.out_bare
+
+
+@dataclass(frozen=True)
+class Sides:
+    """Tensions beside a sheave on which a load stands [N]: with the load on the rope of that side, and
+    without; `ratio`: tension out over tension in that the sheave's friction asks for."""
+
+    in_bare: float
+    in_loaded: float
+    out_bare: float
+    out_loaded: float
+    ratio: float
+
+
+def sides(state: LineState, r: int, k: int, load: int) -> Sides:
+    """Tensions beside support k, on which a load stands: `load` is its place in the list of loads."""
+    layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
+    beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
+    weight = np.array([0.0, 0.0, mass[load] * gravity])
+    going = z[layout.force[k] : layout.force[k] + 3].copy()
+    coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
+    rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
+    carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
+    coming[2] += carried * gravity
+    held = state.point.d[layout.held[k]] > 0.0
+    ratio = 1.0 if held else float(np.linalg.norm(going) / np.linalg.norm(coming))
+    if load >= beyond[k]:  # it hangs at the end of the span before
+        bare_in, bare_out = coming - weight, going
+    else:
+        bare_in, bare_out = coming, going + weight
+    return Sides(
+        float(np.linalg.norm(bare_in)),
+        float(np.linalg.norm(bare_in + weight)),
+        float(np.linalg.norm(bare_out)),
+        float(np.linalg.norm(bare_out - weight)),
+        ratio,
+    )
+
+
+def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) -> str:
+    """Moves the load, or leaves it on the support; returns what happened. `passing`: whether it goes on, by default
+    as `passes` says. The line is not solved anew. Raises EquilibriumError where no load can stand."""
+    run, k = state.runs[crossing.r], crossing.k
+    if not (passes(state, crossing) if passing is None else passing):
+        state.hold(crossing.r, k, crossing.load - run.loads.first)
+        return "load held"
+    last = len(run.nodes) - 1
+    for end in (0, last) if run.closed and k == 0 else (k,):
+        state.passed[crossing.r][end] += 1 if crossing.forward else -1
+        state.write_beside(crossing.r, end)
+    entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
+    if k in (0, last) and not run.closed:
+        return PUT_ON if entering else TAKEN_OFF
+    return "crossing forward" if crossing.forward else "crossing backward"
+
+
+def drawn_back(state: LineState, crossing: Crossing) -> float:
+    """How far a load that has been put on hangs beyond the end of the rope [m], negative where it hangs in its span."""
+    loads = state.runs[crossing.r].loads
+    beyond = float(state.rope(crossing.r)[crossing.k] - loads.place[crossing.load - loads.first])
+    return beyond if crossing.forward else -beyond
+
+
+def can_rest(state: LineState, crossing: Crossing) -> bool:
+    """Whether a load is put on at an end that lets rope run by itself."""
+    k, last = crossing.k, len(state.passed[crossing.r]) - 1
+    free = state.model.layouts[crossing.r].travel.algebraic[k] >= 0
+    return bool(free) and not state.runs[crossing.r].closed and k == (0 if crossing.forward else last)
+
+
+def rest(state: LineState, crossing: Crossing, back: float) -> None:
+    """Leaves a load on the drum that would draw it back by so much [m], a thousandth longer than that."""
+    load, further = state.resting.get((crossing.r, crossing.k), (crossing.load, 0.0))
+    more = 1.001 * back + NEAR * state.span_scale[crossing.r]
+    state.resting[crossing.r, crossing.k] = (crossing.load, more + (further if load == crossing.load else 0.0))
+
+
+def require_order(state: LineState) -> None:
+    """Raises EquilibriumError where loads have crossed a support that did not come to the support before: the jump of
+    the line has no end."""
+    for run, beyond in zip(state.runs, state.passed, strict=True):
+        if np.any(np.diff(beyond) > 0):
+            raise unstable(run.nodes[int(np.argmax(np.diff(beyond) > 0)) + 1].name)
+
+
+def on_line(state: LineState) -> np.ndarray:
+    """Number of loads in the slots of each run's spans, shape (runs,)."""
+    return np.array([layout.slots.filled(state.point.d) for layout in state.model.layouts])
+
+
+def require_all(state: LineState, before: np.ndarray, events: Sequence[tuple[Crossing, str]]) -> None:
+    """Raises FinalError unless the loads on the line are those `before`, with those put on by the events and
+    without those taken off."""
+    expected = before.copy()
+    for crossing, what in events:
+        expected[crossing.r] += {PUT_ON: 1, TAKEN_OFF: -1}.get(what, 0)
+    for r, (found, run, beyond) in enumerate(zip(on_line(state), state.runs, state.passed, strict=True)):
+        if found != expected[r] or found != beyond[0] - beyond[-1] or np.any(np.diff(beyond) > 0):
+            raise FinalError(
+                f"Internal error: {found} loads are on {run.name} after a crossing, {expected[r]} should be",
+                "Please report it, with the script",
+                state.point.t,
+            )
+
+
+def pulls(state: LineState) -> list[tuple[Crossing, float]]:
+    """For each load that stands on a sheave, forward and backward, the force by which that side is ahead of
+    the other [N]: the load leaves when it is positive."""
+    found = []
+    for r, k, travel in state.standing():
+        place = state.model.layouts[r].start(state.point.p)[k] - travel
+        load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
+        s, number = sides(state, r, k, load), load + state.runs[r].loads.first
+        found.append((Crossing(0.0, 0.0, r, k, number, True), s.out_loaded - s.in_bare))
+        found.append((Crossing(0.0, 0.0, r, k, number, False), s.in_loaded - s.out_bare))
+    return found
+
+
+def let_go(state: LineState, crossing: Crossing) -> None:
+    """Releases a load that stood on a sheave to the side that the crossing says."""
+    state.release(crossing.r, crossing.k)
+    first = state.runs[crossing.r].loads.first
+    state.passed[crossing.r][crossing.k] = crossing.load - first + (1 if crossing.forward else 0)
+    state.write_beside(crossing.r, crossing.k)

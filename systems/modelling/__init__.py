@@ -1,0 +1,1 @@
+"""Floor 2: declarations, and the flat model that is made of them."""

@@ -1,0 +1,360 @@
+"""From declarations to the flat model: each component's equations become one CasADi function per kind, called
+once per component and joined at the ports; then the structure is checked before anything is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.check import POSITIVE, Range
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.power_unit import HydraulicPowerUnit
+from ropeway.systems.interrupts import interruptible, stop_if_interrupted
+from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.dae_model import (
+    Balance,
+    Limits,
+    LoadSlots,
+    Model,
+    RunLayout,
+    Travel,
+    VariableTable,
+    component_of,
+)
+from ropeway.systems.modelling.initial_guess import RunStart, run_start
+from ropeway.systems.modelling.rope_path import Run, drive_speeds, find_runs, slot_counts
+from ropeway.systems.modelling.sampled_control import clocks
+from ropeway.systems.modelling.signal_connections import differences, with_links, with_residuals
+from ropeway.systems.modelling.system import System
+
+
+@checked
+@interruptible
+def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
+    """The flat model of a system.
+
+    slots: least number of load slots of each span of each run; by default what the loads need.
+    Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
+    """
+    return assembled(system, ComponentFunctions(), slots)
+
+
+def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Sequence[int]] | None = None) -> Model:
+    """As `assemble`, with functions that systems of like components can share."""
+    system.require_complete()
+    runs = find_runs(system)
+    if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
+        raise InputError("slots does not fit the system", "Give a number of slots for each span of each run")
+    starts = [run_start(run, system.gravity) for run in runs]
+    sites = _sites(system, runs, starts, slots)
+    own = {c.name: functions.variables_of(c, sites[c.name]) for c in system.components.values()}
+    variables = with_links(system, own)
+    rows = with_residuals(system, variables)
+    tables = {kind: _table(kind, rows, system) for kind in Kind}
+    dae, outputs = _join(system, runs, sites, variables, tables, functions)
+    model = Model(
+        system=system.copy(),
+        tables=tables,
+        dae=dae,
+        outputs=outputs,
+        signals=tuple(
+            system.components[name].driver(v.name)
+            for name, owned in variables.items()
+            for v in owned
+            if v.kind is Kind.INPUT
+            for _ in range(v.size)
+        ),
+        runs=runs,
+        layouts=tuple(_layout(run, tables) for run in runs),
+        balances=_balances(system, runs, tables),
+        swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
+        limits=_limits(system, tables[Kind.OUTPUT]),
+        clocks=clocks(
+            _in_order(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
+        ),
+        kept=np.array(tables[Kind.DISCRETE].shown, dtype=int),
+        free_states=tuple(
+            f"{name}.{v.name}"
+            for name, owned in variables.items()
+            for v in owned
+            if v.kind is Kind.STATE and not v.kept_at_rest
+        ),
+    )
+    stop_if_interrupted()
+    _check_structure(model, system)
+    return model
+
+
+def _sites(
+    system: System, runs: Sequence[Run], starts: Sequence[RunStart], slots: Sequence[Sequence[int]] | None
+) -> dict[str, Site]:
+    """Scales and starts of each component, from the ropes that touch it."""
+    sites: dict[str, Site] = {}
+    for r, (run, start) in enumerate(zip(runs, starts, strict=True)):
+        counts = slot_counts(run, start.counts)
+        if slots is not None:
+            counts = tuple(max(a, b) for a, b in zip(counts, slots[r], strict=True))
+        for k, span in enumerate(run.spans):
+            tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))
+            # Each span by its own tension: sections of one rope can differ a hundredfold.
+            force = max(float(np.linalg.norm(tension)), 1e-3 * start.scale)
+            sites[span.name] = Site(force, float(start.chord[k]), counts[k], tension)
+        for node in run.nodes:
+            here = Site(start.scale, float(np.mean(start.chord)))
+            known = sites.get(node.name)
+            if known is None or known.force < here.force:
+                sites[node.name] = here
+    return {name: sites.get(name, Site(1.0, 1.0)) for name in system.components}
+
+
+def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: System) -> VariableTable:
+    """All variables of one kind, arrays as name[1], name[2], ..."""
+    stop_if_interrupted()
+    names: list[str] = []
+    units: list[str] = []
+    descriptions: list[str] = []
+    values: list[float] = []
+    nominals: list[float] = []
+    ranges: list[Range] = []
+    hidden: list[str] = []
+    if kind is Kind.PARAMETER:
+        names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
+        values, nominals, ranges = [system.gravity], [system.gravity], [POSITIVE]
+    for component, owned in variables.items():
+        for v in owned:
+            if v.kind is not kind:
+                continue
+            array = v.value if isinstance(v.value, tuple) else (v.value,) * v.size
+            indexed = isinstance(v.value, tuple) or v.size != 1 or v.hidden
+            own = [f"{component}.{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{component}.{v.name}"]
+            names += own
+            hidden += own if v.hidden else []
+            units += [v.unit] * v.size
+            descriptions += [v.description] * v.size
+            values += array
+            nominals += [v.nominal] * v.size
+            ranges += [v.range] * v.size
+    return VariableTable(
+        tuple(names),
+        tuple(units),
+        tuple(descriptions),
+        np.array(values, float),
+        np.array(nominals, float),
+        tuple(ranges),
+        frozenset(hidden),
+    )
+
+
+def _join(
+    system: System,
+    runs: Sequence[Run],
+    sites: dict[str, Site],
+    variables: dict[str, tuple[Variable, ...]],
+    tables: dict[Kind, VariableTable],
+    functions: ComponentFunctions,
+) -> tuple[ca.Function, ca.Function]:
+    """All components called in one graph: rope pieces first, then the nodes with the forces on them."""
+    t = ca.MX.sym("t")
+    whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
+    gravity = whole[Kind.PARAMETER][0]
+    parts = {kind: _split(kind, whole[kind], variables) for kind in SYMBOLS}
+    speed_of = drive_speeds(runs)
+
+    def variable(component: str, name: str) -> ca.MX:
+        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
+            full = f"{component}.{name}"
+            if full in tables[kind].index:
+                return whole[kind][tables[kind].index[full]]
+        raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
+
+    seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
+    results: dict[str, Sequence[ca.MX]] = {}
+    force_on: dict[tuple[str, str], ca.MX] = {}
+    outside: dict[ca.MX, ca.MX] = {}
+
+    def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
+        return [t, gravity, *(parts[kind][component.name] for kind in SYMBOLS), signals, *ports]
+
+    def sat(seat: Seat) -> ca.MX:
+        """Position and travel of the rope at a seat."""
+        node = seat.owner.name
+        q = ca.MX(0.0) if seat.travel is None else variable(node, seat.travel)
+        there = ca.vertcat(*(variable(node, axis) for axis in "xyz"), q)
+        if seat.offset is None:
+            return there
+        aside = [variable(node, f"{seat.offset}_{name}") for name in ("x", "z", "rope")]
+        return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
+
+    def call(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
+        f = functions.get(component, sites[component.name], variables[component.name])
+        # A function of one output, as that of a part without ports, returns it bare.
+        out: Sequence[ca.MX] = f.call(inputs(component, signals, ports))
+        if not component.external:
+            return out
+        stand_ins = [ca.MX.sym(f"{component.name}_{i}", result.shape) for i, result in enumerate(out)]
+        outside.update(zip(stand_ins, out, strict=True))
+        return stand_ins
+
+    def forces(component: Component) -> list[ca.MX]:
+        found = []
+        for port in component.ports:
+            driver = speed_of.get((component.name, port.name))
+            speed = ca.MX(0.0) if driver is None else variable(*driver)
+            force = force_on.get((component.name, port.name), ca.MX.zeros(4))  # zero at a seat left open
+            found.append(ca.vertcat(force, speed))
+        return found
+
+    for c in system.components.values():
+        if any(isinstance(port, RopeEnd) for port in c.ports):
+            ports = [sat(seats[system.connections[c.name, port.name]]) for port in c.ports]
+            out = call(c, ca.MX(0, 1), ports)
+            results[c.name] = out
+            for port, force in zip(c.ports, out[3:], strict=True):
+                force_on[system.connections[c.name, port.name]] = force
+    shares: dict[str, ca.MX] = {}
+    for unit, fed in _power_units(system).items():
+        demands = [
+            functions.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed
+        ]
+        results[unit.name] = call(unit, sum(demands, ca.MX(2, 1)), [])
+        names = [v.name for v in variables[unit.name] if v.kind is Kind.OUTPUT]
+        share = ca.vertcat(*(results[unit.name][2][names.index(name)] for name in ("flow_share", "power_share")))
+        shares.update({c.name: share for c in fed})
+    for c in system.components.values():
+        if c.name not in results:
+            signals = shares.get(c.name, ca.MX(ca.DM.ones(len(c.signals), 1)))
+            results[c.name] = call(c, signals, forces(c))
+    ode, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in (0, 2))
+
+    def quantity(component: str, name: str) -> ca.MX:
+        place = tables[Kind.OUTPUT].index.get(f"{component}.{name}")
+        return variable(component, name) if place is None else y[place]
+
+    alg = ca.vertcat(
+        ca.MX(0, 1),
+        *(part for c in variables for part in (results[c][1], *differences(system, c, variables[c], quantity))),
+    )
+    arguments = [t, *(whole[kind] for kind in SYMBOLS)]
+    if outside:  # all the rest as one scalar graph
+        rest = ca.Function("rest", [*arguments, *outside], [ode, alg, y]).expand()
+        ode, alg, y = rest(*arguments, *outside.values())
+    names = ["t", "x", "z", "u", "p", "d"]
+    stop_if_interrupted()
+    dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
+    stop_if_interrupted()
+    return dae, ca.Function("outputs", arguments, [y], names, ["y"])
+
+
+def _power_units(system: System) -> dict[HydraulicPowerUnit, list[ControlSheave]]:
+    """The drives that each power unit feeds."""
+    units: dict[HydraulicPowerUnit, list[ControlSheave]] = {
+        c: [] for c in system.components.values() if isinstance(c, HydraulicPowerUnit)
+    }
+    for drive, unit in system.supplies.items():
+        sheave, source = system.components[drive], system.components[unit]
+        if isinstance(sheave, ControlSheave) and isinstance(source, HydraulicPowerUnit):
+            units[source].append(sheave)
+    return units
+
+
+def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
+    """Each component's part of a vector."""
+    offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
+    for owned in variables.values():
+        offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
+    pieces = ca.vertsplit(vector, offsets)
+    return dict(zip(variables, pieces[-len(variables) :], strict=True))
+
+
+def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
+    def where(kind: Kind, names: Sequence[str]) -> np.ndarray:
+        index = tables[kind].index
+        return np.array([index.get(name, -1) for name in names], dtype=int)
+
+    travel = [f"{n.name}.{seat.travel}" for n, seat in zip(run.nodes, run.seats, strict=True)]
+    discrete = tables[Kind.DISCRETE].index
+    first = {
+        slot: np.array([discrete.get(f"{s.name}.slot_{slot}[1]", 0) for s in run.spans], dtype=int)
+        for slot in ("mass", "at", "ride", "empty")
+    }
+    count = []
+    for s in run.spans:
+        n = 0
+        while f"{s.name}.slot_mass[{n + 1}]" in discrete:
+            n += 1
+        count.append(n)
+    ways = [(node, node.through(seat) or seat, seat) for node, seat in zip(run.nodes, run.seats, strict=True)]
+    ends = [[(node, out) for node, out, _ in ways[:-1]], [(node, arrives) for node, _, arrives in ways[1:]]]
+    return RunLayout(
+        travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
+        slots=LoadSlots(count=np.array(count), **first),
+        length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        mass_per_length=where(Kind.PARAMETER, [f"{s.name}.mass_per_length" for s in run.spans]),
+        compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
+        force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
+        held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
+        held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+        aside=np.array([where(Kind.ALGEBRAIC, [f"{n.name}.{seat.offset}_rope" for n, seat in end]) for end in ends]),
+        grip=where(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
+    )
+
+
+def _in_order(runs: Sequence[Run]) -> list[ControlSheave]:
+    """The control sheaves in the order of the ropes, each once."""
+    found = {node.name: node for run in runs for node in run.nodes if isinstance(node, ControlSheave)}
+    return list(found.values())
+
+
+def _limits(system: System, outputs: VariableTable) -> Limits:
+    owned = [(c.name, limit) for c in system.components.values() for limit in c.limits()]
+    return Limits(
+        output=np.array([outputs.index[f"{name}.{limit.output}"] for name, limit in owned], dtype=int),
+        low=np.array([limit.low for _, limit in owned], dtype=float),
+        high=np.array([limit.high for _, limit in owned], dtype=float),
+        events=tuple(limit.event for _, limit in owned),
+        components=tuple(name for name, _ in owned),
+    )
+
+
+def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, VariableTable]) -> tuple[Balance, ...]:
+    unknowns, residuals = tables[Kind.ALGEBRAIC].index, tables[Kind.RESIDUAL].index
+    found = []
+    for run in runs:
+        for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+            balance = node.balance_at(seat)
+            if balance is not None and seat.travel is not None:
+                # At a rope's end travel winds rope in and so raises the tension.
+                sign = -1.0 if k == len(run.nodes) - 1 else 1.0
+                travel = unknowns[f"{node.name}.{seat.travel}"]
+                found.append(Balance(travel, residuals[f"{node.name}.{balance}"], sign))
+    for c in system.components.values():
+        for place, force in c.free if isinstance(c, Node) else ():
+            found.append(Balance(unknowns[f"{c.name}.{place}"], residuals[f"{c.name}.{force}"], 1.0))
+    return tuple(found)
+
+
+def _check_structure(model: Model, system: System) -> None:
+    """As many equations as unknowns, and a matching between them. Raises UnbalancedSystemError."""
+    unknowns, residuals = model.z.names, model.r.names
+    if len(unknowns) != len(residuals):
+        raise UnbalancedSystemError(
+            f"System {model.name!r} has {len(unknowns)} unknowns and {len(residuals)} equations",
+            "Fix or free a quantity",
+        )
+    if not unknowns:
+        return
+    match = model.determined
+    if np.any(match < 0):
+        lone = [unknowns[i] for i in sorted(set(range(len(unknowns))) - set(match.tolist()))]
+        extra = [residuals[i] for i in np.flatnonzero(match < 0)]
+        owner = component_of(lone[0])
+        raise UnbalancedSystemError(
+            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}, "
+            f"and {', '.join(extra[:5])} is an equation too many",
+            f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
+        )

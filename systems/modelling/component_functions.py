@@ -1,0 +1,138 @@
+"""Each kind of component as CasADi functions of its variables and ports, made once for all components of the kind."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from types import SimpleNamespace
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.component import Component, Kind, RopeEnd, Site, Variable
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.modelling import component_rules
+
+SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+"""What equations read, in the order of the model's arguments."""
+
+
+class ComponentFunctions:
+    """Component functions of one assembly, or of several with like components: one for each kind of component."""
+
+    def __init__(self) -> None:
+        self._functions: dict[Any, ca.Function] = {}
+        self._declared: set[Hashable] = set()
+
+    def variables_of(self, component: Component, site: Site) -> tuple[Variable, ...]:
+        """A component's variables. Raises InputError where they break a rule: asked once for each form."""
+        variables, form = component.variables(site), component.form(site)
+        if form not in self._declared:
+            component_rules.require_declared(component, variables)
+            self._declared.add(form)
+        return variables
+
+    def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """What a drive asks of its power unit, (2,): the same inputs as its equations."""
+        key = ("demand", *_form(component, site, variables))
+        if key not in self._functions:
+            v, inputs = _symbols(component, variables)
+            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*component.demand(v))])
+        return self._functions[key]
+
+    def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """A component's equations."""
+        stop_if_interrupted()
+        key = _form(component, site, variables)
+        if key not in self._functions:
+            self._functions[key] = component_function(component, variables)
+        return self._functions[key]
+
+
+@checked
+def check_component(component: Component) -> None:
+    """Checks a component of your own as scikit-learn's `check_estimator` checks an estimator.
+
+    The same is checked when a system with the component is assembled.
+
+    Parameters
+    ----------
+    component
+        Any component, added to a system or not.
+
+    Raises
+    ------
+    InputError
+        What is wrong and how to mend it: a variable with a reserved, repeated or invalid name, or of an unknown unit; a
+        missing or superfluous residual, rate, output or rope force; a limit, travel or balance that names a variable
+        which does not exist; more or fewer residuals than algebraic variables; a Python `if`, `max` or `math` function
+        on a symbol; results that are not numbers.
+    """
+    site = Site(1e4, 100.0)
+    variables = component.variables(site)
+    component_rules.require_declared(component, variables)
+    component_function(component, variables)
+
+
+def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
+    """Components of one form share their functions: a driven input is not where an open one is."""
+    return (component.form(site), tuple(v.kind for v in variables))
+
+
+def component_function(component: Component, variables: tuple[Variable, ...]) -> ca.Function:
+    """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
+    v, inputs = _symbols(component, variables)
+    eq = component_rules.evaluated(component, v)
+    component_rules.require_complete(component, variables, eq)
+
+    def stacked(kind: Kind, by_name: Any) -> Any:
+        return ca.vertcat(ca.DM(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
+
+    # On the node at the other side of the port the force is the opposite.
+    forces = [
+        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
+        for port in component.ports
+        if isinstance(port, RopeEnd)
+    ]
+    results = [
+        stacked(Kind.STATE, eq.rates),
+        stacked(Kind.RESIDUAL, eq.residuals),
+        stacked(Kind.OUTPUT, eq.outputs),
+        *forces,
+    ]
+    found = ca.Function(type(component).__name__, inputs, results)
+    if not component.external:
+        kinds = (Kind.STATE, Kind.RESIDUAL, Kind.OUTPUT)
+        names = [[var.name for var in variables if var.kind is kind for _ in range(var.size)] for kind in kinds]
+        component_rules.require_numbers(component, found, names)
+    return found
+
+
+def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
+    """Symbols for all that a component's equations read, as attributes and as inputs of its function."""
+    sym = ca.MX.sym if component.external else ca.SX.sym
+    time, gravity = sym("t"), sym("gravity")
+    v = SimpleNamespace(time=time, gravity=gravity)
+    vectors = []
+    for kind in SYMBOLS:
+        owned = [var for var in variables if var.kind is kind]
+        offsets = np.cumsum([0, *(var.size for var in owned)])
+        vector = sym(kind.value, int(offsets[-1]))
+        for var, start in zip(owned, offsets[:-1].tolist(), strict=True):
+            setattr(v, var.name, vector[start : start + var.size])
+        vectors.append(vector)
+    ports = []
+    for port in component.ports:
+        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
+        three = (symbol[0], symbol[1], symbol[2])
+        if isinstance(port, RopeEnd):
+            setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
+        else:
+            setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
+        ports.append(symbol)
+    signals = sym("signals", len(component.signals))
+    for i, name in enumerate(component.signals):
+        setattr(v, name, signals[i])
+    return v, [time, gravity, *vectors, signals, *ports]

@@ -1,0 +1,297 @@
+"""The flat differential-algebraic equations: the one thing that every solver takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.check import Range
+from ropeway.components.component import Kind
+from ropeway.components.schedule import Schedule
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.modelling.sampled_control import Clock
+from ropeway.systems.modelling.system import System
+
+
+@dataclass(frozen=True)
+class VariableTable:
+    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,). `hidden`:
+    names of those that results do not show."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    descriptions: tuple[str, ...]
+    values: np.ndarray
+    nominals: np.ndarray
+    ranges: tuple[Range, ...]
+    hidden: frozenset[str] = frozenset()
+
+    @cached_property
+    def index(self) -> dict[str, int]:
+        """Place of each name."""
+        return {name: i for i, name in enumerate(self.names)}
+
+    @cached_property
+    def shown(self) -> tuple[int, ...]:
+        """Places of those that results show."""
+        return tuple(i for i, name in enumerate(self.names) if name not in self.hidden)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Where the travel of each support of a run stands, shapes (supports,): its place in the states or in
+    the algebraic variables, -1 where it is not there; in neither it is zero."""
+
+    state: np.ndarray
+    algebraic: np.ndarray
+
+    def read(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """Travels [m] out of the states and algebraic variables."""
+        q = np.zeros(len(self.state))
+        (in_x, from_x), (in_z, from_z) = self._places
+        q[in_x] = x[from_x]
+        q[in_z] = z[from_z]
+        return q
+
+    def write(self, q: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
+        """Puts travels into the states and algebraic variables."""
+        (in_x, from_x), (in_z, from_z) = self._places
+        x[from_x] = q[in_x]
+        z[from_z] = q[in_z]
+
+    @cached_property
+    def _places(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+        """The supports whose travel is a state, and the places of these; the same for algebraic variables."""
+        in_x, in_z = np.flatnonzero(self.state >= 0), np.flatnonzero(self.algebraic >= 0)
+        return (in_x, self.state[in_x]), (in_z, self.algebraic[in_z])
+
+
+@dataclass(frozen=True)
+class LoadSlots:
+    """Where a run's load slots stand in the discrete vector: for each span the first of its slots of each
+    kind (spans,), and how many there are (spans,)."""
+
+    count: np.ndarray
+    mass: np.ndarray
+    at: np.ndarray
+    ride: np.ndarray
+    empty: np.ndarray
+
+    @cached_property
+    def _cells(self) -> tuple[np.ndarray, np.ndarray]:
+        """Span and slot number of every slot."""
+        return _cells(np.arange(len(self.count)), self.count)
+
+    def filled(self, d: np.ndarray) -> int:
+        """Number of slots with a load."""
+        span, slot = self._cells
+        return len(span) - int(np.count_nonzero(d[self.empty[span] + slot]))
+
+    def write(
+        self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
+    ) -> None:
+        """Fills the slots of all spans, or of some, with the loads that `passed` puts there; `start`
+        (supports,) is the rope at each support at zero travel [m]. `d` (..., nd) and `passed` (..., supports) can
+        be those of many records."""
+        span, slot = self._cells if spans is None else _cells(spans, self.count[spans])
+        loads = run.loads
+        if len(loads.place) == 0:
+            return
+        load = passed[..., span] - 1 - slot
+        full = load >= passed[..., span + 1]
+        load = np.where(full, load, 0)
+        pinned = full & (loads.pinned[load] >= 0)
+        d[..., self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
+        d[..., self.at[span] + slot] = np.where(
+            pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0)
+        )
+        d[..., self.ride[span] + slot] = full & ~pinned
+        d[..., self.empty[span] + slot] = ~full
+
+
+def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each slot of some spans its span, and its number there."""
+    span = np.repeat(spans, count)
+    first = np.concatenate([[0], np.cumsum(count)[:-1]])
+    return span, np.arange(len(span)) - np.repeat(first, count)
+
+
+@dataclass(frozen=True)
+class RunLayout:
+    """A run's places in the vectors of the model: travels, slots, each span's starting length, mass per length,
+    compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot;
+    `aside`, (2, spans): rope beside the node that each end of a span is at, -1 where it starts at the node;
+    `grip`: the travel that a rough saddle's friction counts from, -1 where there is none."""
+
+    travel: Travel
+    slots: LoadSlots
+    length_start: np.ndarray
+    mass_per_length: np.ndarray
+    compliance: np.ndarray
+    force: np.ndarray
+    held: np.ndarray
+    held_travel: np.ndarray
+    aside: np.ndarray
+    grip: np.ndarray
+
+    def start(self, p: np.ndarray) -> np.ndarray:
+        """The rope at each support at zero travel [m], shape (supports,)."""
+        found = np.zeros(len(self.length_start) + 1)
+        p[self.length_start].cumsum(out=found[1:])
+        return found
+
+    @cached_property
+    def holding(self) -> np.ndarray:
+        """The supports whose idlers can hold a load."""
+        return np.flatnonzero(self.held >= 0)
+
+    def free(self, z: np.ndarray) -> np.ndarray:
+        """By how much each span is longer than the rope between its nodes, (spans,) [m]: on shoes it is shorter."""
+        more, less = np.where(self.aside >= 0, z[self.aside], 0.0)
+        return np.asarray(more - less)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A travel in the algebraic variables and the residual that lets rope run until tensions balance, or a
+    free node's coordinate and the sum of forces along it.
+    sign: +1 where more travel lowers the residual of a stable line, -1 where it raises it."""
+
+    travel: int
+    residual: int
+    sign: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """All limits of a model, parallel: the place of the output, its bounds, what happens, and to whom."""
+
+    output: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    events: tuple[str, ...]
+    components: tuple[str, ...]
+
+    def broken(self, outputs: np.ndarray) -> np.ndarray:
+        """Which limits are broken by outputs of shape (..., ny): booleans of shape (..., limits)."""
+        values = outputs[..., self.output]
+        return np.asarray((values < self.low) | (values > self.high))
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Model:
+    """The flat model of a system.
+
+    `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
+    units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
+    a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
+    the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
+    follow from where the loads are. `free_states`: the states that come to rest by themselves. `system` holds the
+    declarations it was made from.
+    """
+
+    system: System
+    tables: dict[Kind, VariableTable]
+    dae: ca.Function
+    outputs: ca.Function
+    signals: tuple[float | Schedule | None, ...]
+    runs: tuple[Run, ...]
+    layouts: tuple[RunLayout, ...]
+    balances: tuple[Balance, ...]
+    swaps: dict[str, str]
+    limits: Limits
+    clocks: tuple[Clock, ...]
+    kept: np.ndarray
+    free_states: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{len(table)} {kind.value}" for kind, table in self.tables.items())
+        return f"<Model of {self.name!r}: {sizes}>"
+
+    @property
+    def name(self) -> str:
+        """The system's name."""
+        return self.system.name
+
+    @cached_property
+    def external(self) -> bool:
+        """Whether compiled code is a part of it: then there is no scalar graph of the whole."""
+        return any(c.external for c in self.system.components.values())
+
+    @property
+    def sym(self) -> Callable[..., Any]:
+        """Makes symbols that its functions take in numerical work: scalar graphs where there are."""
+        make: Callable[..., Any] = ca.MX.sym if self.external else ca.SX.sym
+        return make
+
+    @property
+    def x(self) -> VariableTable:
+        """Differential states."""
+        return self.tables[Kind.STATE]
+
+    @property
+    def z(self) -> VariableTable:
+        """Algebraic variables."""
+        return self.tables[Kind.ALGEBRAIC]
+
+    @property
+    def u(self) -> VariableTable:
+        """Inputs."""
+        return self.tables[Kind.INPUT]
+
+    @property
+    def p(self) -> VariableTable:
+        """Parameters."""
+        return self.tables[Kind.PARAMETER]
+
+    @property
+    def d(self) -> VariableTable:
+        """Discrete variables."""
+        return self.tables[Kind.DISCRETE]
+
+    @property
+    def y(self) -> VariableTable:
+        """Outputs."""
+        return self.tables[Kind.OUTPUT]
+
+    @property
+    def r(self) -> VariableTable:
+        """Residuals."""
+        return self.tables[Kind.RESIDUAL]
+
+    @cached_property
+    def determined(self) -> np.ndarray:
+        """For each residual the algebraic variable that it is matched with, shape (nz,); -1 where there is none."""
+        pattern = self.dae.jac_sparsity(1, 2)
+        graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+        return np.asarray(maximum_bipartite_matching(graph, perm_type="column"))
+
+    def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
+        """Travels of the supports of each run [m]."""
+        return [layout.travel.read(x, z) for layout in self.layouts]
+
+
+def component_of(name: str) -> str:
+    """The component that a variable belongs to, `a.c1` for one of a subsystem."""
+    return name.rpartition(".")[0] or name
+
+
+def nearest(name: str, names: Sequence[str]) -> str:
+    """A hint for a name that does not exist: the names of the same component, or a few that are near."""
+    import difflib
+
+    same = [n for n in names if n.startswith(component_of(name) + ".")]
+    found = same[:12] or difflib.get_close_matches(name, names, n=5, cutoff=0.5)
+    return f"Did you mean {', '.join(found)}?" if found else "Look at the frame for the names there are"

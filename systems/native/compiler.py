@@ -1,0 +1,134 @@
+"""A C compiler for shared libraries: `cc` where there is one, else the one of the ziglang package, which also
+compiles for the other platforms. The environment variables CC and CFLAGS choose another one for this platform, and add
+flags to its own."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from ropeway.components.errors import CompilerError, InputError
+from ropeway.systems.interrupts import stop_if_interrupted
+
+_TARGETS = {
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-macos": "x86_64-macos",
+    "aarch64-macos": "aarch64-macos",
+}
+PLATFORMS = tuple(_TARGETS)
+"""Platforms that a library can be compiled for."""
+
+
+def host() -> str:
+    """The platform this runs on."""
+    from fmpy import architecture, system
+
+    return f"{architecture}-{'macos' if system == 'darwin' else system}"
+
+
+def resolved(platforms: Sequence[str]) -> tuple[str, ...]:
+    """Platforms by name, "host" replaced. Raises InputError."""
+    names = dict.fromkeys(host() if name == "host" else name for name in platforms)
+    for name in names:
+        if name not in _TARGETS and name != host():
+            raise InputError(f"Platform {name!r} is not known", f"Choose from host, {', '.join(_TARGETS)}")
+    return tuple(names)
+
+
+def suffix(platform: str) -> str:
+    """File name ending of a shared library."""
+    return ".dll" if "windows" in platform else ".dylib" if "macos" in platform else ".so"
+
+
+def command(platform: str) -> list[str]:
+    """The compiler for a platform. Raises CompilerError when there is none."""
+    own = os.environ.get("CC") or shutil.which("cc")
+    if platform == host() and own:
+        return shlex.split(own)
+    if importlib.util.find_spec("ziglang") is None:
+        raise CompilerError(f"No C compiler for {platform}", 'Install one: pip install "ropeway[fmu]"')
+    return [sys.executable, "-m", "ziglang", "cc", "-target", _TARGETS[platform]]
+
+
+def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
+    """Compiles C files in a folder to a shared library, on all processors. Raises CompilerError with the compiler's
+    own words, Interrupted."""
+    windows = "windows" in platform
+    more = shlex.split(os.environ.get("CFLAGS", "")) if platform == host() else []
+    own = ["-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
+    run = [*command(platform), *own, *more]
+    objects = list(sources)
+    if "ziglang" not in run:  # zig compiles its files side by side itself
+        objects = [f"{platform}-{name}.o" for name in sources]
+        each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
+        _run(each, folder, platform)
+    _run([[*run, "-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])]], folder, platform)
+
+
+def _run(commands: Sequence[Sequence[str]], folder: Path, platform: str) -> None:
+    """Runs commands, as many at a time as there are processors. Raises CompilerError, Interrupted."""
+    left, running = list(reversed(commands)), list[_Running]()
+    try:
+        while left or running:
+            while left and len(running) < (os.cpu_count() or 1):
+                running.append(_Running(left.pop(), folder, platform))
+            stop_if_interrupted()
+            for one in [one for one in running if one.ended()]:
+                running.remove(one)
+            time.sleep(0.005)
+    finally:
+        for one in running:
+            one.kill()
+
+
+class _Running:
+    """A compiler at work. Raises CompilerError."""
+
+    def __init__(self, command: Sequence[str], folder: Path, platform: str) -> None:
+        self._platform = platform
+        # A file, as a pipe that nobody reads would stop it.
+        self._said = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115  # closed when it has ended
+        try:
+            self._process = subprocess.Popen(
+                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=self._said, start_new_session=True
+            )
+        except OSError as error:
+            self._said.close()
+            remedy = "Correct the environment variable CC, or unset it"
+            raise CompilerError(f"The compiler for {platform} cannot be started: {error}", remedy) from error
+
+    def ended(self) -> bool:
+        """Whether it has ended. Raises CompilerError where it has failed."""
+        if self._process.poll() is None:
+            return False
+        with self._said as said:
+            said.seek(0)
+            message = said.read()
+        if self._process.returncode != 0:
+            raise CompilerError(
+                f"Compiling for {self._platform} failed: {message.strip()[-2000:]}",
+                "Look at the compiler's message; the sources are in the FMU that platforms=() makes",
+            )
+        return True
+
+    def kill(self) -> None:
+        """Ends it, with the processes that it has started."""
+        with suppress(ProcessLookupError):
+            if os.name == "posix":
+                os.killpg(self._process.pid, signal.SIGKILL)
+            else:
+                self._process.kill()
+        self._process.wait()
+        self._said.close()

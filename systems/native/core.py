@@ -1,0 +1,23 @@
+"""The C core: its files, which know no FMI."""
+
+from pathlib import Path
+
+SOURCES = (
+    "ropeway_sparse.c",
+    "ropeway_log.c",
+    "ropeway_slots.c",
+    "ropeway_solve.c",
+    "ropeway_places.c",
+    "ropeway_evaluate.c",
+    "ropeway_loads.c",
+    "ropeway_step.c",
+    "ropeway_instance.c",
+)
+"""What is compiled, besides the generated equations and tables; each calls only those before it."""
+_FOLDER = Path(__file__).parent
+
+
+def core_files() -> dict[str, str]:
+    """The text of each source and header, by name."""
+    headers = (path.name for path in sorted(_FOLDER.glob("*.h")))
+    return {name: (_FOLDER / name).read_text() for name in (*SOURCES, *headers)}

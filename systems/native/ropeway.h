@@ -1,0 +1,167 @@
+/* A cable system: its equations solved, its loads moved from span to span, stepped through time.
+ *
+ * The sizes RW_N... and all tables come from model_data.h and model_data.c, the equations rw_dae, rw_jacobian,
+ * rw_outputs and rw_tangent from files of these names; all are generated. fmi2.c and fmi3.c
+ * are wrappers for FMUs. */
+#ifndef ROPEWAY_H
+#define ROPEWAY_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include "model_data.h"
+
+#define RW_NEAR 1e-9 /* part of a mean span within which a load is on a support; margin kept below zero */
+
+typedef enum { RW_OK, RW_WARNING, RW_DISCARD, RW_ERROR } rw_status; /* numbered as in FMI 2 and 3 */
+
+typedef enum { RW_INSTANTIATED, RW_INITIALIZATION, RW_EVENT, RW_CONTINUOUS, RW_STEP, RW_TERMINATED } rw_mode;
+
+/* What moves on within a step. */
+typedef struct {
+    double t;
+    double x[RW_NX + 1], z[RW_NZ + 1];
+} rw_point;
+
+/* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
+typedef struct {
+    double hg;
+    int valid, exact; /* exact: taken at the present point */
+    int lp[RW_NW + 1], up[RW_NW + 1], pinv[RW_NW + 1];
+    int li[RW_LCAP], ui[RW_UCAP];
+    double lx[RW_LCAP], ux[RW_UCAP];
+    double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z that they are made of */
+} rw_factors;
+
+/* Everything that determines how an instance goes on: saving it is a copy. */
+typedef struct {
+    rw_mode mode;
+    int known, solved, rated, shown;   /* parameters taken over, z solved, its rates and outputs computed */
+    int passed[RW_NK + 1];             /* loads that have passed each support */
+    int broken[RW_NL + 1];             /* limits broken */
+    int ticks[RW_NC + 1];              /* of each clock */
+    int beyond_schedule;
+    int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
+    double h;                          /* step that the error control asks for */
+    rw_point now, held;                /* held: the point from which the carriage goes on */
+    int place;                         /* of the carriage at the point held */
+    double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
+    double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
+    rw_factors lu;
+} rw_state;
+
+typedef void (*rw_log_function)(void *context, rw_status status, const char *category, const char *message);
+
+typedef struct {
+    rw_state s;
+    rw_log_function log;
+    void *context;
+    int log_events, log_all;
+    int co_simulation;
+    double start_time;
+    /* workspace: nothing here outlives a call */
+    double f[RW_NX + 1], g[RW_NZ + 1];
+    double residual[RW_NW + 1], move[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
+    double dx[RW_NX + 1], dz[RW_NZ + 1], du[RW_NU + 1], dp[RW_NP + 1], dd[RW_ND + 1], dm[RW_NM + 1], dt, df[RW_NX + 1], dg[RW_NZ + 1], dy[RW_NY + 1];
+    rw_state backup;
+    double sample[RW_NQ + 1], fresh[RW_ND + 1];
+    unsigned char changes[RW_ND + 1];
+    double margin[RW_NG + 1];
+    double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
+    int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
+    const double *arg[RW_SZ_ARG];
+    double *res[RW_SZ_RES];
+    int iw[RW_SZ_IW];
+    double cw[RW_SZ_W];
+} rw_instance;
+
+/* A load that reaches support k; time [s] and gap [m] of travel until then, negative when overdue. */
+typedef struct {
+    double time, gap;
+    int k, load, forward;
+} rw_crossing;
+
+/* ropeway_sparse.c */
+int rw_factor(rw_instance *m, rw_factors *lu, const double *values);
+void rw_back(const rw_factors *lu, double *b, double *work);
+
+/* ropeway_log.c */
+void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
+
+/* ropeway_slots.c */
+double rw_rope_start(const rw_instance *m, int k);
+double rw_load_position(const rw_instance *m, int run, int i);
+double rw_load_mass(const rw_instance *m, int run, int i);
+int rw_load_count(int run);
+double rw_support_travel(const rw_instance *m, int k);
+double rw_travel_rate(const rw_instance *m, int k);
+int rw_is_last(int k);
+int rw_is_held(const rw_instance *m, int k);
+void rw_write_slots(rw_instance *m);
+void rw_slot_seeds(rw_instance *m);
+rw_status rw_check_slots(rw_instance *m);
+rw_status rw_lengths(rw_instance *m);
+
+/* ropeway_solve.c */
+void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
+int rw_all_finite(const double *v, int n);
+void rw_inputs_at(rw_instance *m, double t, double *u);
+void rw_input_rates(double t, double factor, double *du);
+int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
+int rw_sample(rw_instance *m, int clock);
+int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
+int rw_factor_matrix(rw_instance *m, double hg);
+rw_status rw_fail(rw_instance *m, const char *reason, double t);
+rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg);
+rw_status rw_solve_here(rw_instance *m);
+rw_status rw_margins_of(rw_instance *m);
+
+/* ropeway_places.c */
+void rw_start_place(rw_instance *m);
+void rw_hold(rw_instance *m);
+rw_status rw_follow(rw_instance *m);
+rw_status rw_border_indicators(rw_instance *m, double *indicator);
+
+/* ropeway_evaluate.c */
+rw_status rw_solve(rw_instance *m);
+rw_status rw_show(rw_instance *m);
+rw_status rw_rates(rw_instance *m);
+rw_status rw_tangent_of(rw_instance *m);
+
+/* ropeway_loads.c */
+void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind);
+int rw_next_crossing(const rw_instance *m, rw_crossing *found);
+rw_status rw_overrun_settle(rw_instance *m);
+rw_status rw_overrun_moving(rw_instance *m);
+rw_status rw_cross(rw_instance *m, const rw_crossing *first);
+int rw_standing(const rw_instance *m);
+rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead);
+rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead);
+rw_status rw_let_go(rw_instance *m, const rw_crossing *found);
+rw_status rw_limits(rw_instance *m);
+
+/* ropeway_step.c */
+void rw_start_clocks(rw_instance *m);
+rw_status rw_do_step(rw_instance *m, double end);
+double rw_next_time_event(const rw_instance *m);
+rw_status rw_event_indicators(rw_instance *m, double *indicator);
+rw_status rw_event_update(rw_instance *m);
+
+/* ropeway_instance.c */
+void rw_reset(rw_instance *m);
+rw_instance *rw_new(rw_log_function log, void *context, int co_simulation);
+rw_status rw_initialize(rw_instance *m);
+rw_status rw_up_to_date(rw_instance *m);
+rw_status rw_set_time(rw_instance *m, double t);
+rw_status rw_get_real(rw_instance *m, unsigned vr, double *value);
+rw_status rw_set_real(rw_instance *m, unsigned vr, double value);
+rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value);
+rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value);
+rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value);
+void rw_clear_seeds(rw_instance *m);
+rw_status rw_seed(rw_instance *m, unsigned vr, double seed);
+rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value);
+size_t rw_serialized_size(void);
+rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size);
+rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state);
+
+#endif

@@ -1,0 +1,252 @@
+/* Loads that cross supports: when the next one does, and what it does to the line. Where a sheave holds the rope down the
+ * load can be pushed back from either side; it then stands on the sheave, which carries it, until one side wins. */
+#include <math.h>
+#include <string.h>
+#include "ropeway.h"
+
+/* How far a support's travel is from the next load that crosses it forward and backward [m]. */
+void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
+{
+    int run = rw_run_of[k], beyond = m->s.passed[k], around = rw_around[run];
+    double rope = rw_rope_start(m, k) - rw_support_travel(m, k);
+    *ahead = *behind = INFINITY;
+    if (around && rw_is_last(k)) return; /* it crosses with the first */
+    if (beyond < rw_load_count(run)) *ahead = rope - rw_load_position(m, run, beyond);
+    if (around || beyond > 0) *behind = rw_load_position(m, run, beyond - 1) - rope;
+}
+
+/* The first crossing at the present rates. */
+int rw_next_crossing(const rw_instance *m, rw_crossing *found)
+{
+    found->time = INFINITY;
+    for (int k = 0; k < RW_NK; k++) {
+        double ahead, behind, rate = rw_travel_rate(m, k), time;
+        if (rw_load_count(rw_run_of[k]) == 0 || fabs(rate) <= 1e-12) continue;
+        rw_gaps(m, k, &ahead, &behind);
+        time = rate > 0.0 ? ahead / rate : behind / -rate;
+        if (isfinite(time) && time < found->time) {
+            found->time = time;
+            found->gap = rate > 0.0 ? ahead : behind;
+            found->k = k;
+            found->forward = rate > 0.0;
+            found->load = m->s.passed[k] - (rate > 0.0 ? 0 : 1);
+        }
+    }
+    return isfinite(found->time);
+}
+
+typedef struct {
+    double in_bare, in_loaded, out_bare, out_loaded, ratio;
+} sides;
+
+static double length_of(const double *v, double lift)
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
+}
+
+/* Tensions beside support k, on which a load stands: with the load on the rope of that side, and without. */
+static rw_status beside(rw_instance *m, int k, int load, sides *s)
+{
+    rw_status status = rw_show(m);
+    double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0];
+    double coming[3], going[3];
+    if (status != RW_OK) return status;
+    memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
+    memcpy(going, m->s.now.z + rw_force[k], sizeof going);
+    coming[2] = m->s.y[rw_vertical_b[k - 1]];
+    if (load >= m->s.passed[k]) /* it hangs at the end of the span before */
+        coming[2] -= weight;
+    else
+        going[2] += weight;
+    s->in_bare = length_of(coming, 0.0);
+    s->in_loaded = length_of(coming, weight);
+    s->out_bare = length_of(going, 0.0);
+    s->out_loaded = length_of(going, -weight);
+    s->ratio = rw_is_held(m, k) ? 1.0 : m->s.y[rw_tension_out[k]] / m->s.y[rw_tension_in[k]];
+    return RW_OK;
+}
+
+/* Moves the load, or leaves it on the support. The line is not solved anew. */
+static rw_status apply(rw_instance *m, int k, int load, int forward)
+{
+    int goes = 1;
+    rw_status status;
+    if (rw_held[k] >= 0 && !rw_is_last(k) && k > rw_run_first[rw_run_of[k]]) {
+        sides s;
+        status = beside(m, k, load, &s);
+        if (status != RW_OK) return status;
+        const double enough = 1.0 - 1e-9; /* a load without mass passes */
+        goes = forward ? s.out_loaded >= enough * s.ratio * s.in_bare : s.ratio * s.in_loaded >= enough * s.out_bare;
+    }
+    if (goes) {
+        m->s.passed[k] += forward ? 1 : -1;
+        if (rw_around[rw_run_of[k]] && k == rw_run_first[rw_run_of[k]]) m->s.passed[rw_run_first[rw_run_of[k] + 1] - 1] += forward ? 1 : -1;
+        status = rw_check_slots(m);
+        if (status != RW_OK) return status;
+        rw_write_slots(m);
+    } else {
+        m->s.d[rw_held[k]] = 1.0;
+        m->s.d[rw_held_travel[k]] = rw_rope_start(m, k) - rw_load_position(m, rw_run_of[k], load);
+        m->s.solved = m->s.rated = m->s.shown = 0;
+    }
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", m->s.now.t, load + 1,
+               !goes ? "held at" : forward ? "crosses forward" : "crosses backward", rw_support_name[k]);
+    return RW_OK;
+}
+
+/* Loads that a jump of the line has thrown past a support cross it too; at the ends of a rope not those that have
+ * just been put on or taken off there (`just`, by support). */
+static rw_status overrun(rw_instance *m, unsigned char *just)
+{
+    for (int turn = 0; turn < 50; turn++) {
+        int moved = 0;
+        rw_status status = rw_solve(m);
+        unsigned char forward[RW_NK + 1], backward[RW_NK + 1];
+        if (status != RW_OK) return status;
+        for (int k = 0; k < RW_NK; k++) {
+            double ahead, behind, near = RW_NEAR * rw_span_scale[rw_run_of[k]];
+            int end = rw_is_last(k) || k == rw_run_first[rw_run_of[k]];
+            rw_gaps(m, k, &ahead, &behind);
+            forward[k] = backward[k] = 0;
+            if (rw_travel[k] < 0 || (end && just[k])) continue;
+            forward[k] = ahead < -near;
+            backward[k] = behind < -near;
+        }
+        for (int k = 0; k < RW_NK; k++) {
+            if (!forward[k] && !backward[k]) continue;
+            if (rw_is_held(m, k)) continue;
+            status = apply(m, k, m->s.passed[k] - (forward[k] ? 0 : 1), forward[k]);
+            if (status != RW_OK) return status;
+            just[k] = 1;
+            moved = 1;
+        }
+        if (!moved) return rw_lengths(m);
+    }
+    rw_message(m, RW_ERROR, "logStatusError", "Loads are thrown to and fro at t = %.9g s", m->s.now.t);
+    return RW_ERROR;
+}
+
+rw_status rw_overrun_settle(rw_instance *m)
+{
+    unsigned char just[RW_NK + 1] = {0};
+    return overrun(m, just);
+}
+
+/* The same on the way: what an input or a switch throws over a support, or a rope that has turned within a step. Loads
+ * at the ends of a rope may lie beyond, where a jump has left them. */
+rw_status rw_overrun_moving(rw_instance *m)
+{
+    unsigned char just[RW_NK + 1];
+    rw_status status;
+    memset(just, 1, sizeof just);
+    status = overrun(m, just);
+    return status == RW_OK ? rw_rates(m) : status;
+}
+
+/* Loads cross: the first one, and all others that stand on a support at this time; then the line jumps. After
+ * rw_rates. `first` may be NULL. */
+rw_status rw_cross(rw_instance *m, const rw_crossing *first)
+{
+    unsigned char just[RW_NK + 1] = {0};
+    rw_crossing due[RW_NK + 1];
+    int count = 0;
+    if (first) due[count++] = *first;
+    for (int k = 0; k < RW_NK; k++) {
+        double ahead, behind, near = RW_NEAR * rw_span_scale[rw_run_of[k]], rate = rw_travel_rate(m, k);
+        rw_gaps(m, k, &ahead, &behind);
+        if ((first && k == first->k) || rw_is_held(m, k)) continue;
+        if ((rate > 0.0 && ahead <= near) || (rate < 0.0 && behind <= near)) {
+            due[count].k = k;
+            due[count].forward = rate > 0.0;
+            due[count++].load = m->s.passed[k] - (rate > 0.0 ? 0 : 1);
+        }
+    }
+    for (int i = 0; i < count; i++) {
+        rw_status status = apply(m, due[i].k, due[i].load, due[i].forward);
+        if (status != RW_OK) return status;
+        just[due[i].k] = 1;
+    }
+    return overrun(m, just);
+}
+
+int rw_standing(const rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (rw_is_held(m, k)) return 1;
+    return 0;
+}
+
+static int load_on(const rw_instance *m, int k)
+{
+    double place = rw_rope_start(m, k) - m->s.d[rw_held_travel[k]];
+    int beyond = m->s.passed[k], run = rw_run_of[k];
+    if (beyond == 0 && !rw_around[run]) return 0;
+    if (beyond >= rw_load_count(run)) return beyond - 1;
+    return fabs(rw_load_position(m, run, beyond) - place) <= fabs(rw_load_position(m, run, beyond - 1) - place) ? beyond : beyond - 1;
+}
+
+/* For the load that stands on support k the force by which a side is ahead [N]: positive when it leaves, the way
+ * that the crossing says. */
+rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead)
+{
+    sides s;
+    double forward, backward;
+    rw_status status;
+    found->k = k;
+    found->load = load_on(m, k);
+    status = beside(m, k, found->load, &s);
+    if (status != RW_OK) return status;
+    forward = s.out_loaded - s.in_bare;
+    backward = s.in_loaded - s.out_bare;
+    found->forward = forward >= backward;
+    *ahead = fmax(forward, backward);
+    return RW_OK;
+}
+
+/* Of the loads that stand on sheaves the one nearest to leaving; `ahead` is -INFINITY when none stands. */
+rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead)
+{
+    *ahead = -INFINITY;
+    for (int k = 0; k < RW_NK; k++) {
+        rw_crossing one;
+        double force;
+        rw_status status;
+        if (!rw_is_held(m, k)) continue;
+        status = rw_release_of(m, k, &one, &force);
+        if (status != RW_OK) return status;
+        if (force > *ahead) {
+            *ahead = force;
+            *found = one;
+        }
+    }
+    return RW_OK;
+}
+
+/* Releases a load that stood on a sheave. */
+rw_status rw_let_go(rw_instance *m, const rw_crossing *found)
+{
+    rw_status status;
+    m->s.d[rw_held[found->k]] = 0.0;
+    m->s.passed[found->k] = found->load + (found->forward ? 1 : 0);
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d released %s at %s", m->s.now.t, found->load + 1,
+               found->forward ? "forward" : "backward", rw_support_name[found->k]);
+    status = rw_check_slots(m);
+    if (status != RW_OK) return status;
+    rw_write_slots(m);
+    return rw_solve(m);
+}
+
+/* Takes down which limits are broken: tension above the breaking load, lift-off and so on. */
+rw_status rw_limits(rw_instance *m)
+{
+    rw_status status = rw_show(m);
+    if (status != RW_OK) return status;
+    for (int i = 0; i < RW_NL; i++) {
+        double value = m->s.y[rw_limit_output[i]], slack = m->s.broken[i] ? rw_limit_slack[i] : 0.0;
+        int broken = value >= rw_limit_high[i] - slack || value <= rw_limit_low[i] + slack;
+        if (broken && !m->s.broken[i])
+            rw_message(m, RW_WARNING, "logStatusWarning", "t = %.9f s: %s", m->s.now.t, rw_limit_name[i]);
+        m->s.broken[i] = broken;
+    }
+    return RW_OK;
+}

@@ -1,0 +1,136 @@
+/* Loads in the slots of their spans. A load at place c on the rope stands on support k exactly when the support's
+ * travel is X_k - c, X_k the rope at the support at zero travel. The supports of all ropes are numbered through;
+ * support k is the b end of span k - 1 and the a end of span k, the last support of a rope has no span of its own.
+ * On an endless rope the loads come round: those of numbers n and n + around are one load, a rope's length apart,
+ * and its last support is its first. */
+#include <string.h>
+#include "ropeway.h"
+
+double rw_rope_start(const rw_instance *m, int k)
+{
+    double sum = 0.0;
+    for (int i = rw_run_first[rw_run_of[k]]; i < k; i++) sum += m->s.p[rw_length_start[i]];
+    return sum;
+}
+
+/* Rounds that load i has come behind those listed, rounded down; 0 where the rope has ends. */
+static int turn_of(int run, int i)
+{
+    int around = rw_around[run];
+    return around == 0 ? 0 : i >= 0 ? i / around : -((around - 1 - i) / around);
+}
+
+double rw_load_position(const rw_instance *m, int run, int i)
+{
+    int first = rw_load_first[run], n = rw_load_first[run + 1] - first, turn = turn_of(run, i);
+    if (rw_around[run]) return rw_load_place[first + i - turn * n] - turn * rw_rope_start(m, rw_run_first[run + 1] - 1);
+    if (i < n) return rw_load_place[first + i];
+    return rw_load_place[first + n - 1] - rw_feed_spacing[run] * (i - n + 1);
+}
+
+/* Place of a load's mass among those that can be set. */
+static int mass_of(int run, int i)
+{
+    int first = rw_mass_first[run], n = rw_mass_first[run + 1] - first;
+    return first + (i - turn_of(run, i) * rw_around[run]) % n;
+}
+
+double rw_load_mass(const rw_instance *m, int run, int i)
+{
+    return m->s.mass[mass_of(run, i)];
+}
+
+/* Number of loads of a run; those that its feed holds ready have no end. */
+int rw_load_count(int run)
+{
+    return rw_feed_spacing[run] > 0.0 ? 1 << 30 : rw_load_first[run + 1] - rw_load_first[run];
+}
+
+double rw_support_travel(const rw_instance *m, int k)
+{
+    int i = rw_travel[k];
+    return i < 0 ? 0.0 : i < RW_NX ? m->s.now.x[i] : m->s.now.z[i - RW_NX];
+}
+
+/* Rate of a support's travel [m/s], after rw_rates. */
+double rw_travel_rate(const rw_instance *m, int k)
+{
+    int i = rw_travel[k];
+    return i < 0 ? 0.0 : i < RW_NX ? m->s.rate[i] : m->s.zrate[i - RW_NX];
+}
+
+int rw_is_last(int k)
+{
+    return k + 1 == rw_run_first[rw_run_of[k] + 1];
+}
+
+int rw_is_held(const rw_instance *m, int k)
+{
+    return rw_held[k] >= 0 && m->s.d[rw_held[k]] > 0.0;
+}
+
+/* Puts the loads into the slots of their spans. */
+void rw_write_slots(rw_instance *m)
+{
+    double start = 0.0;
+    for (int k = 0; k < RW_NK; k++) {
+        int run = rw_run_of[k];
+        if (k == rw_run_first[run]) start = 0.0;
+        if (rw_is_last(k)) continue;
+        for (int j = 0; j < rw_slot_count[k]; j++) {
+            int load = m->s.passed[k] - 1 - j, full = load >= m->s.passed[k + 1];
+            m->s.d[rw_slot_mass[k] + j] = full ? rw_load_mass(m, run, load) : 0.0;
+            m->s.d[rw_slot_at[k] + j] = full ? rw_load_position(m, run, load) - start : 0.0;
+            m->s.d[rw_slot_ride[k] + j] = full;
+            m->s.d[rw_slot_empty[k] + j] = !full;
+        }
+        start += m->s.p[rw_length_start[k]];
+    }
+    m->s.solved = m->s.rated = m->s.shown = 0;
+}
+
+/* How the slots change with the seeds of the parameters: masses, and distances, which fall as the rope before
+ * grows, or the whole rope with each round. */
+void rw_slot_seeds(rw_instance *m)
+{
+    double grown = 0.0, whole = 0.0;
+    memset(m->dd, 0, sizeof m->dd);
+    for (int k = 0; k < RW_NK; k++) {
+        int run = rw_run_of[k];
+        if (k == rw_run_first[run]) {
+            grown = whole = 0.0;
+            for (int i = k; !rw_is_last(i); i++) whole += m->dp[rw_length_start[i]];
+        }
+        if (rw_is_last(k)) continue;
+        for (int j = 0; j < rw_slot_count[k]; j++)
+            if (m->s.d[rw_slot_ride[k] + j] > 0.0) {
+                int load = m->s.passed[k] - 1 - j;
+                m->dd[rw_slot_at[k] + j] = -grown - turn_of(run, load) * whole;
+                m->dd[rw_slot_mass[k] + j] = m->dm[mass_of(run, load)];
+            }
+        grown += m->dp[rw_length_start[k]];
+    }
+}
+
+/* More loads in a span than the FMU has room for is an error: they would get lost. */
+rw_status rw_check_slots(rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (!rw_is_last(k) && m->s.passed[k] - m->s.passed[k + 1] > rw_slot_count[k]) {
+            rw_message(m, RW_ERROR, "logStatusError", "%d loads in the span after %s, which has room for %d: export with wider spacing",
+                       m->s.passed[k] - m->s.passed[k + 1], rw_support_name[k], rw_slot_count[k]);
+            return RW_ERROR;
+        }
+    return RW_OK;
+}
+
+/* A span without rope ends the run. */
+rw_status rw_lengths(rw_instance *m)
+{
+    for (int k = 0; k < RW_NK; k++)
+        if (!rw_is_last(k) && !(m->s.p[rw_length_start[k]] + rw_support_travel(m, k) - rw_support_travel(m, k + 1) > 0.0)) {
+            rw_message(m, RW_ERROR, "logStatusError", "No rope is left in the span after %s at t = %.9g s", rw_support_name[k], m->s.now.t);
+            return RW_ERROR;
+        }
+    return RW_OK;
+}

@@ -1,0 +1,245 @@
+/* The equations, solved for what they determine by a guarded Newton's method. A failure is a
+ * status and a message; the values of a failed solve are never shown. */
+#include <math.h>
+#include <string.h>
+#include "ropeway.h"
+
+#define TOLERANCE 1e-12 /* step of Newton's method that would follow the last one, scaled */
+
+void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u)
+{
+    m->arg[0] = t;
+    m->arg[1] = x;
+    m->arg[2] = z;
+    m->arg[3] = u;
+    m->arg[4] = m->s.p;
+    m->arg[5] = m->s.d;
+}
+
+int rw_all_finite(const double *v, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(v[i])) return 0;
+    return 1;
+}
+
+/* Inputs at a time: those that the FMU is given, and its schedules, which are linear between their times. */
+void rw_inputs_at(rw_instance *m, double t, double *u)
+{
+    memcpy(u, m->s.u, sizeof m->s.u);
+    for (int i = 0; i < RW_NS; i++) {
+        const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
+        int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
+        while (k < n && times[k] <= t) k++;
+        if (k == 0 || k == n)
+            u[rw_schedule_input[i]] = values[k == 0 ? 0 : n - 1];
+        else
+            u[rw_schedule_input[i]] = values[k - 1] + (values[k] - values[k - 1]) * (t - times[k - 1]) / (times[k] - times[k - 1]);
+        if (k == n && t > times[n - 1] + 1e-9 && !m->s.beyond_schedule) {
+            m->s.beyond_schedule = 1;
+            rw_message(m, RW_WARNING, "logStatusWarning", "The schedule of %s ended at %g s: its last value is kept",
+                       rw_input_name[rw_schedule_input[i]], times[n - 1]);
+        }
+    }
+}
+
+/* Rates of the inputs that schedules drive, times a factor. */
+void rw_input_rates(double t, double factor, double *du)
+{
+    for (int i = 0; i < RW_NS; i++) {
+        const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
+        int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
+        while (k < n && times[k] <= t) k++;
+        if (k > 0 && k < n)
+            du[rw_schedule_input[i]] = factor * (values[k] - values[k - 1]) / (times[k] - times[k - 1]);
+    }
+}
+
+static int functions(rw_instance *m, double t, const double *x, const double *z, const double *u)
+{
+    rw_point_arguments(m, &t, x, z, u);
+    m->res[0] = m->f;
+    m->res[1] = m->g;
+    return rw_dae(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->f, RW_NX) || !rw_all_finite(m->g, RW_NZ);
+}
+
+int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate)
+{
+    if (functions(m, t, x, z, u)) return 1;
+    memcpy(rate, m->f, RW_NX * sizeof(double));
+    return 0;
+}
+
+/* What a clock decides at the present point, in m->sample. */
+int rw_sample(rw_instance *m, int clock)
+{
+    int n = rw_clock_first[clock + 1] - rw_clock_first[clock];
+    rw_inputs_at(m, m->s.now.t, m->us);
+    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->res[0] = m->sample;
+    return rw_clock_update[clock](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->sample, n);
+}
+
+/* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY where they have no value. */
+static double residual(rw_instance *m, double t, const double *x, const double *z, const double *u, const double *base,
+                       double hg)
+{
+    double sum = 0.0;
+    if (functions(m, t, x, z, u)) return INFINITY;
+    for (int i = 0; i < RW_NX; i++) m->residual[i] = (x[i] - base[i] - hg * m->f[i]) / rw_x_nominal[i];
+    for (int i = 0; i < RW_NZ; i++) m->residual[RW_NX + i] = m->g[i] / rw_r_nominal[i];
+    for (int i = 0; i < RW_NW; i++) sum += m->residual[i] * m->residual[i];
+    return isfinite(sum) ? sqrt(sum) : INFINITY;
+}
+
+/* Derivatives of f and g by x and z at a point, in m->s.lu.jac. */
+int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u)
+{
+    rw_point_arguments(m, &t, x, z, u);
+    m->res[0] = m->s.lu.jac;
+    m->s.lu.valid = 0;
+    return rw_jacobian(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->s.lu.jac, RW_NNZ);
+}
+
+/* Factors of the scaled matrix from m->s.lu.jac. */
+int rw_factor_matrix(rw_instance *m, double hg)
+{
+    static const int nx = RW_NX;
+    double values[RW_NNZ + 1];
+    for (int j = 0; j < RW_NW; j++) {
+        double scale = j < nx ? rw_x_nominal[j < nx ? j : 0] : rw_z_nominal[j - nx];
+        for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++) {
+            int i = rw_row[p];
+            if (i < nx)
+                values[p] = (i == j ? 1.0 : 0.0) - hg * m->s.lu.jac[p] * scale / rw_x_nominal[i];
+            else
+                values[p] = m->s.lu.jac[p] * scale / rw_r_nominal[i - nx];
+        }
+    }
+    m->s.lu.valid = rw_factor(m, &m->s.lu, values) == 0;
+    m->s.lu.hg = hg;
+    m->s.lu.exact = 0;
+    return !m->s.lu.valid;
+}
+
+rw_status rw_fail(rw_instance *m, const char *reason, double t)
+{
+    int worst = 0;
+    for (int i = 1; i < RW_NW; i++)
+        if (!(fabs(m->residual[i]) <= fabs(m->residual[worst]))) worst = i;
+    m->s.lu.valid = 0;
+    rw_message(m, RW_DISCARD, "logStatusDiscard", "%s at t = %.9g s (worst: %s)", reason, t, rw_equation_name[worst]);
+    return RW_DISCARD;
+}
+
+static void advance(const double *from, const double *move, double share, double *x, double *z)
+{
+    for (int i = 0; i < RW_NX; i++) x[i] = from[i] - share * move[i] * rw_x_nominal[i];
+    for (int i = 0; i < RW_NZ; i++) z[i] = from[RW_NX + i] - share * move[RW_NX + i] * rw_z_nominal[i];
+}
+
+/* Solves x - base - hg f(x, z) = 0 and g(x, z) = 0 in place, with u as given. Factors are kept as long as they
+ * do; a step that overshoots is taken anew with fresh ones, then shortened. x and z are left as they were when
+ * it fails. */
+rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg)
+{
+    double first[RW_NW + 1], *from = m->w, before = INFINITY, last = INFINITY;
+    int fresh = 0, renew = !m->s.lu.valid || m->s.lu.hg != hg;
+    rw_status status = RW_DISCARD;
+    if (RW_NZ == 0 && hg == 0.0) return RW_OK;
+    memcpy(first, x, RW_NX * sizeof(double));
+    memcpy(first + RW_NX, z, RW_NZ * sizeof(double));
+    memcpy(from, first, sizeof first);
+    m->s.lu.exact = 0;
+    for (int it = 0; it < 60; it++) {
+        double norm = residual(m, t, x, z, u, base, hg), size = 0.0, rate;
+        if (it == 0 && isinf(norm)) {
+            memset(m->residual, 0, sizeof m->residual);
+            rw_fail(m, "The equations have no value", t);
+            goto failed;
+        }
+        if (it > 0 && !(norm <= 0.9 * before || (last < 1e-6 && norm <= 1e-12))) {
+            if (!fresh) { /* back, with fresh factors */
+                memcpy(x, from, RW_NX * sizeof(double));
+                memcpy(z, from + RW_NX, RW_NZ * sizeof(double));
+                norm = residual(m, t, x, z, u, base, hg);
+                renew = 1;
+            } else {
+                double share = 0.5;
+                for (;; share *= 0.5) {
+                    if (share < 1e-7) {
+                        rw_fail(m, "Newton's method makes no progress", t);
+                        goto failed;
+                    }
+                    advance(from, m->move, share, x, z);
+                    norm = residual(m, t, x, z, u, base, hg);
+                    if (norm <= (1.0 - 0.1 * share) * before) break;
+                }
+                renew = 1;
+            }
+            last = INFINITY;
+        }
+        fresh = 0;
+        if (renew) {
+            if (rw_matrix(m, t, x, z, u) || rw_factor_matrix(m, hg)) {
+                rw_fail(m, "The equations are singular", t);
+                goto failed;
+            }
+            renew = 0;
+            fresh = 1;
+        }
+        memcpy(m->move, m->residual, sizeof m->residual);
+        rw_back(&m->s.lu, m->move, m->work);
+        if (hg == 0.0) memset(m->move, 0, RW_NX * sizeof(double)); /* x is given: to the last bit */
+        for (int i = 0; i < RW_NW; i++)
+            if (!(fabs(m->move[i]) <= size)) size = fabs(m->move[i]);
+        if (!isfinite(size)) {
+            rw_fail(m, "The equations are singular", t);
+            goto failed;
+        }
+        memcpy(from, x, RW_NX * sizeof(double));
+        memcpy(from + RW_NX, z, RW_NZ * sizeof(double));
+        advance(from, m->move, 1.0, x, z);
+        rate = size / last; /* 0 in the first iteration: nothing is known of it */
+        if (norm <= 1e-15 * sqrt((double)RW_NW) || size <= 0.1 * TOLERANCE) return RW_OK;
+        if (fresh ? (isinf(last) ? 10.0 * size * size <= TOLERANCE : size < 1e-3 && size * rate <= TOLERANCE)
+                  : (isfinite(last) && rate < 0.5 && size * rate / (1.0 - rate) <= TOLERANCE))
+            return RW_OK;
+        if (isfinite(last) && last < 1e-9 && rate > 0.5) return RW_OK; /* rounding is all that is left */
+        if (!fresh && isfinite(last) && rate > 0.1) renew = 1;
+        before = norm;
+        last = size;
+    }
+    status = rw_fail(m, "Newton's method has not converged", t);
+failed:
+    memcpy(x, first, RW_NX * sizeof(double));
+    memcpy(z, first + RW_NX, RW_NZ * sizeof(double));
+    return status;
+}
+
+/* Solves them with the equations that hold now. */
+rw_status rw_solve_here(rw_instance *m)
+{
+    rw_point *q = &m->s.now;
+    rw_status status;
+    rw_inputs_at(m, q->t, m->us);
+    status = rw_newton(m, q->t, q->x, q->z, m->us, q->x, 0.0);
+    if (status != RW_OK) return status;
+    if (rw_rate_function(m, q->t, q->x, q->z, m->us, m->s.rate)) {
+        memset(m->residual, 0, sizeof m->residual);
+        return rw_fail(m, "The rates have no value", q->t);
+    }
+    m->s.solved = 1;
+    m->s.rated = m->s.shown = 0;
+    m->s.lu.exact = 0;
+    return RW_OK;
+}
+
+/* Margins of the carriage's place at the present solution, in m->margin. */
+rw_status rw_margins_of(rw_instance *m)
+{
+    rw_inputs_at(m, m->s.now.t, m->us);
+    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->res[0] = m->margin;
+    return rw_margins[0](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->margin, RW_NG) ? RW_DISCARD : RW_OK;
+}

@@ -1,0 +1,316 @@
+/* Through time: one-step integration with error control, crossings located inside the step (Co-Simulation); event
+ * indicators and the event update (Model Exchange).
+ *
+ * The integrator is ARK3(2)4L[2]SA-ESDIRK (Kennedy and Carpenter 2003): four stages, stiffly accurate, so that it
+ * starts anew at every communication point at no cost and its end point satisfies the algebraic equations. Where
+ * rates depend on inputs only (commanded speeds) they are integrated exactly. */
+#include <math.h>
+#include <string.h>
+#include "ropeway.h"
+
+#define GAMMA (1767732205903.0 / 4055673282236.0)
+#define STANDING_STEP 0.02 /* s, while a load stands on a sheave */
+#define LEAST_STEP 1e-11   /* s */
+#define ENOUGH (30.0 * RW_FORCE_NEAR) /* N, by which a side is ahead when a load is released: well above rounding */
+#define LOOK 0.01          /* part of a mean span by which the rope moves at most between two looks at the limits */
+
+static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
+static const double stage_weight[4][3] = {
+    {0.0, 0.0, 0.0},
+    {GAMMA, 0.0, 0.0},
+    {2746238789719.0 / 10658868560708.0, -640167445237.0 / 6845629431997.0, 0.0},
+    {1471266399579.0 / 7840856788654.0, -4482444167858.0 / 7529755066697.0, 11266239266428.0 / 11593286722821.0},
+};
+static const double lower_order[4] = {
+    2756255671327.0 / 12835298489170.0,
+    -10771552573575.0 / 22201958757719.0,
+    9247589265047.0 / 10645013368117.0,
+    2193209047091.0 / 5459859503100.0,
+};
+
+/* One step of h from the present point, whose rates are known; `error` relative to what is allowed. */
+static rw_status driven_step(rw_instance *m, const rw_point *from, double h, double *error)
+{
+    rw_point *q = &m->s.now;
+    double rate[RW_NX + 1];
+    rw_status status;
+    *error = 0.0;
+    memcpy(rate, m->s.rate, sizeof rate);
+    q->t = from->t + h;
+    for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h * rate[i];
+    for (int i = 0; i < RW_NZ; i++) q->z[i] = from->z[i] + h * m->s.zrate[i];
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    status = rw_solve(m);
+    if (status != RW_OK || memcmp(rate, m->s.rate, RW_NX * sizeof(double)) == 0) return status;
+    for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h / 2.0 * (rate[i] + m->s.rate[i]);
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    return rw_solve(m);
+}
+
+static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, double *error)
+{
+    rw_point *q = &m->s.now;
+    double hg = h * GAMMA;
+    rw_status status;
+    memcpy(m->stage[0], m->s.rate, RW_NX * sizeof(double));
+    if (rw_factor_matrix(m, hg)) return RW_DISCARD;
+    for (int i = 1; i < 4; i++) {
+        double part = i == 1 ? stage_time[1] : i == 2 ? 0.6 - stage_time[1] : 0.4;
+        q->t = from->t + stage_time[i] * h;
+        rw_inputs_at(m, q->t, m->us);
+        for (int n = 0; n < RW_NX; n++) {
+            m->base[n] = from->x[n];
+            for (int j = 0; j < i; j++) m->base[n] += h * stage_weight[i][j] * m->stage[j][n];
+            q->x[n] = m->base[n] + hg * m->stage[i - 1][n];
+        }
+        for (int n = 0; n < RW_NZ; n++) q->z[n] += part * h * m->s.zrate[n];
+        status = rw_newton(m, q->t, q->x, q->z, m->us, m->base, hg);
+        if (status != RW_OK) return status;
+        for (int n = 0; n < RW_NX; n++) m->stage[i][n] = (q->x[n] - m->base[n]) / hg;
+    }
+    *error = 0.0;
+    for (int n = 0; n < RW_NX; n++) {
+        double e = 0.0, allowed = RW_TOLERANCE * (rw_x_nominal[n] + fmax(fabs(from->x[n]), fabs(q->x[n])));
+        for (int i = 0; i < 4; i++) e += h * ((i < 3 ? stage_weight[3][i] : GAMMA) - lower_order[i]) * m->stage[i][n];
+        if (!(fabs(e) / allowed <= *error)) *error = fabs(e) / allowed;
+    }
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    return rw_solve(m);
+}
+
+/* Back to a point from which a step is tried again; its rates are known. */
+static rw_status back_to(rw_instance *m, const rw_point *from)
+{
+    rw_status status;
+    m->s.now = *from;
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    m->s.lu.valid = 0;
+    status = rw_solve(m);
+    return status == RW_OK ? rw_rates(m) : status;
+}
+
+/* A step from `from` by at most *h, shortened until it succeeds; rates are known at its end. */
+static rw_status step(rw_instance *m, const rw_point *from, double *h, double stop)
+{
+    for (;;) {
+        double error;
+        rw_status status = RW_COUPLED ? coupled_step(m, from, *h, &error) : driven_step(m, from, *h, &error);
+        if (status == RW_OK && error <= 1.0) {
+            double wish = *h * fmin(5.0, 0.9 / cbrt(fmax(error, 1e-9)));
+            if (from->t + *h >= stop - LEAST_STEP) m->s.now.t = stop;
+            if (wish > m->s.h || error > 0.3) m->s.h = wish;
+            return rw_rates(m);
+        }
+        if (status == RW_ERROR) return status;
+        *h *= status == RW_OK && error < 1e9 ? fmax(0.2, 0.9 / cbrt(error)) : 0.25;
+        m->s.h = *h;
+        if (*h < LEAST_STEP) {
+            rw_message(m, RW_DISCARD, "logStatusDiscard", "The step at t = %.9g s cannot be made small enough", from->t);
+            return RW_DISCARD;
+        }
+        status = back_to(m, from);
+        if (status != RW_OK) return status;
+    }
+}
+
+static rw_status after_event(rw_instance *m, rw_status status)
+{
+    m->s.lu.valid = m->s.rated = 0;
+    return status == RW_OK ? rw_rates(m) : status;
+}
+
+/* A step of at most h; the crossings and releases that it has run over bring it back to their time. */
+static rw_status step_to_event(rw_instance *m, double h, double stop)
+{
+    rw_point from = m->s.now;
+    rw_crossing coming, leaving;
+    double before = -INFINITY, ahead = -INFINITY;
+    int standing = rw_standing(m);
+    rw_status status = standing ? rw_release(m, &leaving, &before) : RW_OK;
+    if (status != RW_OK) return status;
+    if (before >= ENOUGH) return after_event(m, rw_let_go(m, &leaving));
+    for (int turn = 0; turn < 40; turn++) {
+        status = step(m, &from, &h, stop);
+        if (status != RW_OK) return status;
+        if (rw_next_crossing(m, &coming) && coming.gap < -RW_NEAR * rw_span_scale[rw_run_of[coming.k]]) {
+            /* overrun: its start is a crossing that is not due yet */
+            double less = h + coming.time;
+            h = less > 0.0 && turn < 20 ? less : h / 2.0;
+        } else {
+            if (!standing) return RW_OK;
+            status = rw_release(m, &leaving, &ahead);
+            if (status != RW_OK || ahead <= RW_FORCE_NEAR) return status;
+            if (ahead <= 1e3 * RW_FORCE_NEAR || h < 1e-6) return after_event(m, rw_let_go(m, &leaving));
+            h *= turn < 20 ? (ENOUGH - before) / (ahead - before) : 0.5;
+        }
+        if (h < LEAST_STEP) break;
+        status = back_to(m, &from);
+        if (status != RW_OK) return status;
+    }
+    rw_message(m, RW_DISCARD, "logStatusDiscard", "An event cannot be located after t = %.9g s", from.t);
+    return RW_DISCARD;
+}
+
+static double next_tick(const rw_instance *m, int clock)
+{
+    return rw_clock_phase[clock] + m->s.ticks[clock] * rw_clock_period[clock];
+}
+
+/* Ticks before the present time are past. */
+void rw_start_clocks(rw_instance *m)
+{
+    for (int i = 0; i < RW_NC; i++) {
+        m->s.ticks[i] = (int)fmax(0.0, floor((m->s.now.t - rw_clock_phase[i]) / rw_clock_period[i]));
+        while (next_tick(m, i) < m->s.now.t - 1e-9) m->s.ticks[i]++;
+    }
+}
+
+/* Clocks that tick now decide; what changes the line's motion takes effect when all have. */
+static rw_status tick(rw_instance *m)
+{
+    int any = 0;
+    memset(m->changes, 0, sizeof m->changes);
+    for (int i = 0; i < RW_NC; i++) {
+        if (next_tick(m, i) > m->s.now.t + 1e-9) continue;
+        rw_status status = rw_solve(m);
+        if (status != RW_OK) return status;
+        m->s.ticks[i]++;
+        if (rw_sample(m, i)) {
+            rw_message(m, RW_DISCARD, "logStatusDiscard", "A response has no value at t = %.9g s", m->s.now.t);
+            return RW_DISCARD;
+        }
+        for (int p = rw_clock_first[i]; p < rw_clock_first[i + 1]; p++) {
+            int entry = rw_clock_entry[p];
+            double value = m->sample[p - rw_clock_first[i]];
+            if (!rw_clock_corrects[p])
+                m->s.d[entry] = value;
+            else if (value != m->s.d[entry]) {
+                m->fresh[entry] = value;
+                any = m->changes[entry] = 1;
+            }
+        }
+    }
+    if (!any) return RW_OK;
+    for (int i = 0; i < RW_ND; i++)
+        if (m->changes[i]) m->s.d[i] = m->fresh[i];
+    m->s.solved = m->s.rated = m->s.shown = 0;
+    return rw_overrun_moving(m);
+}
+
+static int tick_due(const rw_instance *m)
+{
+    for (int i = 0; i < RW_NC; i++)
+        if (next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
+    return 0;
+}
+
+/* How soon to look at the limits again, at the present rates: a load is heaviest on its rope in mid-span. Where a
+ * carriage goes from place to place the state is the travel of the drum that pulls it. */
+static double next_look(const rw_instance *m)
+{
+    double soon = INFINITY;
+    for (int k = 0; k < RW_NK; k++) soon = fmin(soon, LOOK * rw_span_scale[rw_run_of[k]] / fabs(rw_travel_rate(m, k)));
+    if (RW_NPL)
+        for (int i = 0; i < RW_NX; i++) soon = fmin(soon, LOOK * RW_MEAN_SPAN / fabs(m->s.rate[i]));
+    return soon;
+}
+
+static rw_status advance(rw_instance *m, double end)
+{
+    rw_status status = rw_overrun_moving(m);
+    for (int turn = 0; status == RW_OK && turn < 1000000; turn++) {
+        double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
+        rw_crossing coming;
+        int some = rw_next_crossing(m, &coming);
+        if (some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]]) {
+            status = after_event(m, rw_cross(m, &coming));
+            continue;
+        }
+        if (tick_due(m)) {
+            status = after_event(m, tick(m));
+            continue;
+        }
+        if (t >= end - LEAST_STEP) {
+            m->s.now.t = end;
+            return rw_limits(m);
+        }
+        if (some) h = fmin(h, coming.time);
+        if (rw_standing(m)) h = fmin(h, STANDING_STEP);
+        if (RW_COUPLED) h = fmin(h, m->s.h);
+        if (RW_NL) h = fmin(h, next_look(m));
+        status = step_to_event(m, h, stop);
+        if (status == RW_OK) status = rw_overrun_moving(m);
+        if (status == RW_OK && RW_NL) status = rw_limits(m);
+    }
+    if (status == RW_OK) {
+        rw_message(m, RW_DISCARD, "logStatusDiscard", "Too many steps before t = %.9g s", end);
+        status = RW_DISCARD;
+    }
+    return status;
+}
+
+/* From the present time to `end`. When it fails the state is the one before. */
+rw_status rw_do_step(rw_instance *m, double end)
+{
+    rw_status status;
+    m->backup = m->s;
+    status = advance(m, end);
+    if (status > RW_WARNING) {
+        m->s = m->backup;
+        m->s.lu.valid = 0;
+    }
+    return status;
+}
+
+/* The time at which a schedule bends or a clock ticks next. */
+double rw_next_time_event(const rw_instance *m)
+{
+    double next = INFINITY;
+    for (int i = 0; i < rw_schedule_first[RW_NS]; i++)
+        if (rw_schedule_time[i] > m->s.now.t + LEAST_STEP && rw_schedule_time[i] < next) next = rw_schedule_time[i];
+    for (int i = 0; i < RW_NC; i++) next = fmin(next, next_tick(m, i));
+    return next;
+}
+
+/* One for each support, then one for each limit; an event when it falls to zero. */
+rw_status rw_event_indicators(rw_instance *m, double *indicator)
+{
+    rw_status status = rw_show(m);
+    if (status != RW_OK) return status;
+    for (int k = 0; k < RW_NK; k++) {
+        double ahead, behind, gap;
+        if (rw_is_held(m, k)) {
+            rw_crossing found;
+            double force;
+            status = rw_release_of(m, k, &found, &force);
+            if (status != RW_OK) return status;
+            indicator[k] = (RW_FORCE_NEAR - force) / RW_FORCE_SCALE;
+            continue;
+        }
+        rw_gaps(m, k, &ahead, &behind);
+        gap = fmin(ahead, behind) / rw_span_scale[rw_run_of[k]] + RW_NEAR;
+        indicator[k] = rw_travel[k] < 0 || !isfinite(gap) ? 1.0 : gap;
+    }
+    for (int i = 0; i < RW_NL; i++) {
+        double value = m->s.y[rw_limit_output[i]], slack = rw_limit_slack[i];
+        double inside = fmin(rw_limit_high[i] - value, value - rw_limit_low[i]);
+        indicator[RW_NK + i] = (m->s.broken[i] ? slack - inside : inside) / rw_limit_scale[i];
+    }
+    return RW_NB ? rw_border_indicators(m, indicator + RW_NK + RW_NL) : RW_OK;
+}
+
+/* All that is due at the present time. */
+rw_status rw_event_update(rw_instance *m)
+{
+    rw_crossing leaving;
+    double ahead;
+    rw_status status = rw_rates(m);
+    if (status == RW_OK) rw_hold(m);
+    if (status == RW_OK) status = rw_cross(m, NULL);
+    if (status == RW_OK && tick_due(m)) status = after_event(m, tick(m));
+    if (status == RW_OK && rw_standing(m)) {
+        status = rw_release(m, &leaving, &ahead);
+        if (status == RW_OK && ahead > 0.5 * RW_FORCE_NEAR) status = after_event(m, rw_let_go(m, &leaving));
+    }
+    return status == RW_OK ? rw_limits(m) : status;
+}

@@ -1,0 +1,1 @@
+"""Floor 5: what a run leaves: data, tables and pictures."""

@@ -1,0 +1,171 @@
+"""Power of the drives, and the energy balance of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.component import Node
+from ropeway.systems.modelling.dae_model import component_of
+from ropeway.systems.results.summary import _each
+
+if TYPE_CHECKING:
+    from ropeway.systems.results.run_data import RunData
+
+
+def power(result: RunData) -> pd.DataFrame:
+    """Power of the drives into the rope: index sheave, and `line` for all; mean, highest and lowest power [W],
+    energy pulled and recovered [J]."""
+    frame = result.full_frame
+    time = frame.index.to_numpy()
+    columns = [c for c in frame.columns if c.endswith(".power")]
+    values = {component_of(c): frame[c].to_numpy() for c in columns}
+    if values:
+        values["line"] = np.sum(list(values.values()), axis=0)
+    rows = {
+        name: {
+            "mean": np.trapezoid(p, time) / time[-1],
+            "highest": p.max(),
+            "lowest": p.min(),
+            "pulled": np.trapezoid(np.maximum(p, 0.0), time),
+            "recovered": np.trapezoid(np.maximum(-p, 0.0), time),
+        }
+        for name, p in values.items()
+    }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("sheave")
+
+
+def energy(result: RunData) -> pd.Series:
+    """The energy balance of a run [J].
+
+    drives (work of the control sheaves' drives), ends (work of drums and of supports that move, and energy of the rope
+    that drums pay out or wind in), loads (weight put on and taken off), take_up (work that components take from
+    outside, as a tensioned return) go in; gravity, elastic, kinetic (of the components) is what is gained; friction
+    and crossings (what a line loses when it jumps as a load passes an idler) is what is spent; residual is the rest,
+    zero but for the integration.
+    """
+    frame, times = result.full_frame, result.times
+    still = np.diff(times) == 0.0
+    parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), np.zeros(len(still)))
+    for r in range(len(result.runs)):
+        _add(parts, _rope_work(result, r))
+    for node in _each(result.runs):
+        _add(parts, _own_work(result, node))
+    elastic = np.diff(frame.filter(regex=r"\.elastic_energy$").sum(axis=1))
+    gravity = np.diff(frame.filter(regex=r"\.gravity_energy$").sum(axis=1))
+    kinetic = parts.pop("kinetic")
+    work = parts["drives"] + parts["ends"] + parts["loads"] + parts["take_up"] - parts["friction"]
+    left = work - elastic - gravity - kinetic
+    return pd.Series(
+        {
+            **{name: value.sum() for name, value in parts.items() if name != "friction"},
+            "gravity": gravity.sum(),
+            "elastic": elastic.sum(),
+            "kinetic": kinetic.sum(),
+            "friction": parts["friction"].sum(),
+            "crossings": left[still].sum(),
+            "residual": left[~still].sum(),
+        },
+        name="energy [J]",
+    )
+
+
+def _add(parts: dict[str, np.ndarray], more: Mapping[str, np.ndarray]) -> None:
+    for name, value in more.items():
+        parts[name] = parts[name] + value
+
+
+def _mean(values: np.ndarray | pd.Series) -> np.ndarray:
+    """In each interval between records."""
+    array = np.asarray(values)
+    return (array[1:] + array[:-1]) / 2.0
+
+
+def _drives(node: Node) -> bool:
+    """Whether a node drives a rope that runs over it."""
+    return node.drive_speed is not None and node.through(node.arriving) is not None
+
+
+def _rope_work(result: RunData, r: int) -> dict[str, np.ndarray]:
+    """Work of supports and loads on a rope in each interval, by kind."""
+    frame, run = result.full_frame, result.runs[r]
+    weight, strain = run.rope.mass_per_length * result.parameters[0], run.rope.strain
+    none = np.zeros(len(result.times) - 1)
+    parts = {"drives": none, "ends": none, "loads": _load_work(result, r), "friction": none}
+    last, moves = len(run.nodes) - 1, np.diff(result.times) > 0.0
+    for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
+        coming = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
+        going = None if k == last else frame[f"{run.spans[k].name}.tension_a"]
+        parts["ends"] = parts["ends"] + _shift_work(result, r, k)
+        if f"{node.name}.{seat.travel}" not in frame or (run.closed and k == last):
+            continue
+        if run.closed and k == 0:
+            coming = frame[f"{run.spans[-1].name}.tension_b"]
+        moved = np.diff(frame[f"{node.name}.{seat.travel}"])
+        if coming is None or going is None:
+            tension, sign = (going, -1.0) if coming is None else (coming, 1.0)
+            carried = strain.potential(np.asarray(tension)) - weight * _coordinate(result, node, "z")
+            parts["ends"] = parts["ends"] + sign * _mean(carried) * moved
+            continue
+        gained = _mean(strain.potential(coming) - strain.potential(going)) * moved
+        if _drives(node):
+            parts["drives"] = parts["drives"] + gained
+        else:
+            parts["friction"] = parts["friction"] - gained * moves
+    return parts
+
+
+def _coordinate(result: RunData, node: Node, axis: str) -> np.ndarray | float:
+    """Of a node, over time where it moves [m]."""
+    name = f"{node.name}.{axis}"
+    place = result.model.p.index.get(name)
+    return result.full_frame[name].to_numpy() if place is None else float(result.parameters[place])
+
+
+def _shift_work(result: RunData, r: int, k: int) -> np.ndarray | float:
+    """Work on a rope of a node that moves, by the forces at the rope's ends there."""
+    run, frame, work = result.runs[r], result.full_frame, 0.0
+    node, first = run.nodes[k], result.model.layouts[r].force
+    for i, axis in enumerate("xyz"):
+        if f"{node.name}.{axis}" not in frame:
+            continue
+        force = np.zeros(len(result.times))
+        for span, end, sign in ((k, "a", -1.0), (k - 1, "b", 1.0)):
+            if 0 <= span < len(run.spans):
+                tension = result.algebraic[:, first[span] + i]
+                force += frame[f"{run.spans[span].name}.vertical_{end}"] if axis == "z" else sign * tension
+        work = work + _mean(force) * np.diff(frame[f"{node.name}.{axis}"])
+    return work
+
+
+def _own_work(result: RunData, node: Node) -> dict[str, np.ndarray]:
+    """What a component takes from outside, stores and loses in each interval: what it gives goes into ropes, its own
+    motion and its losses."""
+    own = node.energies(lambda name: result.full_frame[f"{node.name}.{name}"].to_numpy())
+    none = np.zeros(len(result.times))
+    kinetic, supplied = np.diff(none + own.kinetic), np.diff(none + own.supplied)
+    lost = _mean(none + own.loss) * np.diff(result.times)
+    given = lost + kinetic - supplied
+    return {
+        "drives" if _drives(node) else "ends": given,
+        "kinetic": kinetic,
+        "friction": lost,
+        "take_up": supplied,
+    }
+
+
+def _load_work(result: RunData, r: int) -> np.ndarray:
+    """Energy that loads bring with them when they are put on, or take away."""
+    work, run = np.zeros(len(result.times) - 1), result.runs[r]
+    if run.closed:
+        return work
+    loads, gravity = run.loads, result.parameters[0]
+    for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
+        passed = np.array([record.passed[r][k] - loads.first for record in result.records])
+        total = np.concatenate([[0.0], np.cumsum(loads.mass)])
+        height = _coordinate(result, run.nodes[k], "z") + np.zeros(len(result.times))
+        work += sign * np.diff(total[passed]) * gravity * _mean(height)
+    return work

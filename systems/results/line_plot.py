@@ -1,0 +1,179 @@
+"""Picture of a line at one time: elevation, tension along the rope, plan. matplotlib is imported when it is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.anchor import Anchor
+from ropeway.components.component import Node
+from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.drum import Drum
+from ropeway.components.rope import Rope
+from ropeway.components.sheave import Sheave
+from ropeway.components.terrain import Profile
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.results.limit_lines import ABOVE, draw_limits, limits_of
+from ropeway.systems.statics.equilibrium import Equilibrium
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+class _Mark(NamedTuple):
+    """How supports of a kind are drawn."""
+
+    label: str
+    marker: str
+    colour: str
+
+
+_MARKS: dict[type[Node], _Mark] = {
+    ControlSheave: _Mark("control sheave", "s", "tab:red"),
+    Sheave: _Mark("idler sheave", "o", "0.35"),
+    Drum: _Mark("drum", "D", "tab:purple"),
+    Anchor: _Mark("anchor", "^", "tab:brown"),
+}
+_OTHER = _Mark("other support", "P", "tab:pink")
+
+_UPRIGHT = 12
+"""Supports with names written level: those of more overlap, and stand upright."""
+_NAMED = 60
+"""Supports with a name each: of more the idlers have none."""
+_CURVE = 60
+"""Points of a span's curve."""
+_GROUND = 500
+"""Points of the ground."""
+
+
+class _Way(NamedTuple):
+    """A rope's way: distance of each support along the line, and place in plan sideways of a straight line [m]."""
+
+    along: np.ndarray
+    direction: np.ndarray
+    origin: np.ndarray
+
+    def sideways(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Distance of points to the left of the straight line [m]."""
+        u, v = self.direction
+        return np.asarray(u * (y - self.origin[1]) - v * (x - self.origin[0]))
+
+
+def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
+    """Elevation with rope, loads and supports (and the ground, where it is given), tension along the rope, and the plan
+    where supports do not stand in one line, of a line at one time."""
+    from matplotlib.figure import Figure
+
+    ways = [_way(line.points(r)) for r in range(len(line.runs))]
+    plan_needed = any(np.ptp(w.sideways(*line.points(r)[:, :2].T)) > 1e-3 for r, w in enumerate(ways))
+    heights = [2.4, 1.3, 0.9] if plan_needed else [2.4, 1.3]
+    figure = Figure(figsize=(11.0, 2.0 * sum(heights)), layout="constrained")
+    elevation, tension, *rest = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    plan = rest[0] if rest else None
+    station = np.linspace(0.0, max(float(way.along[-1]) for way in ways), _GROUND)
+    level = None if ground is None else np.array([ground.elevation_at(float(x)) for x in station])
+    if level is not None:
+        elevation.plot(station, level, color="0.4", lw=1.2, label="ground")
+    highest, names, named = dict[Rope, float](), dict[Rope, str](), set[str]()
+    for r, (run, way) in enumerate(zip(line.runs, ways, strict=True)):
+        points = line.points(r)
+        _loads(elevation, plan, line, run, way, points)
+        for k, span in enumerate(run.spans):
+            curve = line.profile(span.name, _CURVE)
+            x = way.along[k] + np.hypot(curve["x"] - points[k, 0], curve["y"] - points[k, 1])
+            elevation.plot(x, curve["z"], color="tab:blue", lw=1.4, zorder=3)
+            tension.plot(x, curve["tension"] / 1e3, color="tab:blue", lw=1.4)
+            highest[span.rope] = max(highest.get(span.rope, 0.0), float(curve["tension"].max()))
+            names.setdefault(span.rope, run.name)
+            if plan is not None:
+                plan.plot(x, way.sideways(curve["x"].to_numpy(), curve["y"].to_numpy()), color="tab:blue", lw=1.2)
+        _supports(elevation, plan, run.nodes, way, points, ground, named)
+        for x in way.along:
+            for axis in (tension, *rest):
+                axis.axvline(x, color="0.85", lw=0.8, zorder=0)
+    several = len(names) > 1
+    draw_limits(tension, [(most, limits_of(rope, names[rope] if several else "")) for rope, most in highest.items()])
+    elevation.set_ylabel("height [m]")
+    elevation.legend(ncols=7, fontsize="small", **ABOVE)
+    elevation.margins(x=0.02, y=0.14)
+    elevation.set_xlim(elevation.get_xlim())
+    if level is not None:
+        low = elevation.get_ylim()[0]
+        elevation.fill_between(station, level, low, color="0.88", lw=0, zorder=0)
+        elevation.set_ylim(bottom=low)
+    tension.set_ylabel("tension [kN]")
+    tension.legend(ncols=4, fontsize="small", **ABOVE)
+    if plan is not None:
+        plan.set_ylabel("sideways [m]")
+    (rest or [tension])[-1].set_xlabel("horizontal distance along the line [m]")
+    for axis in (elevation, tension, *rest):
+        axis.grid(axis="y", alpha=0.3)
+    figure.suptitle(f"{line.model.name} at t = {line.point.t:g} s")
+    figure.draw_without_rendering()
+    box = elevation.get_window_extent()
+    scale = (np.ptp(elevation.get_xlim()) / box.width) / (np.ptp(elevation.get_ylim()) / box.height)
+    figure.suptitle(f"{line.model.name} at t = {line.point.t:g} s (heights {scale:.1f} times exaggerated)")
+    return figure
+
+
+def _way(points: np.ndarray) -> _Way:
+    """The way of a rope over supports (n, 3); straight is from the first to the one farthest from it in plan."""
+    flat = points[:, :2]
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(flat, axis=0).T))])
+    apart = flat[int(np.argmax(np.hypot(*(flat - flat[0]).T)))] - flat[0]
+    length = float(np.hypot(*apart))
+    return _Way(along, apart / length if length > 0.0 else np.array([1.0, 0.0]), flat[0])
+
+
+def _loads(elevation: Axes, plan: Axes | None, line: Equilibrium, run: Run, way: _Way, points: np.ndarray) -> None:
+    """Loads, under the rope's line and the smaller the more there are."""
+    loads: pd.DataFrame = line.loads[line.loads["span"].isin([s.name for s in run.spans])]
+    loads = loads[loads["mass"] > 0.0]
+    if loads.empty:
+        return
+    k = loads["span"].map({s.name: i for i, s in enumerate(run.spans)}).to_numpy(dtype=int)
+    x = way.along[k] + np.hypot(loads["x"] - points[k, 0], loads["y"] - points[k, 1])
+    size = float(np.clip(500.0 / len(loads), 7.0, 40.0))
+    sizes = size * (0.4 + 0.6 * loads["mass"] / loads["mass"].max())
+    lightest, heaviest = loads["mass"].min(), loads["mass"].max()
+    masses = f"{heaviest:g} kg" if lightest == heaviest else f"{lightest:g} to {heaviest:g} kg"
+    label = f"{len(loads)} load{'s' if len(loads) > 1 else ''}, {masses}"
+    elevation.scatter(x, loads["z"], s=sizes, color="tab:green", zorder=2, label=label, marker="o", lw=0)
+    if plan is not None:
+        sideways = way.sideways(loads["x"].to_numpy(), loads["y"].to_numpy())
+        plan.scatter(x, sideways, s=size, color="tab:green", zorder=1, lw=0)
+
+
+def _supports(
+    elevation: Axes,
+    plan: Axes | None,
+    nodes: Sequence[Node],
+    way: _Way,
+    points: np.ndarray,
+    ground: Profile | None,
+    named: set[str],
+) -> None:
+    """Supports with their names; on the ground, where it is known, else with a guide to the panels below."""
+    names: dict[str, Any] = {"rotation": 90, "fontsize": 7} if len(nodes) > _UPRIGHT else {"fontsize": "small"}
+    for k, node in enumerate(nodes):
+        mark = next((m for kind, m in _MARKS.items() if isinstance(node, kind)), _OTHER)
+        style: dict[str, Any] = {"color": mark.colour, "marker": mark.marker, "ls": "", "ms": 5, "zorder": 4}
+        x, z = way.along[k], points[k, 2]
+        elevation.plot(x, z, label=None if mark.label in named else mark.label, **style)
+        named.add(mark.label)
+        if ground is None:
+            elevation.axvline(x, color="0.85", lw=0.8, zorder=0)
+        else:
+            elevation.plot(
+                [x, x], [ground.elevation_at(float(x)), z], color="tab:brown", lw=2.0, zorder=1, solid_capstyle="butt"
+            )
+        if plan is not None:
+            plan.plot(x, way.sideways(points[k, 0], points[k, 1]), **style)
+        if len(nodes) <= _NAMED or mark.label != "idler sheave":
+            elevation.annotate(
+                node.label, (x, z), xytext=(0, 7), textcoords="offset points", ha="center", color=mark.colour, **names
+            )

@@ -1,0 +1,203 @@
+"""What a simulation leaves: states at many times, outputs when they are asked for, events, files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.results.column_labels import Labels
+from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.statics.certificate import Certificate, certify_records
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.line_state import LineState, Record, restored_points
+
+_BATCH = 64
+"""Records that are restored together."""
+
+
+class Event(NamedTuple):
+    """Something that happened at a component at a time [s]: `value` is the load's number or the quantity in question,
+    `load` the load's name."""
+
+    time: float
+    component: str
+    event: str
+    value: float
+    load: str = ""
+
+
+@checked
+@dataclass(frozen=True, eq=False, repr=False)
+class RunData:
+    """What a run leaves: records, and what follows from them by the model. Its fields: see `rw.Result`."""
+
+    model: Model
+    runs: tuple[Run, ...]
+    parameters: np.ndarray
+    records: tuple[Record, ...]
+    on_grid: np.ndarray
+    exact: np.ndarray
+    noted: tuple[Event, ...]
+    tolerance: float
+
+    @property
+    def times(self) -> np.ndarray:
+        """Times of all records [s]; an event has two records of one time."""
+        return np.array([r.time for r in self.records])
+
+    @cached_property
+    @interruptible
+    def _solved(self) -> tuple[np.ndarray, np.ndarray]:
+        """Outputs and algebraic variables at all records."""
+        y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
+
+        which = range(len(self.records))
+
+        def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            for i, (point, passed) in enumerate(self._points(which)):
+                y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
+                yield point, passed
+
+        self.__dict__["checks"] = self._certified(which, states())
+        return y, z
+
+    @cached_property
+    def checks(self) -> Certificate:
+        """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
+        which = range(len(self.records))
+        return self._certified(which, self._points(which))
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """The worst of each check over all records: index check; columns value, limit, holds, component, time [s]."""
+        times = self.times
+        return self.checks.frame.assign(time=[times[c.record] for c in self.checks.checks])
+
+    def require_certified(self) -> None:
+        """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
+        that fails."""
+        solved: list[int] = np.flatnonzero(self.exact).tolist()
+        self._certified(solved, self._points(solved))
+
+    def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+        """The solved points of records `which`, and the loads passed."""
+        for first in range(0, len(which), _BATCH):
+            part = which[first : first + _BATCH]
+            records = [self.records[i] for i in part]
+            restored = restored_points(self.model, self.runs, self.parameters, records)
+            for i, point, passed in zip(part, *restored, strict=True):
+                if not self.exact[i]:
+                    newton_of(self.model).solve(point)
+                yield point, passed
+
+    def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
+        """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
+        found = certify_records(self.model, self.runs, states)
+        self._require(found, int(which[found.failed.record]) if found.failed else 0)
+        return found
+
+    def _require(self, certificate: Certificate, i: int) -> None:
+        """Raises SimulationError, with the result before record i, where a check fails."""
+        try:
+            certificate.require(self.model)
+        except EquilibriumError as error:
+            before = replace(
+                self,
+                records=self.records[:i],
+                on_grid=self.on_grid[:i],
+                exact=self.exact[:i],
+                noted=tuple(event for event in self.noted if event.time <= self.records[i].time),
+            )
+            raise SimulationError(error.cause, error.remedy, self.records[i].time, before) from error
+
+    @property
+    def outputs(self) -> np.ndarray:
+        """All outputs at all records, shape (records, ny)."""
+        return self._solved[0]
+
+    @property
+    def algebraic(self) -> np.ndarray:
+        """All algebraic variables at all records, shape (records, nz)."""
+        return self._solved[1]
+
+    def _state(self, i: int) -> LineState:
+        state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        if not self.exact[i]:
+            newton_of(self.model).solve(state.point)
+        return state
+
+    @cached_property
+    def full_frame(self) -> pd.DataFrame:
+        """As `frame`, at all records: both sides of each event."""
+        m = self.model
+        keep = m.y.shown
+        moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
+        z = self._solved[1][:, moves]
+        blocks = [
+            self.outputs[:, list(keep)],
+            z,
+            np.array([r.x for r in self.records]),
+            np.array([r.u for r in self.records]),
+        ]
+        tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        names = [table.names[i] for table, chosen in tables for i in chosen]
+        frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
+        frame.attrs["descriptions"] = Labels(
+            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
+        )
+        return frame
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
+        frame = self.full_frame[self.on_grid]
+        frame.attrs = dict(self.full_frame.attrs)
+        return frame
+
+    @cached_property
+    def events(self) -> pd.DataFrame:
+        """What happened, in order of time: columns time [s], component, event, value, load.
+
+        Crossings and loads put on, taken off, held and released (value: the load's number); responses (value: the
+        correction [m/s]) and interventions; limits reached (tension above SWL or MBL, lift-off; value: the output that
+        tells).
+        """
+        found = sorted([*self.noted, *self._limits_reached()], key=lambda e: e.time)
+        frame = pd.DataFrame(found, columns=list(Event._fields))
+        return frame.astype({"time": float, "value": float})
+
+    def _limits_reached(self) -> list[Event]:
+        limits = self.model.limits
+        broken = limits.broken(self.outputs)
+        begins = broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]])
+        return [
+            Event(
+                float(self.records[i].time),
+                limits.components[j],
+                limits.events[j],
+                float(self.outputs[i, limits.output[j]]),
+            )
+            for i, j in zip(*np.nonzero(begins), strict=True)
+        ]
+
+    def record(self, i: int) -> Equilibrium:
+        """The line at a record, by its place in `full_frame`. Raises SimulationError where its certificate fails."""
+        check.index(i, len(self.records), "Result.record", "i")
+        return self._line(self._state(i), i)
+
+    def _line(self, state: LineState, i: int) -> Equilibrium:
+        self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
+        pending = self.records[i].pending.after(state.point.t)
+        return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)

@@ -1,0 +1,149 @@
+"""Supports of a line from a table: name, x, y, z, kind."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import pandas as pd
+
+from ropeway.components import table
+from ropeway.components.drive import Drive, HydraulicDrive
+from ropeway.components.errors import InputError
+from ropeway.components.identifier import identifier
+from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
+
+KINDS = ("anchor", "drum", "idler", "control", "return")
+"""Kinds of support of a mono-cable line. A return is the wheel at which the rope turns back."""
+
+MOST = 10_000
+"""More supports than this are no line, but perhaps a terrain."""
+
+_LAYOUT = table.TableLayout(
+    {"name": None, "x": "m", "y": "m", "z": "m", "kind": None},
+    "name,x,y,z,kind\nvalley,0,0,0,drum\ns1,108.3,0,11.5,idler\nmountain,204.9,0,19.6,drum",
+)
+_PARTS: Mapping[str, tuple[type, ...]] = {
+    "drive": (HydraulicDrive,),
+    "response": (ThresholdResponse, ProportionalResponse),
+}
+"""Parts of a control sheave whose values a table may give, each in a column such as drive.relief_pressure."""
+_WORDS = {"true": 1.0, "yes": 1.0, "false": 0.0, "no": 0.0}
+
+
+def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFrame:
+    """The table of supports, checked, in the order of the rope.
+
+    Parameters
+    ----------
+    source : str, Path or DataFrame
+        Columns name, x, y, z [m], kind, see `docs/files.md`.
+    endless : bool, default False
+        Whether the rope is endless: it begins and ends at the first support, a control sheave.
+
+    Returns
+    -------
+    DataFrame
+        Columns name (an identifier), label (the name as given), x, y, z [m], kind, place (in the source, for errors),
+        and those of drive.* and response.*, NaN where they are blank.
+
+    Raises
+    ------
+    InputError
+        With file, line and column.
+    """
+    read = table.read(source, _LAYOUT)
+    if len(read) < 2:
+        raise read.error("it has 1 support", "A line has at least two")
+    if len(read) > MOST:
+        raise read.error(f"it has {len(read)} supports", f"A line has at most {MOST}. Is it a table of the terrain?")
+    own = [key for key in read.keys if key.startswith(tuple(f"{part}." for part in _PARTS))]
+    _check_fields(read, own)
+    labels, kinds = read.texts("name"), [kind.casefold() for kind in read.texts("kind")]
+    found = pd.DataFrame({"name": _names(read, labels), "label": labels})
+    words = [key for key in own if _holds_words(read, key)]
+    held = [key for key in own if key not in words]
+    found[["x", "y", "z", *held]] = read.numbers("x", "y", "z", optional=held)
+    for key in words:
+        found[key] = [_WORDS.get(text.casefold(), math.nan) for text in read.texts(key)]
+    found["kind"] = kinds
+    found["place"] = [f"{read.source}, {line}" for line in read.lines]
+    _check_kinds(read, labels, kinds, endless)
+    for key in own:
+        unused = found.index[found[key].notna() & (found["kind"] != "control")]
+        if len(unused):
+            i = int(unused[0])
+            raise read.error(f"{labels[i]!r} is no control sheave", "Leave its cell blank", i, key)
+    return found
+
+
+def _holds_words(read: table.Table, key: str) -> bool:
+    """Whether a column holds yes and no."""
+    texts = [text.casefold() for text in read.texts(key) if text]
+    return bool(texts) and all(text in _WORDS for text in texts)
+
+
+def _names(read: table.Table, labels: list[str]) -> list[str]:
+    """Identifiers of the labels. Raises InputError for a blank one, and for two that become one."""
+    names: dict[str, int] = {}
+    for i, label in enumerate(labels):
+        if not label:
+            raise read.error("a support has no name", "Give each its name", i, "name")
+        name = identifier(label)
+        if name in names:
+            first = labels[names[name]]
+            cause = f"{label!r} is the name of {read.lines[names[name]]} too"
+            if first != label:
+                cause = f"{label!r} and {first!r} ({read.lines[names[name]]}) both become the name {name!r}"
+            raise read.error(cause, "Give each support a name of its own", i, "name")
+        names[name] = i
+    return list(names)
+
+
+def _check_kinds(read: table.Table, labels: list[str], kinds: list[str], endless: bool) -> None:
+    """Raises InputError for an unknown kind, or one at a place where it cannot be."""
+    for i, kind in enumerate(kinds):
+        if kind not in KINDS:
+            raise read.error(f"kind of {labels[i]!r} is {read.texts('kind')[i]!r}", f"Kinds are {', '.join(KINDS)}", i)
+        end = i in (0, len(kinds) - 1) and not endless
+        if end != (kind in ("anchor", "drum")) or (endless and i == 0 and kind != "control"):
+            remedy = "The first and the last are an anchor or a drum, those between an idler, a control or a return"
+            if endless:
+                remedy = "An endless rope begins at a control, the others are idlers, controls or returns"
+            raise read.error(f"{labels[i]!r} is {kind} at place {i + 1} of {len(kinds)}", remedy, i)
+
+
+def _check_fields(read: table.Table, own: list[str]) -> None:
+    """Raises InputError for a column of a drive or response that no drive or response has."""
+    for key in own:
+        part, _, field = key.partition(".")
+        known = sorted({f.name for kind in _PARTS[part] for f in fields(kind)})
+        if field not in known:
+            near = difflib.get_close_matches(field, known, n=1)
+            remedy = f"Is {part}.{near[0]} meant?" if near else f"It has {', '.join(known)}"
+            raise read.error(f"a {part} has no {field!r}", remedy, table.HEADER, key)
+
+
+def own_values(part: Drive | Response | None, row: Mapping[Any, Any], prefix: str) -> dict[str, Any]:
+    """Fields of a drive or response that the row of its support gives in columns `prefix.field`; blank ones leave it as
+    it is. Raises InputError for a value that it does not use."""
+    given = {
+        str(column).removeprefix(f"{prefix}."): value
+        for column, value in row.items()
+        if str(column).startswith(f"{prefix}.") and not math.isnan(value)
+    }
+    known: dict[str, Any] = {}
+    if part is not None and isinstance(part, _PARTS[prefix]):
+        known = {f.name: f.type for f in fields(part)}
+    for field in given:
+        if field not in known:
+            owner = f"the {prefix} of {row['label']!r}"
+            has = f"no {field}" if known else "no values of its own" if part is None else f"no {field}: it is ideal"
+            raise InputError(
+                f"{row['place']}, column {prefix}.{field}: {owner} has {has}",
+                f"Give {prefix}= as a {' or '.join(kind.__name__ for kind in _PARTS[prefix])}, or leave the column out",
+            )
+    return {n: bool(v) if known[n] == "bool" else float(v) for n, v in given.items()}

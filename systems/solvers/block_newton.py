@@ -1,0 +1,127 @@
+"""The independent parts of a model's algebraic equations.
+
+With the states given, control sheaves and drums cut a line into sections that do not know of each other. A
+crossing touches one or two of them, and only these are solved anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ropeway.components.component import Kind
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One part: its columns and residuals, the entries of the model's vectors that it reads, its residual, and
+    its residual with solved steps and rates."""
+
+    columns: np.ndarray
+    names: tuple[str, ...]
+    used: tuple[np.ndarray, ...]
+    value: Buffered
+    step: Buffered
+
+
+class Blocks:
+    """The parts; `of` (nz,) is the part of each algebraic variable."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self._symbols = {kind: model.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        self._time = model.sym("t")
+        self._rate, self._slope = model.sym("rate", len(model.x)), model.sym("slope", len(model.u))
+        alg = expanded(model)(self._time, *(self._symbols[kind] for kind in VECTORS))[1]
+        self._alg = alg / model.r.nominals
+        pattern = ca.jacobian_sparsity(self._alg, self._symbols[Kind.ALGEBRAIC])
+        rows, columns, n = np.array(pattern.row()), np.array(pattern.get_col()), len(model.z)
+        graph = csr_matrix((np.ones(len(rows)), (rows, n + columns)), shape=(2 * n, 2 * n))
+        # Without a scalar graph there is nothing to gain from parts.
+        label = np.zeros(2 * n, dtype=int) if model.external else connected_components(graph, directed=False)[1]
+        self.of = label[n:]
+        self._row_of = label[:n]
+        self._parts: dict[int, _Part] = {}
+
+    def _part(self, block: int) -> _Part:
+        """A part, made when it is first used, with functions of what it reads only."""
+        if block not in self._parts:
+            rows = np.flatnonzero(self._row_of == block)
+            residual = self._alg[rows.tolist()]
+            used = tuple(self._used(residual, kind) for kind in VECTORS)
+            x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
+            rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
+            columns = used[1]
+            drift = ca.jtimes(residual, x, rate) + ca.jtimes(residual, u, slope) + ca.jtimes(residual, self._time, 1)
+            jacobian = ca.mtimes(ca.jacobian(residual, z), ca.diag(ca.DM(self.model.z.nominals[columns])))
+            inputs = [self._time, x, z, u, p, d, rate, slope]
+            parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
+            symbols = parts.mx_in()
+            value, matrix, sides = parts(*symbols)
+            self._parts[block] = _Part(
+                columns,
+                tuple(self.model.r.names[i] for i in rows),
+                used,
+                Buffered(ca.Function("value", inputs, [residual])),
+                Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
+            )
+        return self._parts[block]
+
+    def _used(self, residual: Any, kind: Kind) -> np.ndarray:
+        """Entries of a vector that a residual reads; without a scalar graph all of them."""
+        if self.model.external:
+            return np.arange(len(self.model.tables[kind]))
+        return np.unique(np.array(ca.jacobian_sparsity(residual, self._symbols[kind]).get_col(), dtype=int))
+
+    def solve(
+        self, point: Point, blocks: Iterable[int], x_rate: np.ndarray, slope: np.ndarray, rates: np.ndarray
+    ) -> None:
+        """Solves some parts in place, and puts the rates of their variables into `rates` (nz,) [per s], for
+        states that move with `x_rate` and inputs with `slope`. Raises EquilibriumError.
+        """
+        for block in blocks:
+            part = self._part(block)
+            nominal, n = self.model.z.nominals[part.columns], len(part.columns)
+            x, z, u, p, d = (point.vector(kind)[places] for kind, places in zip(VECTORS, part.used, strict=True))
+            rest = [u, p, d, x_rate[part.used[0]], slope[part.used[2]]]
+            v, sides = damped(
+                z / nominal,
+                _copied(part.step, [np.array([point.t]), x], nominal, rest),
+                _copied(part.value, [np.array([point.t]), x], nominal, rest),
+                part.names,
+            )
+            point.z[part.columns] = v * nominal
+            rates[part.columns] = -sides[n : 2 * n] * nominal
+
+
+def _entries(vector: Any, places: np.ndarray) -> Any:
+    if len(places) == vector.numel():
+        return vector
+    return ca.vertcat(ca.SX(0, 1), *(vector[int(i)] for i in places))
+
+
+def _copied(
+    function: Buffered, before: list[np.ndarray], nominal: np.ndarray, after: list[np.ndarray]
+) -> Callable[[np.ndarray], Any]:
+    """A function of the scaled unknowns alone, with results of its own: one array, or a tuple of them."""
+
+    def at(v: np.ndarray) -> Any:
+        found = [result.copy() for result in function(*before, v * nominal, *after)]
+        return found[0] if len(found) == 1 else tuple(found)
+
+    return at
+
+
+@lru_cache(maxsize=16)
+def blocks_of(model: Model) -> Blocks:
+    """The parts of a model: found once, as their functions take a while to build."""
+    return Blocks(model)

@@ -1,0 +1,152 @@
+"""Drives that move on their own.
+
+While no limit binds, a drive's motion does not depend on the tensions: its control cancels them. Then the
+states alone make a small set of equations, which IDAS solves over a whole stretch, crossings and all, and the
+algebraic variables follow section by section.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import SimulationError
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.idas import strict
+from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded
+from ropeway.systems.solvers.prescribed_states import commanded_of
+
+_NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
+"""Chebyshev points on [0, 1]."""
+_WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
+
+_LOOKED_AT = slice(3, None, 3)
+"""Those of them at which limits are looked at."""
+
+
+def _derivative() -> np.ndarray:
+    """Derivatives at the points of the polynomial through values there."""
+    with np.errstate(divide="ignore"):
+        matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (_NODES[:, None] - _NODES[None, :])
+    np.fill_diagonal(matrix, 0.0)
+    np.fill_diagonal(matrix, -matrix.sum(axis=1))
+    return matrix
+
+
+_DERIVATIVE = _derivative()
+
+
+@dataclass(frozen=True)
+class Window:
+    """States over a stretch from `start` [s] of length `h`: `values` (13, nx) at its Chebyshev points."""
+
+    start: float
+    h: float
+    values: np.ndarray
+
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """Rates of the states at the Chebyshev points [per s]."""
+        return np.asarray(_DERIVATIVE @ self.values / self.h)
+
+    def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """States and their rates at a time, by the polynomials through all points, shapes (nx,)."""
+        distance = (time - self.start) / self.h - _NODES
+        near = int(np.argmin(np.abs(distance)))
+        if abs(distance[near]) < 1e-14:
+            return self.values[near].copy(), self.rates[near].copy()
+        share = _WEIGHTS / distance
+        share /= share.sum()
+        return share @ self.values, share @ self.rates
+
+
+class Drives:
+    """The states of a model by themselves; `tolerance` is absolute, on scaled variables."""
+
+    def __init__(self, model: Model, tolerance: float) -> None:
+        self.model = model
+        nx, nu = len(model.x), len(model.u)
+        sx = {kind: model.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        time, start, h, tau = (model.sym(name) for name in ("t", "t0", "h", "tau"))
+        ode, _ = expanded(model)(time, *(sx[kind] for kind in VECTORS))
+        by_z = ca.jacobian(ode, sx[Kind.ALGEBRAIC])
+        self.ties = by_z.nnz() > 0
+        """Whether a limit can bind, so that a drive feels the tensions."""
+        if self.ties:
+            inputs = [time, *(sx[kind] for kind in VECTORS)]
+            scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
+            self._coupling = Buffered(ca.Function("coupling", inputs, [ca.norm_inf(ca.vertcat(*scaled.nonzeros()))]))
+        w, slope = model.sym("w", nx), model.sym("slope", nu)
+        x0, rate = model.sym("x0", nx), model.sym("rate", nx)
+        passed = tau * h
+        rest = [sx[kind] for kind in (Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)]
+        z, u, p, d = rest
+        moving, _ = expanded(model)(
+            start + passed, x0 + passed * rate + w * model.x.nominals, z, u + slope * passed, p, d
+        )
+        self._commanded = commanded_of(model)
+        self._f: Buffered | None = None
+        if nx:
+            dae = {
+                "t": tau,
+                "x": w,
+                "p": ca.vertcat(start, h, x0, rate, slope, *rest),
+                "ode": h * (moving - rate) / model.x.nominals,
+            }
+            options = {
+                "abstol": strict(tolerance, 0.1),
+                "reltol": 0.0,
+                # The deviations and their rates begin at zero.
+                "calc_ic": False,
+                "linear_solver": "csparse",
+                "step0": 0.03,
+                "max_num_steps": 100_000,
+                "disable_internal_warnings": True,
+            }
+            self._f = Buffered(ca.integrator("drives", "idas", dae, 0.0, _NODES[1:].tolist(), options))
+
+    def decoupled(self, point: Point) -> bool:
+        """Whether the rates of the states do not depend on the algebraic variables here."""
+        return not self.ties or float(self._coupling(*point.arguments)[0][0]) < 1e-9
+
+    def alone(self, window: Window, point: Point, slope: np.ndarray) -> bool:
+        """Whether no limit binds along a window from a point, with the algebraic variables as they are there."""
+        if not self.ties:
+            return True
+        for share, x in zip(_NODES[_LOOKED_AT], window.values[_LOOKED_AT], strict=True):
+            passed = share * window.h
+            if not self.decoupled(replace(point, t=point.t + passed, x=x, u=point.u + passed * slope)):
+                return False
+        return True
+
+    def window(self, point: Point, h: float, rate: np.ndarray, slope: np.ndarray) -> Window:
+        """The states over `h` seconds from a point with the rates of the states there [per s].
+
+        Raises SimulationError.
+        """
+        nominal = self.model.x.nominals
+        line = point.x + np.outer(_NODES * h, rate)
+        if self._f is None:
+            return Window(point.t, h, line)
+        knowns = np.concatenate([[point.t, h], point.x, rate, slope, point.z, point.u, point.p, point.d])
+        try:
+            found = self._f(np.zeros(len(nominal)), np.zeros(0), knowns)[0]
+        except RuntimeError as error:
+            raise SimulationError(
+                f"IDAS failed within the next {h:.9g} s: {str(error).splitlines()[-1]}",
+                "Look at the drives in the last result",
+                point.t,
+            ) from error
+        line[1:] += found.reshape(len(_NODES) - 1, len(nominal)) * nominal
+        self._commanded.put(line[1:], point, _NODES[1:] * h, slope)
+        return Window(point.t, h, line)
+
+
+@lru_cache(maxsize=16)
+def drives_of(model: Model, tolerance: float) -> Drives:
+    """The states of a model: made once, as its functions take a while to build."""
+    return Drives(model, tolerance)

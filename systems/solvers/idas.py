@@ -1,0 +1,102 @@
+"""IDAS on a model, over a stretch of time in which nothing jumps.
+
+Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every stretch, and
+backwards too. What is integrated are the scaled deviations from the straight line that starts with the known
+rates, x = x0 + h tau x'0 + w and likewise z: they and their rates begin at zero, so that IDAS needs no
+initialisation and predicts its first step to second order. Inputs are linear in time.
+
+The travel of a drive whose speed is commanded is a known function of time: it is taken from there, without
+drift.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.errors import SimulationError
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.newton import Buffered, Point, banded_order, expanded
+from ropeway.systems.solvers.prescribed_states import commanded_of
+
+
+def strict(tolerance: float, share: float) -> float:
+    """Tolerance of one stretch, a share of the run's: errors of stretches add up. Not below what rounding allows."""
+    return min(tolerance, max(share * tolerance, 1e-11))
+
+
+class Idas:
+    """The integrator of a model; `tolerance` is absolute, on scaled variables."""
+
+    def __init__(self, model: Model, tolerance: float) -> None:
+        self.model = model
+        nx, nz, nu = len(model.x), len(model.z), len(model.u)
+        sym = model.sym
+        w, unknowns, tau = sym("w", nx), sym("zeta", nz), sym("tau")
+        start, h = sym("t0"), sym("h")
+        x0, x_rate, z0, z_rate = (sym(n, k) for n, k in (("x0", nx), ("dx", nx), ("z0", nz), ("dz", nz)))
+        u, slope = sym("u", nu), sym("slope", nu)
+        p, d = sym("p", len(model.p)), sym("d", len(model.d))
+        # IDAS's linear solver takes rows and columns as they come: see `banded_order`.
+        dae = expanded(model)
+        rows, columns = banded_order(dae.jac_sparsity(1, 2))
+        self._places = np.argsort(columns)
+        zeta = unknowns[self._places.tolist()]
+        passed = tau * h
+        x = x0 + passed * x_rate + w * model.x.nominals
+        z = z0 + passed * z_rate + zeta * model.z.nominals
+        ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
+        knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
+        # IDAS tests the mean error over all variables, of which only the states count.
+        tight = strict(tolerance, 0.005) * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        integrator = ca.integrator(
+            "idas",
+            "idas",
+            {
+                "t": tau,
+                "x": w,
+                "z": unknowns,
+                "p": knowns,
+                "ode": h * (ode - x_rate) / model.x.nominals,
+                "alg": (alg / model.r.nominals)[rows.tolist()],
+            },
+            0.0,
+            1.0,
+            {
+                "abstol": tight,
+                "reltol": 0.0,
+                # z is solved, not integrated: its error is that of Newton's method.
+                "suppress_algebraic": True,
+                "calc_ic": False,
+                "linear_solver": "csparse",
+                # A stretch between two events is short: try it in one step, the error test cuts it down.
+                "step0": 1.0,
+                "max_num_steps": 100_000,
+                "disable_internal_warnings": True,
+            },
+        )
+        self._f = Buffered(integrator)
+        self._commanded = commanded_of(model)
+        self._zero = np.zeros(nx), np.zeros(nz)
+
+    def advance(
+        self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """States and algebraic variables `h` seconds after a consistent point with its rates [per s].
+
+        Raises SimulationError.
+        """
+        m = self.model
+        knowns = np.concatenate([[point.t, h], point.x, x_rate, point.z, z_rate, point.u, slope, point.p, point.d])
+        try:
+            end = self._f(self._zero[0], self._zero[1], knowns)
+        except RuntimeError as error:
+            reason = str(error).strip().splitlines()[-1]
+            raise SimulationError(
+                f"IDAS failed within the next {h:.9g} s: {reason}",
+                "Look at the last result: a rope gone slack or a load stuck shows there; or loosen the tolerance",
+                point.t,
+            ) from error
+        x = point.x + h * x_rate + end[0] * m.x.nominals
+        self._commanded.put(x[None], point, np.array([h]), slope)
+        return x, point.z + h * z_rate + end[1][self._places] * m.z.nominals

@@ -1,0 +1,377 @@
+"""Damped Newton's method on the scaled algebraic equations of a model."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.modelling.dae_model import Model, component_of
+
+Slot = tuple[Kind, int]
+"""An entry of one of the model's vectors."""
+
+_SMALL = 1e-11
+"""Scaled residual of a root."""
+VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point of the model: time [s] and the values of all vectors."""
+
+    t: float
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    p: np.ndarray
+    d: np.ndarray
+
+    def vector(self, kind: Kind) -> np.ndarray:
+        """The vector of a kind."""
+        vectors = (self.x, self.z, self.u, self.p, self.d)
+        return vectors[VECTORS.index(kind)]
+
+    @property
+    def arguments(self) -> tuple[np.ndarray, ...]:
+        """Arguments of the model's functions."""
+        return (np.array([self.t]), self.x, self.z, self.u, self.p, self.d)
+
+    def copy(self) -> Point:
+        """With vectors of its own."""
+        return Point(self.t, *(self.vector(kind).copy() for kind in VECTORS))
+
+
+class Buffered:
+    """A CasADi function called on NumPy arrays without copies; each thread has buffers of its own."""
+
+    def __init__(self, function: ca.Function) -> None:
+        self.function = function
+        self._own = threading.local()
+
+    def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results as nonzeros; they are overwritten by the next call of this thread. Raises Interrupted."""
+        stop_if_interrupted()
+        try:
+            set_argument, call, results, known = self._own.buffers
+        except AttributeError:
+            set_argument, call, results, known = self._own.buffers = self._buffers()
+        for i, argument in enumerate(arguments):
+            if argument is not known[i]:  # most stay the same arrays over the steps of one solve
+                set_argument(i, argument.data)
+                known[i] = argument
+        call()
+        return results
+
+    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray], list[object]]:
+        """What sets an argument, what calls, where the results stand, and the arrays that are set."""
+        buffer, call = self.function.buffer()
+        results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
+        for i, result in enumerate(results):
+            buffer.set_res(i, result.data)
+        return buffer.set_arg, call, results, [None] * self.function.n_in()
+
+
+class Newton:
+    """Solves a model's algebraic equations for its algebraic variables and, in exchange for `given` values
+    of variables or outputs, for the `freed` entries of its other vectors."""
+
+    def __init__(self, model: Model, freed: Sequence[Slot] = (), given: Sequence[Slot] = ()) -> None:
+        self.model = model
+        self.freed = tuple(freed)
+        self.scale = np.concatenate([model.z.nominals, [_nominal(model, slot) for slot in freed]])
+        sym = model.sym
+        v = sym("v", len(self.scale))
+        time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
+        for i, (kind, k) in enumerate(freed, len(model.z)):
+            entries = ca.vertsplit(full[kind])
+            entries[k] = v[i] * self.scale[i]
+            full[kind] = ca.vertcat(*entries)
+            if kind is Kind.PARAMETER:
+                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
+        arguments = [time, *(full[kind] for kind in VECTORS)]
+        ode, alg = expanded(model)(*arguments)
+        target, damping = sym("target", len(given)), sym("damping")
+        anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
+        residual = alg / model.r.nominals - damping * _drag(model, v, anchor)
+        if given:
+            y = scalar(model, model.outputs)(*arguments)
+            chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
+            residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
+        known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
+        inputs = [v, time, *known, target, damping, anchor, slope]
+        self.residual = ca.Function("residual", inputs, [residual])
+        matrix = ca.jacobian(residual, v)
+        stop_if_interrupted()
+        self.jacobian = ca.Function("jacobian", inputs, [matrix])
+        self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
+        pattern = self.jacobian.sparsity_out(0)
+        self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
+        self._step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
+        self._symbols = (inputs, residual, matrix)
+        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
+
+    @cached_property
+    def _step_and_rates(self) -> Buffered:
+        """As `_step`, with the rates: made only where rates are asked for."""
+        inputs, residual, matrix = self._symbols
+        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
+        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
+
+    def arguments(self, point: Point) -> list[np.ndarray]:
+        """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
+        zero = np.zeros(1)
+        slope = np.zeros(len(point.u))
+        z = point.z / self.model.z.nominals
+        return [self._start(point), np.array([point.t]), point.x, point.u, point.p, point.d, zero[:0], zero, z, slope]
+
+    def matrix(self, point: Point) -> csc_matrix:
+        """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
+        return csc_matrix((self.jacobian_values(point), self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    def jacobian_values(self, point: Point) -> np.ndarray:
+        """The entries of `matrix` in the order of its pattern."""
+        return self._matrix(*self.arguments(point))[0].copy()
+
+    def matrix_places(self) -> csc_matrix:
+        """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
+        numbers = np.arange(1, len(self._rows) + 1)
+        return csc_matrix((numbers, self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    def solve(
+        self,
+        point: Point,
+        *,
+        target: np.ndarray | None = None,
+        slope: np.ndarray | None = None,
+        damping: float = 0.0,
+        iterations: int = 50,
+        shortest: float = 1e-7,
+    ) -> np.ndarray | None:
+        """Solves in place. With `slope` (nu,), the rates of the inputs, returns those of the algebraic
+        variables [per s], shape (nz,), as the states move on.
+
+        A step is shortened to a share of at least `shortest`. With `damping` above 0 each idler's travel is held back
+        in proportion to its move from the start.
+        Raises EquilibriumError; the point is unchanged then.
+        """
+        n = len(self.scale)
+        if n == 0:
+            return None if slope is None else np.zeros(0)
+        v, *rest = self.arguments(point)
+        if target is not None:
+            rest[5] = target
+        rest[6] = np.array([damping])
+        if slope is not None:
+            rest[8] = slope
+        function = self._step if slope is None else self._step_and_rates
+
+        def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, sides = function(v, *rest)
+            return value.copy(), sides.copy()
+
+        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations, shortest)
+        self._put(v, point)
+        return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
+
+    def _start(self, point: Point) -> np.ndarray:
+        freed = [point.vector(kind)[k] for kind, k in self.freed]
+        return np.asarray(np.concatenate([point.z, freed]) / self.scale)
+
+    def _put(self, v: np.ndarray, point: Point) -> None:
+        values = v * self.scale
+        point.z[:] = values[: len(point.z)]
+        for value, (kind, k) in zip(values[len(point.z) :], self.freed, strict=True):
+            point.vector(kind)[k] = value
+
+
+def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
+    """Solution of a sparse system, its rows and columns put into an order that keeps chains of spans banded.
+
+    CasADi's "csparse" takes them as they come, and so would fill in; its "qr" gives NaN where an entry of the
+    pattern is zero, as all those across a plane line are.
+    """
+    rows, columns = banded_order(matrix.sparsity())
+    found = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
+    return found[np.argsort(columns).tolist(), :]
+
+
+def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
+    """Orders of the rows and columns of a square pattern that give it a full diagonal and a narrow band.
+
+    A structurally singular one stays as it is.
+    """
+    if pattern.nnz() == 0:
+        return np.arange(pattern.size1()), np.arange(pattern.size2())
+    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+    rows = maximum_bipartite_matching(graph, perm_type="row")
+    if np.any(rows < 0):
+        return np.arange(pattern.size1()), np.arange(pattern.size2())
+    order = reverse_cuthill_mckee(graph[rows].tocsr(), symmetric_mode=False)
+    return rows[order], order
+
+
+def _linear_solves(name: str, inputs: list[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
+    """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
+    parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
+    stop_if_interrupted()
+    symbols = parts.mx_in()
+    value, system, right = parts(*symbols)
+    return ca.Function(name, symbols, [value, solve_sparse(system, right)])
+
+
+def damped(
+    v: np.ndarray,
+    step: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    value: Callable[[np.ndarray], np.ndarray],
+    names: Sequence[str],
+    iterations: int = 50,
+    shortest: float = 1e-7,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Newton's method from `v`, damped where the residual does not fall.
+
+    step(v): residual (n,) and the solutions of the linear system for it and for more right-hand sides, one
+    after the other; value(v): residual alone. Returns the root and the last of these solutions. `names` of
+    the residuals are for the error. Raises EquilibriumError.
+    """
+    n = len(v)
+    residual: np.ndarray | None = None
+    move, before, last = np.zeros(n), np.inf, np.inf
+    for _ in range(iterations):
+        try:
+            now, sides = step(v)
+            after = float(np.linalg.norm(now))
+            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
+                # The step from here is small where a single long one has led down to the rounding.
+                if min(last, float(np.abs(sides[:n]).max())) < 1e-6 and _rounded(v, now, value):
+                    return v - sides[:n], sides
+                v = _shortened(v, move, before, value, residual, names, shortest)
+                last = np.inf
+                now, sides = step(v)
+                after = float(np.linalg.norm(now))
+        except RuntimeError as error:
+            raise _failure(residual, "The equations are singular", names) from error
+        residual, move = now, sides[:n]
+        size = float(np.abs(move).max())
+        if not np.isfinite(size):
+            raise _failure(residual, "The equations are singular", names)
+        # Convergence is quadratic: the next step would be about size * (size / last)^2.
+        coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
+        if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
+            if last < 1e-2 and size <= 1e-3 * last and after <= 1e-6:  # seen over two full steps
+                return v - move, sides
+            # Otherwise it is foreseen only: a small residual makes it a root.
+            left = value(v - move).copy()
+            if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
+                return v - move, sides
+        v, before, last = v - move, after, size
+    raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+
+
+def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether a residual is no more than what rounding of the unknowns makes of it, as at a stiff spring far from the
+    origin."""
+    left, least = np.abs(residual), np.full(len(v), _SMALL)
+    for signs in (1.0, np.where(np.arange(len(v)) % 2, 1.0, -1.0)):
+        least = np.maximum(least, 4.0 * np.abs(value(v * (1.0 + 4.0 * np.finfo(float).eps * signs)) - residual))
+    return bool((left <= least).all())
+
+
+def _shortened(
+    v: np.ndarray,
+    move: np.ndarray,
+    before: float,
+    value: Callable[[np.ndarray], np.ndarray],
+    residual: np.ndarray,
+    names: Sequence[str],
+    shortest: float,
+) -> np.ndarray:
+    """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
+    share = 0.5
+    while share > shortest:
+        trial = v + (1.0 - share) * move
+        if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
+            return trial
+        share *= 0.5
+    raise _failure(residual, "Newton's method makes no progress", names)
+
+
+def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> EquilibriumError:
+    worst, place = None, ""
+    if residual is not None and len(residual):
+        k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))
+        name = names[k] if k < len(names) else "a given value"
+        worst, place = component_of(name), f" (worst: {name})"
+    return EquilibriumError(
+        f"{reason}{place}",
+        "Check lengths, tensions and loads there, or start from a nearby equilibrium with start=",
+        worst,
+    )
+
+
+@lru_cache(maxsize=16)
+def expanded(model: Model) -> ca.Function:
+    """The model's equations for numerical work."""
+    return scalar(model, model.dae)
+
+
+def scalar(model: Model, function: ca.Function) -> ca.Function:
+    """A function of a model as one scalar graph; as it is where that cannot be. Raises Interrupted."""
+    stop_if_interrupted()
+    return function if model.external else function.expand()
+
+
+def dense(model: Model, function: ca.Function) -> Buffered:
+    """The first result of a function of a model, on arrays, with all its entries."""
+    arguments: list[Any] = function.mx_in() if model.external else function.sx_in()
+    result = scalar(model, function).call(arguments)[0]
+    return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
+
+
+@lru_cache(maxsize=16)
+def outputs_of(model: Model) -> Buffered:
+    """The model's outputs as a function of a point's arguments, as arrays."""
+    return dense(model, model.outputs)
+
+
+def _nominal(model: Model, slot: Slot) -> float:
+    kind, k = slot
+    return float(model.tables[kind].nominals[k])
+
+
+def _drag(model: Model, v: Any, anchor: Any) -> Any:
+    """Move of each travel that a residual balances, at that residual's place."""
+    drag = type(v)(len(model.r), 1)
+    for balance in model.balances:
+        drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
+    return ca.densify(drag)
+
+
+def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
+    """How much nearer to their spans' ends a loads come to be by a metre more of a span's starting length: those that
+    ride beyond that span by all of it, as they keep their places along the rope. One entry for each discrete
+    variable."""
+    nearer = type(discrete)(discrete.shape[0], 1)
+    for layout in model.layouts:
+        for span in np.flatnonzero(layout.length_start == parameter):
+            for k in range(int(span) + 1, len(layout.length_start)):
+                for slot in range(int(layout.slots.count[k])):
+                    nearer[int(layout.slots.at[k]) + slot] = discrete[int(layout.slots.ride[k]) + slot]
+    return nearer
+
+
+@lru_cache(maxsize=16)
+def newton_of(model: Model) -> Newton:
+    """The plain solver of a model: made once for each model, as its functions take a while to build."""
+    return Newton(model)

@@ -1,0 +1,1 @@
+"""Floor 4: a line at rest, its equilibrium, and the certificate of a state."""

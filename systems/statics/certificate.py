@@ -1,0 +1,377 @@
+"""A certificate for every state that leaves a solver: an independent check, in NumPy, that it is an equilibrium.
+
+It shares no code with the residuals that the solvers make zero. What it cannot know by itself, as the contact of a log
+with the ground or a component that has no `laws`, it checks by the model's own residuals, evaluated afresh.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.solvers.newton import Buffered, Point, dense, outputs_of
+from ropeway.systems.statics.certificate_layout import CertificateLayout, SpanPlaces, layout_of
+from ropeway.systems.statics.certificate_spans import (
+    LoadsInSpans,
+    Shape,
+    Spans,
+    closures,
+    hung,
+    pulls,
+    read_spans,
+    shape,
+)
+from ropeway.systems.statics.certificate_stability import least_pivots
+from ropeway.systems.statics.line_state import find
+from ropeway.systems.statics.stability import free_balances, has_free_nodes, least_pivot
+
+CLOSURE = 1e-9
+"""How far a span may end from its support, over its chord. A hundred-thousandth of its rope and of its coordinates
+counts as chord too: rounding leaves that much of them."""
+PLACE = 1e-9
+"""How far a load may hang from its place on the rope, over the mean span."""
+INSIDE = 1e-8
+"""How far a load that stands on a support may hang beyond it, over the mean span."""
+ROPE = 1e-9
+"""How much of a rope may be missing or too much, over its length."""
+LAW = 1e-8
+"""How far forces may be from balance, over their sizes, and a law of a component from being kept."""
+GIVEN = 1e-8
+"""How far a given value may be missed, over its size or its nominal."""
+
+_BATCH = 200_000
+"""Numbers in one array of a batch of records, about: more take memory and save no time."""
+
+
+class Check(NamedTuple):
+    """One check: its worst `value`, its `limit`, and the `component` and `record` where it is worst. The value is at
+    most the limit; of `lower` limits it is above it."""
+
+    name: str
+    value: float
+    limit: float
+    component: str
+    record: int = 0
+    lower: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether it is met; a value that is not a number is not."""
+        return self.value > self.limit if self.lower else self.value <= self.limit
+
+    def worse_than(self, other: Check) -> bool:
+        """Whether this one is to be reported of two of a name: the first that fails, else the worst."""
+        if not (self.holds and other.holds):
+            return other.holds or (not self.holds and self.record < other.record)
+        return self.value < other.value if self.lower else self.value > other.value
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The checks of a state, or the worst of each over many records. `utilisation`: the highest tension over its
+    minimum breaking load, which is no check: such a state is an equilibrium, if a rope bears it."""
+
+    checks: tuple[Check, ...]
+    utilisation: Check | None = None
+
+    @property
+    def failed(self) -> Check | None:
+        """The failed check of the first record in which one failed, None where all hold."""
+        return min((c for c in self.checks if not c.holds), key=lambda c: c.record, default=None)
+
+    @property
+    def frame(self) -> pd.DataFrame:
+        """The checks: index check; columns value, limit, holds, component where it is worst. A value is at most its
+        limit; of the checks that begin with "least" it is above it."""
+        table = pd.DataFrame(
+            {
+                "check": [c.name for c in self.checks],
+                "value": [c.value for c in self.checks],
+                "limit": [c.limit for c in self.checks],
+                "holds": [c.holds for c in self.checks],
+                "component": [c.component for c in self.checks],
+            }
+        )
+        return table.set_index("check")
+
+    def require(self, model: Model) -> None:
+        """Raises EquilibriumError that names the check which failed."""
+        check = self.failed
+        if check is None:
+            return
+        if check.name == STABLE:
+            raise EquilibriumError(
+                f"The balance of the rope over {check.component!r} is unstable: it would run into one of the spans",
+                "The rope is too slack: shorten it or raise the tension",
+                check.component,
+            )
+        if check.name == LEAST_ROPE:
+            raise EquilibriumError(
+                f"No rope is left in span {check.component!r}", "Give the run more rope", check.component
+            )
+        raise EquilibriumError(
+            f"The solution found for {model.name!r} fails its check: {check.name} is {check.value:.3g} at "
+            f"{check.component!r}, the limit is {check.limit:g}",
+            "Start from a nearby equilibrium with start=, or change lengths, tensions or loads a little",
+            check.component,
+        )
+
+    @classmethod
+    def worst(cls, checks: Iterable[Check]) -> Certificate:
+        """Of the checks of each name the worst, or the first that failed."""
+        found: dict[str, Check] = {}
+        for check in checks:
+            known = found.get(check.name)
+            if known is None or check.worse_than(known):
+                found[check.name] = check
+        used = found.pop(UTILISATION, None)
+        return cls(tuple(found.values()), used)
+
+
+SPANS_END = "distance of a span's end from its support over its chord"
+LEAST_ROPE = "least rope in a span over its chord"
+ON_ROPE = "distance of a load from its place on the rope over the mean span"
+IN_SPAN = "distance of a load beyond its span over the mean span"
+ROPE_SUM = "rope missing from a run over its length"
+STABLE = "least pivot of the stiffness of free travels"
+EQUATIONS = "other equations over their nominals"
+UTILISATION = "highest tension over minimum breaking load"
+VALUES = "distance from a given value over its size"
+
+
+def certify(
+    model: Model,
+    point: Point,
+    runs: Sequence[Run],
+    passed: Sequence[np.ndarray],
+    *,
+    given: Mapping[str, float] | None = None,
+    rope: Sequence[float] = (),
+    held: Collection[str] = (),
+) -> Certificate:
+    """The certificate of one state.
+
+    Parameters
+    ----------
+    model
+        The model that was solved.
+    point
+        The solved point.
+    runs
+        The runs with their loads.
+    passed
+        For each run the number of loads beyond each support, shape (supports,).
+    given
+        Values that variables or outputs must have, by name.
+    rope
+        For each run its unstretched length [m] as it must be; NaN, or none: it is not compared.
+    held
+        Names of places and travels that something else holds, as a carriage at a station ("carriage.x"): their
+        balance need not be stable.
+
+    Returns
+    -------
+    Certificate
+        It raises nothing: `certificate.require(model)` does.
+    """
+    values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
+    checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
+    if given:
+        checks.append(_given(model, point, runs, passed, given))
+    return Certificate.worst(checks)
+
+
+def certify_records(
+    model: Model,
+    runs: Sequence[Run],
+    states: Iterable[tuple[Point, Sequence[np.ndarray]]],
+    *,
+    rope: Sequence[float] = (),
+    held: Collection[str] | None = (),
+) -> Certificate:
+    """The worst of each check over many states of one model in order of time, each a solved point and the loads
+    `passed` as in `certify`, `rope` too. A check that fails is that of the first state in which it does. held: as in
+    `certify`, None for all: stability is judged elsewhere then."""
+    layout, states = layout_of(model), iter(states)
+    size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
+    found: list[Check] = []
+    first = 0
+    while chunk := list(itertools.islice(states, size)):
+        points = [point for point, _ in chunk]
+        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+        beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
+        checks = _checks(model, values, points, runs, beyond, rope, held)
+        found += [check._replace(record=check.record + first) for check in checks]
+        first += len(chunk)
+    return Certificate.worst(found)
+
+
+def _stacked(*vectors: np.ndarray) -> np.ndarray:
+    """All vectors, and the zero behind them that a layout counts on."""
+    return np.concatenate((*vectors, (0.0,)))
+
+
+def _checks(
+    model: Model,
+    values: np.ndarray,
+    points: Sequence[Point],
+    runs: Sequence[Run],
+    passed: Sequence[np.ndarray],
+    rope: Sequence[float],
+    held: Collection[str] | None,
+) -> list[Check]:
+    layout, checks = layout_of(model), []
+    places = layout.spans
+    gravity = values[:, places.gravity, None]
+    with np.errstate(all="ignore"):  # what is not a number fails its check
+        if places.names:
+            spans = read_spans(places, values, gravity)
+            loads = hung(places, values, spans, runs, passed)
+            found = shape(spans, loads, gravity)
+            checks += _span_checks(layout, values, spans, loads, found, rope)
+            pull = pulls(spans, found)
+        else:
+            pull = np.zeros((3, len(values), 1))
+        checks += _law_checks(layout, values, pull)
+        if len(layout.others):
+            checks.append(_other_equations(model, layout, points))
+        if held is None:
+            return checks
+        quick = None
+        # Where ropes move a node, as a wheel on its slide, this is a part of what a state needs: it serves for runs.
+        if places.names and not held and (layout.plain or (len(points) > 1 and not has_free_nodes(model))):
+            quick = least_pivots(layout, values, spans, found)
+    return checks + _stability(model, layout, points, quick, held)
+
+
+def _stability(
+    model: Model,
+    layout: CertificateLayout,
+    points: Sequence[Point],
+    quick: tuple[float, int, int] | None,
+    held: Collection[str],
+) -> list[Check]:
+    """By the condensed stiffness of plain lines; that of the whole model counts where ropes hold nodes, and where
+    the first refuses a line that friction may hold."""
+    if quick is not None and quick[0] > 0.0:
+        return [Check(STABLE, quick[0], 0.0, layout.supports[quick[2]], quick[1], lower=True)]
+    found = []
+    for i, point in enumerate(points if quick is None else points[quick[1] : quick[1] + 1]):
+        free = free_balances(model, point, held)
+        if free:
+            pivot, balance = least_pivot(model, point, free)
+            name = component_of(model.z.names[balance.travel])
+            found.append(Check(STABLE, pivot, 0.0, name, i if quick is None else quick[1], lower=True))
+    return list(Certificate.worst(found).checks)
+
+
+def _worst(name: str, misses: np.ndarray, limit: float, components: Sequence[str], *, lower: bool = False) -> Check:
+    """The worst of misses (records, components): the largest in the first record that fails, else in all."""
+    flat = int(misses.argmin() if lower else misses.argmax())  # both stop at the first that is not a number
+    record, place = divmod(flat, misses.shape[1])
+    check = Check(name, misses.item(flat), limit, components[place], record, lower)
+    if len(misses) == 1 or check.holds:
+        return check
+    good = misses > limit if lower else misses <= limit
+    record = int(np.argmax(~good.all(axis=1)))
+    place = int(misses[record].argmin() if lower else misses[record].argmax())
+    return Check(name, float(misses[record, place]), limit, components[place], record, lower)
+
+
+def _span_checks(
+    layout: CertificateLayout,
+    values: np.ndarray,
+    spans: Spans,
+    loads: LoadsInSpans | None,
+    found: Shape,
+    rope: Sequence[float],
+) -> list[Check]:
+    places = layout.spans
+    miss = closures(spans, found)
+    size = spans.chord + 1e-5 * (np.abs(spans.length) + spans.coordinates)
+    checks = [
+        _worst(SPANS_END, miss / size, CLOSURE, places.names),
+        _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
+        _worst(
+            UTILISATION,
+            np.maximum(found.tension[0, :, 0], found.tension[1, :, -1]) / spans.breaking_load,
+            1.0,
+            places.names,
+        ),
+    ]
+    if loads is not None:
+        checks += _load_checks(places, values, spans, loads)
+    if rope:
+        missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
+        missing[:, np.isnan(rope)] = 0.0
+        checks.append(_worst(ROPE_SUM, missing, ROPE, [places.names[a] for a in places.runs[:-1]]))
+    return checks
+
+
+def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: LoadsInSpans) -> list[Check]:
+    """The slots of the model hold the loads of the runs, and these hang within their spans."""
+    used = loads.distance.shape[1]
+    slots = values.take(places.slots[:, :used], axis=1)
+    read = slots[:, 2] * spans.travel_a[:, None] + slots[:, 3] * spans.length[:, None]
+    read += slots[:, 1]
+    away = np.abs(read - loads.distance) * loads.there
+    away[slots[:, 0] != loads.mass] = np.inf
+    away, mean = away.max(axis=1), spans.chord.sum(axis=1)[:, None] / len(places.names)
+    away /= mean
+    lost = loads.lost
+    if used < places.slots.shape[1]:
+        lost = lost | (values.take(places.slots[0, used:], axis=1) != 0.0).any(axis=1)
+    away[lost] = np.inf
+    beyond = np.maximum(-loads.distance, loads.distance - spans.length[:, None])
+    return [
+        _worst(ON_ROPE, away, PLACE, places.names),
+        _worst(IN_SPAN, beyond.max(axis=1) / mean, INSIDE, places.names),
+    ]
+
+
+def _law_checks(layout: CertificateLayout, values: np.ndarray, pull: np.ndarray) -> list[Check]:
+    checks = []
+    for kind in layout.kinds:
+        for name, law in kind.laws(values, pull).items():
+            miss, shape = np.abs(law.miss / law.size), (len(values), len(kind.names))
+            if miss.shape != shape:
+                miss = np.broadcast_to(miss, shape)
+            checks.append(_worst(kind.titles[name], miss, LAW, kind.names))
+    return checks
+
+
+def _other_equations(model: Model, layout: CertificateLayout, points: Sequence[Point]) -> Check:
+    residuals = _residuals_of(model)
+    nominal = model.r.nominals[layout.others]
+    found = np.array([residuals(*point.arguments)[0][layout.others] for point in points])
+    names = [component_of(model.r.names[i]) for i in layout.others]
+    return _worst(EQUATIONS, np.abs(found) / nominal, LAW, names)
+
+
+@lru_cache(maxsize=16)
+def _residuals_of(model: Model) -> Buffered:
+    """The algebraic equations of a model as a function of a point's arguments."""
+    arguments = model.dae.mx_in()
+    return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
+
+
+def _given(
+    model: Model, point: Point, runs: Sequence[Run], passed: Sequence[np.ndarray], given: Mapping[str, float]
+) -> Check:
+    outputs, misses = outputs_of(model)(*point.arguments)[0], []
+    for name, target in given.items():
+        kind, k = find(model, runs, passed, name)
+        value = outputs[k] if kind is Kind.OUTPUT else point.vector(kind)[k]
+        misses.append(abs(value - target) / max(abs(target), model.tables[kind].nominals[k]))
+    return _worst(VALUES, np.array([misses]), GIVEN, [component_of(name) for name in given])

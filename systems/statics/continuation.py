@@ -1,0 +1,50 @@
+"""Ways to a root where Newton's method does not find it from its start."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.solvers.newton import Newton, newton_of
+from ropeway.systems.statics.line_state import LineState
+
+
+def solve_algebraic(state: LineState) -> None:
+    """Newton's method, then with idlers locked and released by degrees."""
+    newton = newton_of(state.model)
+    start = state.point.copy()
+    try:
+        newton.solve(state.point)
+        return
+    except EquilibriumError as error:
+        first = error
+    for way in (_release_idlers, _stiffen) if state.model.layouts else ():
+        for scale in (1.0, 0.3, 3.0):
+            state.point.z[:] = start.z
+            for layout in state.model.layouts:
+                for axis in range(3):
+                    state.point.z[layout.force + axis] *= scale
+            try:
+                way(newton, state)
+                return
+            except EquilibriumError:
+                state.point.p[:] = start.p
+    raise first
+
+
+def _release_idlers(newton: Newton, state: LineState) -> None:
+    """Newton's method with the idlers held back, by degrees less."""
+    for power in range(3, -5, -1):
+        newton.solve(state.point, damping=10.0**power)
+    newton.solve(state.point)
+
+
+def _stiffen(newton: Newton, state: LineState) -> None:
+    """Newton's method with a soft rope, by degrees stiffer: a nearly inextensible one can be hard to start."""
+    places = np.concatenate([layout.compliance for layout in state.model.layouts])
+    wanted = state.point.p[places].copy()
+    for power in range(-5, -13, -1):
+        state.point.p[places] = np.maximum(wanted, 10.0**power)
+        newton.solve(state.point)
+    state.point.p[places] = wanted
+    newton.solve(state.point)

@@ -1,0 +1,156 @@
+"""A system at rest: solved, checked to be physical, and ready to ask."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import catenary, check
+from ropeway.components.argument_checks import checked
+from ropeway.components.component import Kind
+from ropeway.components.errors import (
+    InputError,
+    UnknownNameError,
+)
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.solvers.newton import Point, outputs_of
+from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, support_points
+from ropeway.systems.statics.pending_events import Pending
+
+
+@checked
+@dataclass(frozen=True)
+class Equilibrium:
+    """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
+
+    `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
+    supports on which a load stands that could pass neither way. `pending`: what a run goes on with that starts
+    here, where this is the line in the course of another run. `given`: values that it was solved for.
+    """
+
+    model: Model
+    point: Point
+    runs: tuple[Run, ...]
+    passed: tuple[np.ndarray, ...]
+    held: tuple[str, ...]
+    pending: Pending = field(default_factory=Pending)
+    given: tuple[tuple[str, float], ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Equilibrium of {self.model.name!r}: {len(self.model.y)} outputs>"
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        """Values of all outputs, in the order of `model.y`."""
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
+
+    def __getitem__(self, name: str) -> float:
+        kind, k = find(self.model, self.runs, self.passed, name)
+        return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
+
+    @cached_property
+    def checks(self) -> Certificate:
+        """The certificate: an independent check, made afresh, that this is an equilibrium."""
+        return certify(self.model, self.point, self.runs, self.passed, given=dict(self.given))
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """The certificate as a frame: index check; columns value, limit, holds, component where it is worst."""
+        return self.checks.frame
+
+    @cached_property
+    def frame(self) -> pd.DataFrame:
+        """All values: index name; columns value, unit, description."""
+        m = self.model
+        rows = [(m.y, self.outputs), (m.z, self.point.z), (m.x, self.point.x), (m.u, self.point.u), (m.p, self.point.p)]
+        shown = [(table, vector, i) for table, vector in rows for i in table.shown]
+        table = pd.DataFrame(
+            {
+                "name": [t.names[i] for t, _, i in shown],
+                "value": [float(vector[i]) for _, vector, i in shown],
+                "unit": [t.units[i] for t, _, i in shown],
+                "description": [t.descriptions[i] for t, _, i in shown],
+            }
+        ).set_index("name")
+        return pd.concat([table, self._load_rows()])
+
+    def _load_rows(self) -> pd.DataFrame:
+        words = {"x": "x of the load", "y": "y of the load", "z": "z of the load", "mass": "mass of the load"}
+        words["distance"] = "unstretched distance of the load from its span's end a"
+        rows = [
+            (f"{row.load}.{key}", getattr(row, key), "kg" if key == "mass" else "m", text)
+            for row in self.loads.itertuples()
+            for key, text in words.items()
+        ]
+        return pd.DataFrame(rows, columns=["name", "value", "unit", "description"]).set_index("name")
+
+    @cached_property
+    def loads(self) -> pd.DataFrame:
+        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]."""
+        rows = []
+        for run, beyond in zip(self.runs, self.passed, strict=True):
+            for k, span in enumerate(run.spans):
+                for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
+                    read = {
+                        what: self.outputs[self.model.y.index[f"{span.name}.slot_{what}[{slot + 1}]"]]
+                        for what in LOAD_OUTPUTS
+                    }
+                    if run.loads.mass[i] == 0.0:  # a missing load
+                        continue
+                    rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
+        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
+
+    def points(self, r: int) -> np.ndarray:
+        """Places of the supports of a run, shape (supports, 3) [m]."""
+        check.index(r, len(self.runs), "Equilibrium.points", "r")
+        return support_points(self.model, r, self.point)
+
+    def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
+        """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
+        loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
+        if isinstance(stations, int):
+            check.index(stations, 1_000_000, "Equilibrium.profile", "stations")
+        for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
+            for k, candidate in enumerate(run.spans):
+                if candidate.name == span:
+                    return self._profile(run, k, int(layout.force[k]), beyond, stations)
+        raise UnknownNameError(
+            f"No span {span!r}", f"Spans are {', '.join(s.name for r in self.runs for s in r.spans)}"
+        )
+
+    def _profile(
+        self, run: Run, k: int, force: int, beyond: np.ndarray, stations: Sequence[float] | np.ndarray | int
+    ) -> pd.DataFrame:
+        name = run.spans[k].name
+        read, p = self.outputs, self.model.p.index
+        count = int(beyond[k] - beyond[k + 1])
+        gravity, length = float(self.point.p[0]), self[f"{name}.length"]
+        at = [float(read[self.model.y.index[f"{name}.slot_distance[{j + 1}]"]]) for j in range(count)]
+        at = [min(max(distance, 0.0), length) for distance in at]  # a load that crosses is there but for rounding
+        mass = [float(run.loads.mass[beyond[k] - 1 - j]) for j in range(count)]
+        spread = np.linspace(0.0, length, stations) if isinstance(stations, int) else np.asarray(stations, float)
+        if isinstance(stations, int):
+            spread = np.union1d(spread, at)
+        if spread.size and (spread.min() < 0.0 or spread.max() > length * (1.0 + 1e-12)):
+            raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
+        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
+        tension = self.point.z[force : force + 3]
+        weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
+        curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
+        place = run.start(k, self.__getitem__) + curve.reach
+        return pd.DataFrame(
+            {
+                "station": curve.station,
+                "x": place[:, 0],
+                "y": place[:, 1],
+                "z": place[:, 2],
+                "tension": curve.tension,
+                "slope": curve.slope,
+            }
+        )

@@ -1,0 +1,164 @@
+"""The equilibrium of a system: solved from a start or from geometry, certified, and checked against its ropes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.system import System, caller
+from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.given_values import solve_swapped
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.resting import at_rest_model, on_model
+from ropeway.systems.statics.settling import TooHeavyError, keep_taut_root, let_out, loaded, settle, share_lengths
+from ropeway.systems.statics.warm_start import carried_over, declared_alike, undriven
+
+
+@checked
+@interruptible
+def equilibrium(
+    system: System | Model,
+    *,
+    given: Mapping[str, float] | None = None,
+    solve_for: str | Sequence[str] = (),
+    parameters: Mapping[str, float] | None = None,
+    start: Equilibrium | None = None,
+) -> Equilibrium:
+    """The stable, taut equilibrium of a system at rest.
+
+    given: values that variables, outputs or loads must take (`{"a_b.tension_a": 150e3}`), and solve_for: as
+    many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
+    inputs, states (a drive's travel) and load masses of this solve; the length of one span over idlers counts from
+    those that all spans have at rest. start: a nearby equilibrium of the same
+    declarations, for a warm start; of a line in the course of a run too, without its brakes and responses.
+
+    After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Every result carries
+    a `certificate`; a solution that fails its check is solved again from another start. Warns by RopewayWarning where
+    a tension is above the rope's minimum breaking load. Raises InputError, UnknownNameError, UnbalancedSystemError
+    before, EquilibriumError after a failed solve.
+    """
+    freed = [solve_for] if isinstance(solve_for, str) else list(solve_for)
+    wanted = dict(given or {})
+    if len(wanted) != len(freed):
+        raise UnbalancedSystemError(
+            f"{len(wanted)} values are given and {len(freed)} are solved for", "Free one for each one given"
+        )
+    for name, value in wanted.items():
+        if not np.isfinite(value):
+            raise InputError(f"given {name} is {value!r}", "Give a finite number")
+    model = system if isinstance(system, Model) else assemble(system)
+    freed = [model.swaps.get(name, name) for name in freed]
+    solved_on = at_rest_model(model) if model.free_states else model
+    first: EquilibriumError | None = None
+    for way in ("near", "from geometry", "let out", "loaded"):
+        if (way == "near" and start is None) or (way == "loaded" and wanted):
+            continue
+        state = _near(model, start, parameters) if way == "near" and start else _cold(solved_on, parameters)
+        try:
+            if way == "near" and solved_on is not model:
+                state = on_model(state, solved_on)
+            found, certificate = _at_rest(state, wanted, freed, way)
+        except TooHeavyError as error:
+            raise error from first
+        except EquilibriumError as error:
+            first = first or error
+            continue
+        _warn(certificate)
+        return found if solved_on is model else _of(model, found)
+    raise first or EquilibriumError(f"{model.name!r} has no equilibrium")
+
+
+def _cold(model: Model, parameters: Mapping[str, float] | None) -> LineState:
+    """A state from geometry."""
+    state = LineState.cold(model)
+    if parameters:
+        share_lengths(state, parameters)
+        state.set(parameters)
+        state.restart()
+    return state
+
+
+def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | None) -> LineState:
+    """A state from a nearby equilibrium."""
+    rest = start if declared_alike(start, model.system) else carried_over(start, model)
+    state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
+    for r, k, _ in state.standing():
+        state.release(r, k)
+    undriven(state)
+    if parameters:
+        state.set(parameters)
+        state.write_slots()
+    return state
+
+
+def _at_rest(
+    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str
+) -> tuple[Equilibrium, Certificate]:
+    """The equilibrium of a state with values `wanted` and others `freed` in exchange, and its certificate. The way
+    "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
+    declared = state.point.p.copy()
+    if way == "let out":
+        state = let_out(state)
+    elif way == "loaded":
+        state = loaded(state)
+    if wanted:
+        solve_swapped(state, wanted, freed, from_chord=way != "let out")
+    elif way in ("near", "from geometry"):
+        settle(state)
+        if way == "from geometry":
+            keep_taut_root(state)
+    for name in freed:
+        kind, k = state.find(name)
+        if kind is Kind.PARAMETER:
+            declared[k] = state.point.p[k]
+    rope = [_rope(state, r, declared) for r in range(len(state.runs))]
+    state.rezero()
+    certificate = certify(state.model, state.point, state.runs, state.passed, given=wanted, rope=rope)
+    certificate.require(state.model)
+    runs, passed = tuple(state.runs), tuple(state.passed)
+    return Equilibrium(state.model, state.point, runs, passed, state.held, given=tuple(wanted.items())), certificate
+
+
+def _of(model: Model, rest: Equilibrium) -> Equilibrium:
+    """An equilibrium of `at_rest_model(model)` as one of the model."""
+    state = on_model(LineState(rest.model, rest.point, rest.runs, rest.passed), model)
+    return replace(rest, model=state.model, point=state.point, runs=tuple(state.runs))
+
+
+def still(line: Equilibrium) -> Equilibrium:
+    """An equilibrium with its free states as algebraic variables: what changes with a parameter at rest."""
+    if not line.model.free_states:
+        return line
+    state = on_model(LineState(line.model, line.point, line.runs, line.passed), at_rest_model(line.model))
+    return replace(line, model=state.model, point=state.point, runs=tuple(state.runs))
+
+
+def _rope(state: LineState, r: int, declared: np.ndarray) -> float:
+    """Unstretched rope of a run [m]: what was declared, and what its ends have let in."""
+    layout = state.model.layouts[r]
+    travel = layout.travel.read(state.point.x, state.point.z)
+    return float(declared[layout.length_start].sum() + travel[0] - travel[-1])
+
+
+def _warn(certificate: Certificate) -> None:
+    """Warns of a rope that cannot bear its tension, in the name of the user's line of code."""
+    used = certificate.utilisation
+    if used is not None and not used.holds:
+        path, _, line = caller().rpartition(":")
+        warnings.warn_explicit(
+            f"The highest tension in span {used.component!r} at rest is {used.value:.3g} times the rope's minimum "
+            "breaking load. Take lighter loads, more sag or a stronger rope",
+            RopewayWarning,
+            path or "?",
+            int(line) if line.isdigit() else 1,
+        )

@@ -1,0 +1,382 @@
+"""Where a line is: a point of its model, and which load is in which span. What solvers move on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from ropeway.components.component import Kind
+from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
+from ropeway.components.schedule import Schedule
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model, nearest
+from ropeway.systems.modelling.initial_guess import run_start
+from ropeway.systems.modelling.rope_path import Loads, Run, extended, loads_passed, rounded_up, rounds
+from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
+from ropeway.systems.statics.pending_events import Pending
+
+LOAD_OUTPUTS = ("x", "y", "z", "distance")
+"""What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """A state written down: time [s], states, algebraic variables, inputs, the number of the first load that has not
+    passed each support of each run, and the discrete variables that are `kept` besides; and what was
+    `pending` then in a run."""
+
+    time: float
+    x: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+    passed: tuple[np.ndarray, ...]
+    kept: np.ndarray
+    pending: Pending
+
+
+class LineState:
+    """A point of a model, its runs with their loads, and the loads that have passed each support."""
+
+    def __init__(self, model: Model, point: Point, runs: Sequence[Run], passed: Sequence[np.ndarray]) -> None:
+        self.model = model
+        self.point = point
+        self.runs = list(runs)
+        self.passed = [p.copy() for p in passed]
+        self.span_scale = [float(np.mean(self.point.p[layout.length_start])) for layout in model.layouts]
+        """Mean span length of each run [m]."""
+        self.resting: dict[tuple[int, int], tuple[int, float]] = {}
+        """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
+        rope still makes without it. Found again where it is missing."""
+
+    @classmethod
+    def declared(cls, model: Model) -> LineState:
+        """As it is declared, without loads: ropes start as its assembly found them."""
+        state = cls(model, declared_point(model), model.runs, [np.zeros(len(run.nodes), int) for run in model.runs])
+        state.write_slots()
+        return state
+
+    @classmethod
+    def cold(cls, model: Model) -> LineState:
+        """From geometry."""
+        state = cls(model, declared_point(model), model.runs, [np.zeros(0, int) for _ in model.runs])
+        state.restart()
+        return state
+
+    def copy(self) -> LineState:
+        """With arrays of its own."""
+        copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
+        copied.resting = dict(self.resting)
+        return copied
+
+    def restart(self) -> None:
+        """Starting values from geometry for the present lengths and loads."""
+        for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
+            travel = layout.travel.read(self.point.x, np.zeros_like(self.point.z))
+            start = run_start(run, float(self.point.p[0]), self.point.p[layout.length_start], travel, self.points(r))
+            for axis in range(3):
+                self.point.z[layout.force + axis] = start.force[:, axis]
+            layout.travel.write(start.travel, self.point.x, self.point.z)
+            self.passed[r] = start.passed
+        self.write_slots()
+
+    def rope(self, r: int) -> np.ndarray:
+        """The rope at each support of a run [m, unstretched, from the run's start], shape (supports,)."""
+        layout = self.model.layouts[r]
+        return np.asarray(layout.start(self.point.p) - layout.travel.read(self.point.x, self.point.z))
+
+    def points(self, r: int) -> np.ndarray:
+        """Places of the supports of a run as they are now, shape (supports, 3) [m]."""
+        return support_points(self.model, r, self.point)
+
+    def write_slots(self) -> None:
+        """Puts the loads into the slots of their spans; assembles anew where a span has too few."""
+        counts = [p[:-1] - p[1:] for p in self.passed]
+        if any(np.any(c > layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)):
+            self._grow(
+                [
+                    np.where(c > layout.slots.count, [rounded_up(int(n) + 1) for n in c], layout.slots.count)
+                    for c, layout in zip(counts, self.model.layouts, strict=True)
+                ]
+            )
+        for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
+            layout.slots.write(self.point.d, run, beyond, layout.start(self.point.p))
+
+    def write_beside(self, r: int, k: int) -> None:
+        """`write_slots` for the spans on both sides of a support."""
+        layout, beyond = self.model.layouts[r], self.passed[r]
+        spans = np.arange(max(k - 1, 0), min(k + 1, len(beyond) - 1))
+        if np.any(beyond[spans] - beyond[spans + 1] > layout.slots.count[spans]):
+            self.write_slots()
+        else:
+            layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
+
+    def snapshot(self, pending: Pending) -> Record:
+        """The state as it can be written down and made again."""
+        q = self.point
+        passed = tuple(p + run.loads.first for p, run in zip(self.passed, self.runs, strict=True))
+        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept], pending)
+
+    @classmethod
+    def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
+        """The state that a snapshot was taken of, with `p` the parameters of the run."""
+        d = model.d.values.copy()
+        d[model.kept] = record.kept
+        passed = [p - run.loads.first for p, run in zip(record.passed, runs, strict=True)]
+        state = cls(model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, passed)
+        state.write_slots()
+        return state
+
+    def _grow(self, counts: Sequence[np.ndarray]) -> None:
+        old = self.model
+        self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
+        d = self.model.d.values.copy()
+        d[self.model.kept] = self.point.d[old.kept]
+        self.point = Point(self.point.t, self.point.x, self.point.z, self.point.u, self.point.p, d)
+
+    def settle(self) -> bool:
+        """Puts each load into the span where the rope has taken it. False when one had to move."""
+        moved = False
+        for r, run in enumerate(self.runs):
+            rope = self.rope(r)
+            if np.any(run.loads.pinned >= 0):
+                before, run = run.loads.names, replace(run, loads=run.loads.sorted(rope))
+                self.runs[r], moved = run, moved or run.loads.names != before
+            if run.around:
+                self._wind(r, rope)
+            elif run.feed is not None and run.loads.place[-1] > rope[0]:
+                self.extend(r)
+            run = self.runs[r]
+            # A load that stands on a support to rounding stays where it is.
+            near = 1e-10 * (1.0 + np.abs(rope))
+            beyond = np.clip(self.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
+            if run.around:
+                beyond[-1] = beyond[0] - run.around
+            if np.any(beyond != self.passed[r]):
+                moved = True
+                self.passed[r] = beyond
+        if moved:
+            self.write_slots()
+        return not moved
+
+    def extend(self, r: int, *, ahead: bool = False) -> None:
+        """Takes as many loads again from a run's feed as there are: behind the last, or `ahead` of the first where
+        the rope is endless."""
+        run = self.runs[r]
+        if run.feed is None:
+            return
+        if not run.around:
+            loads = extended(run.loads, run.feed, len(run.loads.place))
+        else:
+            there = len(run.loads.place) // run.around
+            before, behind = (there, there - 1) if ahead else (0, 2 * there - 1)
+            loads = rounds(run.loads, 0, run.around, self.length(r), before, behind)
+        self.passed[r] += run.loads.first - loads.first
+        self.runs[r] = replace(run, loads=loads)
+
+    def length(self, r: int) -> float:
+        """Unstretched length of a run's rope between its ends at zero travel [m]."""
+        return float(self.point.p[self.model.layouts[r].length_start].sum())
+
+    def around(self, r: int) -> Loads:
+        """The loads of an endless rope once, in the order of their numbers from 0 on."""
+        run, length = self.runs[r], self.length(r)
+        turn, before = divmod(-run.loads.first, run.around)
+        loads = rounds(run.loads, before, run.around, length, 0, 0)
+        return replace(loads, place=loads.place - turn * length, first=0)
+
+    def _wind(self, r: int, rope: np.ndarray) -> None:
+        """Lists the loads of an endless rope as they come round with its present length, for all places on `rope`."""
+        run, length = self.runs[r], self.length(r)
+        begin = int(np.clip(self.passed[r][-1], 0, len(run.loads.place) - run.around))
+        on = run.loads.place[begin : begin + run.around]
+        ahead = max(1, int(np.ceil((rope[-1] - on[0]) / length)) + 1)
+        behind = max(1, int(np.ceil((on[-1] - rope[0]) / length)) + 1)
+        loads = rounds(run.loads, begin, run.around, length, ahead, behind)
+        self.passed[r] += run.loads.first - loads.first
+        self.runs[r] = replace(run, loads=loads)
+
+    def outputs(self) -> np.ndarray:
+        """Values of all outputs, shape (ny,)."""
+        return outputs_of(self.model)(*self.point.arguments)[0].copy()
+
+    def hold(self, r: int, k: int, load: int) -> None:
+        """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""
+        layout = self.model.layouts[r]
+        if layout.held[k] < 0:
+            raise EquilibriumError(
+                f"Load {self.runs[r].loads.names[load]!r} can stand on neither side of {self.runs[r].nodes[k].name!r}",
+                "Move the load",
+                self.runs[r].nodes[k].name,
+            )
+        self.point.d[layout.held[k]] = 1.0
+        self.point.d[layout.held_travel[k]] = layout.start(self.point.p)[k] - self.runs[r].loads.place[load]
+
+    def release(self, r: int, k: int) -> None:
+        """Lets an idler turn again."""
+        self.point.d[self.model.layouts[r].held[k]] = 0.0
+
+    def busy(self, r: int) -> np.ndarray:
+        """The supports of a run on which a load stands."""
+        layout = self.model.layouts[r]
+        return layout.holding[self.point.d[layout.held[layout.holding]] > 0.0]
+
+    def standing(self) -> tuple[tuple[int, int, float], ...]:
+        """Run, support and travel of each idler on which a load stands."""
+        found = []
+        for r, layout in enumerate(self.model.layouts):
+            for k in self.busy(r):
+                found.append((r, int(k), float(self.point.d[layout.held_travel[k]])))
+        return tuple(found)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Names of the supports on which a load stands."""
+        return tuple(self.runs[r].nodes[k].name for r, k, _ in self.standing())
+
+    def held_travels(self) -> set[int]:
+        """Places in the algebraic variables of the travels of idlers on which a load stands."""
+        return {int(self.model.layouts[r].travel.algebraic[k]) for r, k, _ in self.standing()}
+
+    def rezero(self) -> None:
+        """Makes the present travel of the supports the zero: span lengths and places of loads follow."""
+        for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
+            rope = self.rope(r)
+            loads = run.loads
+            self.runs[r] = replace(
+                run,
+                loads=replace(
+                    loads,
+                    place=np.where(loads.pinned >= 0, rope[np.maximum(loads.pinned, 0)] + loads.at, loads.place)
+                    - rope[0],
+                ),
+            )
+            self.point.p[layout.length_start] = np.diff(rope)
+            rough = layout.grip >= 0
+            self.point.p[layout.grip[rough]] -= layout.travel.read(self.point.x, self.point.z)[rough]
+            layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
+            on = layout.held[layout.held >= 0]
+            self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
+        self.write_slots()
+
+    def require_rope(self, remedy: str) -> None:
+        """Raises EquilibriumError where no rope is left in a span."""
+        for r, run in enumerate(self.runs):
+            length = np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
+            if np.any(length <= 0.0):
+                name = run.spans[int(np.argmin(length))].name
+                raise EquilibriumError(f"No rope is left in span {name!r}", remedy, name)
+
+    def require_pinned(self) -> None:
+        """Raises EquilibriumError where a span has not rope enough for a load that hangs at a distance on it."""
+        for r, run in enumerate(self.runs):
+            loads, room = run.loads, np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
+            for i in np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0)):
+                span = run.spans[loads.pinned[i]].name
+                if loads.at[i] > room[loads.pinned[i]] * (1.0 + 1e-9):
+                    raise EquilibriumError(
+                        f"Load {loads.names[i]!r} hangs {loads.at[i]:.6g} m along span {span!r}, which has "
+                        f"{room[loads.pinned[i]]:.6g} m of rope at rest",
+                        "Hang it nearer to the span's end a, or on all spans of the rope at its distance along them",
+                        span,
+                    )
+
+    def unpin(self) -> None:
+        """Clamps pinned loads to the rope where they hang, so that they travel with it."""
+        for r, run in enumerate(self.runs):
+            loads = run.loads
+            self.runs[r] = replace(run, loads=replace(loads, pinned=np.full(len(loads.pinned), -1)))
+        self.write_slots()
+
+    def find(self, name: str) -> Slot:
+        """The vector entry of a variable, an output or a load's quantity. Raises UnknownNameError."""
+        return find(self.model, self.runs, self.passed, name)
+
+    def set(self, values: Mapping[str, float]) -> None:
+        """Gives parameters, inputs, drives' states and masses of loads other values. Raises InputError."""
+        owners: dict[str, list[tuple[int, int]]] = {}  # a load comes round an endless rope more than once
+        for r, run in enumerate(self.runs):
+            for i, name in enumerate(run.loads.names):
+                owners.setdefault(name, []).append((r, i))
+        masses = [run.loads.mass.copy() for run in self.runs]
+        for name, value in values.items():
+            if not np.isfinite(value):
+                raise InputError(f"{name} is {value!r}", "Give a finite number")
+            owner, _, quantity = name.rpartition(".")
+            if quantity == "mass" and owner in owners:
+                if value < 0.0 or (value == 0.0 and self.runs[owners[owner][0][0]].feed is None):
+                    raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
+                for r, i in owners[owner]:
+                    masses[r][i] = value
+                continue
+            kind, k = self.find(self.model.swaps.get(name, name))
+            if kind in (Kind.OUTPUT, Kind.ALGEBRAIC):
+                raise InputError(f"{name} is a result", "Use given= and solve_for=")
+            if refused := self.model.tables[kind].ranges[k].refuses(value):
+                raise InputError(f"{name} is {value!r}", f"Give {refused}")
+            self.point.vector(kind)[k] = value
+        self.runs = [
+            replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
+        ]
+
+
+def restored_points(
+    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[Record]
+) -> tuple[list[Point], list[list[np.ndarray]]]:
+    """The points of many snapshots, and the loads passed in each run, as `LineState.restored` makes them one by one;
+    none may have more loads in a span than the model has slots."""
+    d = np.repeat(model.d.values[None], len(records), axis=0)
+    d[:, model.kept] = [record.kept for record in records]
+    passed = [np.array([record.passed[r] for record in records]) - run.loads.first for r, run in enumerate(runs)]
+    for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
+        layout.slots.write(d, run, beyond, layout.start(p))
+    points = [Point(q.time, q.x.copy(), q.z.copy(), q.u.copy(), p, own) for q, own in zip(records, d, strict=True)]
+    return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
+
+
+def declared_point(model: Model) -> Point:
+    """All values as they are declared, inputs at time 0."""
+    u = [
+        s.at(0.0) if isinstance(s, Schedule) else open_start if s is None else s
+        for s, open_start in zip(model.signals, model.u.values, strict=True)
+    ]
+    x, z, p, d = (table.values.copy() for table in (model.x, model.z, model.p, model.d))
+    return Point(0.0, x, z, np.array(u), p, d)
+
+
+def support_points(model: Model, r: int, point: Point) -> np.ndarray:
+    """Places of the supports of a run, shape (supports, 3) [m]: parameters, or variables where ropes hold them."""
+    return np.concatenate([point.vector(kind) for kind in VECTORS])[_coordinates(model, r)]
+
+
+@lru_cache(maxsize=64)
+def _coordinates(model: Model, r: int) -> np.ndarray:
+    """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
+    names = [name for kind in VECTORS for name in model.tables[kind].names]
+    index = {name: i for i, name in enumerate(names)}
+    return np.array([[index[f"{node.name}.{axis}"] for axis in "xyz"] for node in model.runs[r].nodes])
+
+
+def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:
+    """The vector entry of a variable, an output or a quantity of a load (x, y, z, distance, mass).
+
+    Raises UnknownNameError.
+    """
+    for kind in (Kind.OUTPUT, *VECTORS):
+        if name in model.tables[kind].index:
+            return kind, model.tables[kind].index[name]
+    owner, _, quantity = name.rpartition(".")
+    for run, beyond in zip(runs, passed, strict=True):
+        if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
+            # Loads of an endless rope are listed once for each round.
+            load = run.loads.names.index(owner, int(beyond[-1]) if run.around else 0)
+            k = int(np.searchsorted(-beyond, -load, side="left")) - 1
+            if not 0 <= k < len(run.spans):
+                raise UnknownNameError(f"Load {owner!r} is not on the line", "Ask for one that is")
+            slot = f"{run.spans[k].name}.slot_{quantity}[{beyond[k] - load}]"
+            kind = Kind.DISCRETE if quantity == "mass" else Kind.OUTPUT
+            return kind, model.tables[kind].index[slot]
+    known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
+    raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))

@@ -1,0 +1,36 @@
+"""What a run goes on with beyond the variables of its line: the next ticks of clocks, an emergency stop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from ropeway.components.schedule import Schedule
+from ropeway.systems.modelling.sampled_control import Clock
+
+Ticks = Mapping[tuple[float, float], float]
+
+
+@dataclass(frozen=True)
+class Pending:
+    """`ticks`: time of the next tick of each clock, by its period and phase [s]; `stopping`: inputs that an emergency
+    stop drives in place of their own signals, None where there is none. Times count from the run's start."""
+
+    ticks: Ticks = field(default_factory=dict)
+    stopping: Mapping[str, Schedule] | None = None
+
+    def next_tick(self, clock: Clock) -> float:
+        """When a clock ticks next [s]; one that is not known here ticks for the first time."""
+        return self.ticks.get((clock.period, clock.phase), clock.phase)
+
+    def after(self, time: float) -> Pending:
+        """The same, with times that count from `time` [s]."""
+        ticks = {clock: max(tick - time, 0.0) for clock, tick in self.ticks.items()}
+        if self.stopping is None:
+            return replace(self, ticks=ticks)
+        return Pending(ticks, {name: _after(signal, time) for name, signal in self.stopping.items()})
+
+
+def _after(signal: Schedule, time: float) -> Schedule:
+    rest = [t - time for t in signal.times if t > time + 1e-9] or [1.0]
+    return Schedule([0.0, *rest], [signal.at(time), *(signal.at(time + t) for t in rest)])

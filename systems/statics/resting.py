@@ -1,0 +1,114 @@
+"""A system whose states are at rest: the rates of those that `equilibrium` does not keep are zero."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_matrix
+from scipy.sparse.csgraph import structural_rank
+
+from ropeway.components.component import Component, Equations, Kind, Site, Variable
+from ropeway.components.errors import UnbalancedSystemError
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.statics.line_state import LineState, declared_point
+
+_SUFFIX = " at rest"
+
+
+@lru_cache(maxsize=16)
+def at_rest_model(model: Model) -> Model:
+    """The model with its free states as algebraic variables and their rates as residuals. Raises
+    UnbalancedSystemError for a state that no equation determines at rest."""
+    _require_determined(model)
+    system = model.system.copy()
+    for name in {component_of(state) for state in model.free_states}:
+        system.components[name] = _resting(system.components[name])
+    return assemble(system, slots=[layout.slots.count.tolist() for layout in model.layouts])
+
+
+def _require_determined(model: Model) -> None:
+    """Raises UnbalancedSystemError that names a state which may take any value at rest."""
+    states = [model.x.index[name] for name in model.free_states]
+    rows = [[_pattern(model, 1, 2), _pattern(model, 1, 1)[:, states]]]
+    rows.append([_pattern(model, 0, 2)[states], _pattern(model, 0, 1)[np.ix_(states, states)]])
+    graph = csc_matrix(np.block(rows))
+    rank, count = structural_rank(graph), graph.shape[1]
+    if rank == count:
+        return
+    first = count - len(states)
+    # Without its column the rank stays: the other equations are enough for the other unknowns.
+    loose = [
+        name
+        for k, name in enumerate(model.free_states, first)
+        if structural_rank(graph[:, np.arange(count) != k]) == rank
+    ]
+    raise UnbalancedSystemError(
+        f"Nothing determines {', '.join(loose or model.free_states)} at rest",
+        "Let a rate depend on it, or declare it with kept_at_rest=True, as a travel that is driven",
+    )
+
+
+def _pattern(model: Model, result: int, argument: int) -> np.ndarray:
+    """Which entries of a result of the model's equations depend on which of an argument."""
+    pattern = model.dae.jac_sparsity(result, argument)
+    found = np.zeros(pattern.shape, dtype=bool)
+    found[pattern.row(), pattern.get_col()] = True
+    return found
+
+
+def on_model(state: LineState, model: Model) -> LineState:
+    """A state of a model as one of its `at_rest_model`, or the other way round; what it has no value for stays as
+    declared."""
+    counts = [layout.slots.count.tolist() for layout in state.model.layouts]
+    if counts != [layout.slots.count.tolist() for layout in model.layouts]:
+        model = assemble(model.system, slots=counts)
+    values = {
+        name: value
+        for kind in VECTORS
+        for name, value in zip(state.model.tables[kind].names, state.point.vector(kind), strict=True)
+    }
+    point = declared_point(model)
+    for kind in VECTORS:
+        declared = point.vector(kind)
+        declared[:] = [values.get(name, value) for name, value in zip(model.tables[kind].names, declared, strict=True)]
+    runs = [replace(own, loads=run.loads) for own, run in zip(model.runs, state.runs, strict=True)]
+    return LineState(model, point, runs, state.passed)
+
+
+def _is_free(v: Variable) -> bool:
+    return v.kind is Kind.STATE and not v.kept_at_rest
+
+
+def _resting(component: Component) -> Component:
+    """The component with its free states as unknowns at rest."""
+    own: Any = type(component)
+
+    class Resting(own):  # type: ignore[misc]
+        __slots__ = ()
+
+        def variables(self, site: Site) -> tuple[Variable, ...]:
+            found: list[Variable] = []
+            for v in super().variables(site):
+                if _is_free(v):
+                    rate = replace(v, name=v.name + _SUFFIX, kind=Kind.RESIDUAL, unit="", value=0.0)
+                    found += [replace(v, kind=Kind.ALGEBRAIC), rate]
+                else:
+                    found.append(v)
+            return tuple(found)
+
+        def equations(self, v: Any) -> Equations:
+            found = super().equations(v)
+            kept = {s.name for s in super().variables(Site(1.0, 1.0)) if s.kind is Kind.STATE and s.kept_at_rest}
+            rates = {name: rate for name, rate in found.rates.items() if name in kept}
+            at_rest = {name + _SUFFIX: rate for name, rate in found.rates.items() if name not in kept}
+            return replace(found, rates=rates, residuals={**found.residuals, **at_rest})
+
+    made = copy.copy(component)
+    object.__setattr__(made, "__class__", Resting)
+    return made

@@ -1,0 +1,247 @@
+"""A state brought to rest: every load in its span, the ropes in balance over their idlers, and the root the one that a
+taut rope comes to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from ropeway.components.errors import EquilibriumError
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.continuation import solve_algebraic
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.stability import slack
+
+_STEP = 1.0 / 40.0
+"""Share of a taut rope's way to its length in one step."""
+_FIRST_SHARE, _LEAST_SHARE = 1.0 / 16.0, 1.0 / 256.0
+"""Share of the loads' masses that a line begins with, and the smallest step to more of them."""
+_GROWS, _GROWS_NEARBY = 5, 1
+"""How many times a line that settles may need room for more loads in its spans: then its rope runs away."""
+_LIGHT = 0.25
+"""Weight of the loads in one span, over the highest tension, below which loads are not the reason of a failure: they
+turn the rope by less than this angle [rad], far from where a rope kept at a tension gives way."""
+
+
+def solve(state: LineState, *, quick: bool = False) -> None:
+    """Brings a state to rest, certified; quick: by Newton's method alone, from nearby. Raises EquilibriumError."""
+    settle(state, quick=quick)
+    certified(state).require(state.model)
+
+
+def certified(state: LineState) -> Certificate:
+    """The certificate of a state."""
+    return certify(state.model, state.point, state.runs, state.passed)
+
+
+def settle(state: LineState, *, quick: bool = False) -> None:
+    """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone. Raises
+    EquilibriumError."""
+    seen: set[bytes] = set()
+    models = [state.model]
+    for _ in range(200):
+        if quick:
+            newton_of(state.model).solve(state.point)
+        else:
+            solve_algebraic(state)
+        before = [p.copy() for p in state.passed]
+        if state.settle():
+            state.require_pinned()
+            return
+        if state.model is not models[-1]:
+            models.append(state.model)
+            if len(models) - 1 > (_GROWS_NEARBY if quick else _GROWS):
+                raise EquilibriumError(
+                    f"Ever more loads of system {state.model.name!r} run into one span",
+                    "Take lighter or fewer loads, or more tension",
+                )
+        key = b"".join(p.tobytes() for p in state.passed)
+        if key in seen:  # a load that neither of two spans keeps stands on the support between them
+            for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
+                for k in np.flatnonzero(was != now):
+                    state.hold(r, int(k), int(min(was[k], now[k])))
+        seen.add(key)
+    raise EquilibriumError(
+        f"The loads of system {state.model.name!r} do not settle in spans",
+        "Loads stand close to a support: move them a little",
+    )
+
+
+def share_lengths(state: LineState, names: Iterable[str]) -> None:
+    """Where the length of a span over idlers is among the names: gives all spans those they have at rest, as the
+    user knows them, instead of those of the first guess."""
+    spans = {name.rpartition(".length")[0] for name in names}
+    runs = [run for run in state.model.runs if any(node.balance is not None for node in run.nodes)]
+    if spans.isdisjoint(span.name for run in runs for span in run.spans):
+        return
+    rest = LineState.cold(state.model)
+    solve(rest)
+    rest.rezero()
+    for layout in state.model.layouts:
+        state.point.p[layout.length_start] = rest.point.p[layout.length_start]
+
+
+def keep_taut_root(state: LineState) -> None:
+    """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
+
+    Where that cannot be followed, the equilibrium found stays.
+    """
+    if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
+        return
+    try:
+        trial = let_out(state, least_step=_STEP)
+    except EquilibriumError:
+        return
+    if not trial.standing() and any(np.any(a != b) for a, b in zip(trial.passed, state.passed, strict=True)):
+        state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
+
+
+def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
+    """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
+    at least a share `least_step` of the way. Raises EquilibriumError."""
+    trial = _afresh(state)
+    lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
+    runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
+    taut = [
+        min(float(np.linalg.norm(chord, axis=1).sum()) * (1.0 + 1e-4) / float(length.sum()), 1.0)
+        for chord, length in zip(chords, lengths, strict=True)
+    ]
+
+    def longer(share: float) -> None:
+        for r, (run, layout) in enumerate(zip(runs, trial.model.layouts, strict=True)):
+            part = taut[r] + share * (1.0 - taut[r])
+            trial.point.p[layout.length_start] = part * lengths[r]
+            loads = run.loads
+            trial.runs[r] = replace(run, loads=replace(loads, place=part * loads.place, at=part * loads.at))
+
+    if any(node.kept_tension is not None for run in runs for node in run.nodes):
+        raise EquilibriumError(
+            f"A drum of system {state.model.name!r} keeps its tension at any length", "Look at its tension"
+        )
+    longer(0.0)
+    trial.restart()
+    solve(trial)
+    done, step = 0.0, _STEP
+    while done < 1.0:
+        saved = trial.copy()
+        share = min(1.0, done + step)
+        try:
+            longer(share)
+            trial.write_slots()
+            solve(trial, quick=True)
+        except EquilibriumError:
+            step /= 2.0
+            if step < least_step:
+                raise
+            trial = saved
+            continue
+        done, step = share, min(2.0 * step, _STEP)
+    return trial
+
+
+def _afresh(state: LineState) -> LineState:
+    """A state from geometry with the parameters, inputs, drives and loads of another, nothing standing on an idler."""
+    trial = LineState.cold(state.model)
+    for vector in ("x", "u", "p"):
+        getattr(trial.point, vector)[:] = getattr(state.point, vector)
+    kept = state.model.kept
+    trial.point.d[kept] = state.point.d[kept]
+    trial.runs = list(state.runs)
+    for r, k, _ in trial.standing():
+        trial.release(r, k)
+    return trial
+
+
+def _heaviest(state: LineState) -> float:
+    """Weight of the loads in the span that has most [N]."""
+    heaviest = 0.0
+    for run, passed in zip(state.runs, state.passed, strict=True):
+        total = np.concatenate([[0.0], np.cumsum(run.loads.mass)])
+        counts = np.clip(passed, 0, len(run.loads.mass))
+        heaviest = max(heaviest, float((total[counts[:-1]] - total[counts[1:]]).max()))
+    return heaviest * state.model.system.gravity
+
+
+def _highest(state: LineState) -> float:
+    """Highest tension at an end of a span [N]."""
+    y, names = state.outputs(), state.model.y.names
+    return max(value for name, value in zip(names, y, strict=True) if name.endswith((".tension_a", ".tension_b")))
+
+
+class TooHeavyError(EquilibriumError):
+    """Loads are the reason why a line has no equilibrium."""
+
+
+def loaded(state: LineState) -> LineState:
+    """The state to which a line comes as its loads grow from a small part of their masses to all. Raises
+    TooHeavyError; EquilibriumError where loads are not the reason."""
+    share = _FIRST_SHARE
+    try:
+        near = _lightly_loaded(state, share)
+    except EquilibriumError:
+        share *= _FIRST_SHARE
+        near = _lightly_loaded(state, share)
+    step = share
+    while share < 1.0 and step >= _LEAST_SHARE:
+        more, trial = min(1.0, share + step), near.copy()
+        trial.runs = [_scaled(run, more / share) for run in trial.runs]
+        try:
+            trial.write_slots()
+            solve(trial, quick=True)
+        except EquilibriumError:
+            step /= 2.0
+        else:
+            near, share, step = trial, more, 2.0 * step
+    if share < 1.0:
+        raise _not_loaded(near, share)
+    return near
+
+
+def _lightly_loaded(state: LineState, share: float) -> LineState:
+    """The state with a small share of its loads, from geometry. Raises EquilibriumError."""
+    near = _afresh(state)
+    near.runs = [_scaled(run, share) for run in near.runs]
+    near.restart()
+    solve(near)
+    return near
+
+
+def _scaled(run: Run, factor: float) -> Run:
+    """A run with all its loads' masses multiplied, also of those that are still to come."""
+    loads, feed = replace(run.loads, mass=factor * run.loads.mass), run.feed
+    if feed is not None:
+        feed = replace(feed, masses=tuple(factor * mass for mass in feed.masses))
+    return replace(run, loads=loads, feed=feed)
+
+
+def _not_loaded(near: LineState, share: float) -> EquilibriumError:
+    """The error for a line that is found to hold a `share` of its loads, in the state `near`, and no more. A rope of
+    fixed length holds any load until it breaks: there loads are not the reason."""
+    cause = f"The loads of system {near.model.name!r} are too heavy for its rope"
+    part, strongest = f"{100.0 * share:.2g} %", certified(near).utilisation
+    if strongest is not None and not strongest.holds:
+        return TooHeavyError(
+            f"{cause}: with {part} of them the tension in span {strongest.component!r} is {strongest.value:.3g} times "
+            "its minimum breaking load",
+            "Take lighter or fewer loads, more sag or a stronger rope",
+            strongest.component,
+        )
+    if _heaviest(near) >= _LIGHT * _highest(near) and any(_gives_way(run) for run in near.runs):
+        return TooHeavyError(
+            f"{cause}: as it is strung it holds {part} of them, and hardly more",
+            "Take lighter or fewer loads, or more tension",
+        )
+    return EquilibriumError(f"No equilibrium of system {near.model.name!r} is found", "Start from a nearby one")
+
+
+def _gives_way(run: Run) -> bool:
+    """Whether a drum or a wheel on a slide lets rope run at a constant force, so that no rope is short enough to hold
+    any load."""
+    return any(
+        node.kept_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
+        for node in run.nodes
+    )

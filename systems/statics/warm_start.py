@@ -1,0 +1,135 @@
+"""A line at some time as the start of another run or equilibrium: the same line, driven otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any
+
+from ropeway.components.component import Component, Kind
+from ropeway.components.errors import InputError
+from ropeway.components.response import Response
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.intervention import SWITCHED
+from ropeway.systems.modelling.system import System
+from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.statics.line_state import LineState, declared_point
+from ropeway.systems.statics.pending_events import Pending
+
+if TYPE_CHECKING:
+    from ropeway.systems.statics.equilibrium import Equilibrium
+
+_DRIVEN = ("response", "speed")
+"""What may differ between two declarations of one line: how its supports are driven."""
+
+_DECLARED = {
+    "gravity": "gravity",
+    "connections": "joints",
+    "supplies": "supplies",
+    "links": "links",
+    "hung": "loads",
+    "feeds": "loads that come in",
+}
+"""What else a system declares, and what a user calls it."""
+
+
+def declared_alike(start: Equilibrium, system: System) -> bool:
+    """Whether a start is of the same declarations; not, where supports are driven otherwise. Raises InputError where
+    more differs: it would say nothing about this system."""
+    old = start.model.system
+    if old is system:
+        return True
+    alike = old.precedences == system.precedences
+    for name in {**old.components, **system.components}:
+        one, other = old.components.get(name), system.components.get(name)
+        if one is other or one == other:
+            continue
+        if type(one) is not type(other) or _undriven(one) != _undriven(other):
+            _refuse(system, f"another {name!r}")
+        alike = False
+    for what, words in _DECLARED.items():
+        if getattr(old, what) != getattr(system, what):
+            _refuse(system, f"other {words}")
+    return alike
+
+
+def _undriven(component: Component | None) -> dict[str, Any]:
+    if component is None:
+        return {}
+    return {f.name: getattr(component, f.name) for f in fields(component) if f.name not in _DRIVEN}
+
+
+def _refuse(system: System, words: str) -> None:
+    raise InputError(
+        f"start is of another system than {system.name!r}, with {words}",
+        "Give an equilibrium of this one; change values with parameters=",
+    )
+
+
+def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
+    """The same place and loads, at time 0, on a declaration of the line that is driven otherwise. A response goes on
+    where it is the same here, else it begins; so does an input after an emergency stop. Raises InputError."""
+    model = system if isinstance(system, Model) else assemble(system)
+    declared_alike(start, model.system)
+    point, going_on = declared_point(model), _going_on(start.model.system, model.system)
+    for kind in VECTORS:
+        table, values = start.model.tables[kind], start.point.vector(kind)
+        for i, name in enumerate(model.tables[kind].names):
+            k = table.index.get(name)
+            # What the start has not changed is as declared here: parameters, as those of a response, and speeds.
+            if k is None or (kind in (Kind.PARAMETER, Kind.STATE) and values[k] == table.values[k]):
+                continue
+            if kind is Kind.DISCRETE and _of_response(name) and component_of(name) not in going_on:
+                continue
+            if kind is not Kind.INPUT or start.model.signals[k] == model.signals[i]:
+                point.vector(kind)[i] = values[k]
+    state = LineState(model, point, start.runs, start.passed)
+    state.write_slots()
+    return replace(
+        start,
+        model=state.model,
+        point=state.point,
+        runs=tuple(state.runs),
+        passed=tuple(state.passed),
+        pending=_pending(start, model, going_on),
+    )
+
+
+def undriven(state: LineState) -> None:
+    """Takes from a state what a run has left to its drives: corrections of responses, brakes, losses of pressure."""
+    d = state.model.d
+    switched = {variable for variable, _ in SWITCHED.values()}
+    for i in state.model.kept:
+        if _of_response(d.names[i]) or d.names[i].rpartition(".")[2] in switched:
+            state.point.d[i] = d.values[i]
+
+
+def _of_response(name: str) -> bool:
+    """Whether a discrete variable is one of a sheave's response."""
+    variable = name.rpartition(".")[2]
+    return variable == "correction" or variable.startswith("response_")
+
+
+def _going_on(old: System, new: System) -> dict[str, Response]:
+    """Responses that go on in a run of the new system: of the same kind, period and delay."""
+    found = {}
+    for name, component in new.components.items():
+        before, after = getattr(old.components.get(name), "response", None), getattr(component, "response", None)
+        if before is not None and after is not None and _rhythm(before) == _rhythm(after):
+            found[name] = after
+    return found
+
+
+def _rhythm(response: Response) -> tuple[type, float, float]:
+    return (type(response), response.period, response.delay)
+
+
+def _pending(start: Equilibrium, model: Model, going_on: Mapping[str, Response]) -> Pending:
+    """What of the start's goes on in a model."""
+    kept = {(r.period, phase) for r in going_on.values() for phase in (r.period, r.period + r.phase)}
+    stopping, old = start.pending.stopping, start.model
+    if stopping is not None:
+        alike = {name for name in stopping if old.signals[old.u.index[name]] == model.signals[model.u.index[name]]}
+        stopping = {name: signal for name, signal in stopping.items() if name in alike} or None
+    return Pending({clock: tick for clock, tick in start.pending.ticks.items() if clock in kept}, stopping)

@@ -1,0 +1,1 @@
+"""Control sheaves: responses tuned, schedules optimised."""

@@ -1,0 +1,244 @@
+"""The response of a line's control sheaves, tuned by simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import differential_evolution
+
+from ropeway.components import check
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.response import Response, check_precedence
+from ropeway.systems.dynamics.simulation import simulate
+from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.modelling.system import System
+from ropeway.systems.progress_bar import bar
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.warm_start import carried_over
+from ropeway.systems.studies.control.control_sheaves import control_sheaves, with_responses
+from ropeway.systems.studies.control.objectives import objective_weights, objectives
+from ropeway.systems.studies.control.scheduling.initial_schedules import require_sheave
+from ropeway.systems.studies.sweeps.journal import JournalRow
+from ropeway.systems.studies.sweeps.sweep import rows_of
+from ropeway.systems.studies.sweeps.workers import Workers, crew
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class TunedResponse:
+    """The best `response` and `precedence` found, the `line` with them, and their `objective`; `baseline` is the
+    objective of the response that it began with, inf where that run failed.
+
+    history: a row for each simulation: what was tuned, `objective`, and `error` and `message` of one that failed
+    (its objective is inf).
+    """
+
+    line: System
+    response: Response
+    precedence: str
+    objective: float
+    baseline: float
+    history: pd.DataFrame
+
+
+@checked
+@interruptible
+def tune_response(
+    line: System,
+    response: Response,
+    *,
+    over: Mapping[str, tuple[float, float] | Sequence[str]],
+    minimise: str | Mapping[str, float],
+    until: float,
+    settle: float = 0.0,
+    target: float | None = None,
+    every: float = 1.0,
+    sheaves: Sequence[str] | None = None,
+    start: Equilibrium | None = None,
+    generations: int = 10,
+    population: int = 6,
+    seed: int = 0,
+    workers: Workers = None,
+    progress: bool | None = None,
+) -> TunedResponse:
+    """Tunes a response by simulating the line with it, by differential evolution: repeatable for a seed.
+
+    over: what may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of
+    "precedence" the names to choose from. minimise: "peak tension", "tension deviation" (from `target` [N]) or
+    "energy", or a weight for each, of each run until `until`, from `settle` on [s]; every: interval of the records
+    [s]. sheaves: those that get the response, by default all control sheaves; start: an equilibrium that every run
+    starts from, as `balanced` makes, by default the line's own.
+    generations, population: rounds, and simulations in a round for each quantity tuned. workers: as for
+    `sweep`. The response as it is given counts too: what comes out is never worse.
+
+    Raises InputError, UnknownNameError; SimulationError where every run has failed.
+    """
+    check.positive(until, "tune_response", "until", "s")
+    if not 0.0 <= settle < until:
+        raise InputError(f"settle is {settle!r} s of a run of {until:g} s", "Choose it within the run")
+    check.not_negative(seed, "tune_response", "seed")
+    weights = objective_weights(minimise)
+    if "tension deviation" in weights and target is None:
+        raise InputError("The tension deviation has no target", "Give target= [N]: runs count from the same tension")
+    known = control_sheaves(line)
+    chosen = known if sheaves is None else list(sheaves)
+    if not chosen:
+        raise InputError("tune_response has nothing to tune", f"Name sheaves, as {known[0]!r}, or leave them out")
+    for name in chosen:
+        require_sheave(name, known)
+    # Without responses: the start's own are not those that are tuned.
+    bare = None if start is None else carried_over(start, with_responses(line, dict.fromkeys(known)))
+    trial = _Trial(line, response, chosen, weights, until, settle, target, every, bare)
+    space = _Space(over)
+    space.check(response)
+    given = {name: getattr(response, name, line.precedence) for name in over}
+    history: list[dict[str, Any]] = []
+    members = max(5, population * len(over))
+
+    def table() -> pd.DataFrame:
+        return pd.DataFrame(history).rename_axis("run")
+
+    with (
+        keeping(table),
+        bar("tune", 1 + (generations + 1) * members, progress) as advance,
+        crew(workers) as share_out,
+    ):
+        history.append({**given, **trial.baseline()})
+
+        def judge(values: np.ndarray) -> np.ndarray:
+            """Objectives of a generation, its members in columns."""
+            cases = [space.case(member) for member in values.T]
+            rows: list[dict[str, Any]] = [{**case, "objective": np.inf} for case in cases]
+            tasks = [[case] for case in cases]
+            try:
+                for done, (i, (found,)) in enumerate(share_out(partial(rows_of, trial), tasks), 1):
+                    rows[i].update(found)
+                    advance(len(history) + done)
+            finally:  # those that have run
+                history.extend(row for row in rows if "message" in row)
+            return np.array([row["objective"] for row in rows])
+
+        differential_evolution(
+            judge,
+            space.bounds,
+            x0=space.place(given),
+            maxiter=generations,
+            popsize=population,
+            tol=1e-3,
+            rng=np.random.default_rng(seed),
+            polish=False,
+            integrality=space.whole,
+            updating="deferred",
+            vectorized=True,
+        )
+    best = history[int(table()["objective"].to_numpy().argmin())]
+    if not np.isfinite(best["objective"]):
+        raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
+    tuned, precedence = trial.variant({name: best[name] for name in over})
+    return TunedResponse(
+        trial.line_with(tuned, precedence), tuned, precedence, best["objective"], history[0]["objective"], table()
+    )
+
+
+@dataclass(frozen=True)
+class _Space:
+    """What is tuned, as numbers: ranges as they are, precedences by their place."""
+
+    over: Mapping[str, Sequence[Any]]
+
+    def check(self, response: Response) -> None:
+        """Raises InputError."""
+        if not isinstance(response, Response):
+            raise InputError(f"response is {response!r}", "Give a ThresholdResponse or another response")
+        known = [f.name for f in fields(response)]
+        if not self.over:
+            raise InputError("tune_response has nothing to tune", f"Give ranges over {', '.join(known)} or precedence")
+        for name, values in self.over.items():
+            if isinstance(values, str) or not isinstance(values, Sequence):
+                raise InputError(f"{name} is tuned over {values!r}", "Give (low, high), or two precedences or more")
+            if name == "precedence":
+                for precedence in values:
+                    check_precedence(str(precedence))
+            elif name not in known:
+                raise InputError(f"A {type(response).__name__} has no {name!r}", f"It has {', '.join(known)}")
+            else:
+                for end in values:
+                    check.number(end, "tune_response", f"an end of {name}")
+            if len(set(values)) < 2 or (name != "precedence" and (len(values) != 2 or values[0] > values[1])):
+                raise InputError(f"{name} is tuned over {values!r}", "Give (low, high), or two precedences or more")
+
+    @property
+    def whole(self) -> list[bool]:
+        """Which numbers are whole."""
+        return [name == "precedence" for name in self.over]
+
+    @property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Least and largest numbers."""
+        return [
+            (0, len(values) - 1) if name == "precedence" else (float(values[0]), float(values[1]))
+            for name, values in self.over.items()
+        ]
+
+    def case(self, numbers: np.ndarray) -> dict[str, Any]:
+        """What the numbers mean."""
+        return {
+            name: values[round(number)] if name == "precedence" else float(number)
+            for (name, values), number in zip(self.over.items(), numbers, strict=True)
+        }
+
+    def place(self, case: Mapping[str, Any]) -> list[float] | None:
+        """The numbers of a case; None where it is outside."""
+        numbers = []
+        for (name, values), (low, high) in zip(self.over.items(), self.bounds, strict=True):
+            value = case[name]
+            if name == "precedence":
+                value = list(values).index(value) if value in values else None
+            if value is None or not low <= value <= high:
+                return None
+            numbers.append(float(value))
+        return numbers
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """A run of the line with changes of the response, and its objective."""
+
+    line: System
+    response: Response
+    sheaves: Sequence[str]
+    weights: Mapping[str, float]
+    until: float
+    settle: float
+    target: float | None
+    every: float
+    start: Equilibrium | None
+
+    def __call__(self, **changes: Any) -> dict[str, float]:
+        line = self.line_with(*self.variant(changes))
+        start = None if self.start is None else carried_over(self.start, line)
+        result = simulate(line if start is None else start.model, self.until, every=self.every, start=start)
+        found = objectives(result, settle=self.settle, target=self.target)
+        return {"objective": sum(weight * found[name] for name, weight in self.weights.items())}
+
+    def line_with(self, response: Response, precedence: str) -> System:
+        """The line with one response at all the sheaves."""
+        return with_responses(self.line, dict.fromkeys(self.sheaves, response), precedence)
+
+    def variant(self, changes: Mapping[str, Any]) -> tuple[Response, str]:
+        """The response and the precedence with changes."""
+        own = {name: value for name, value in changes.items() if name != "precedence"}
+        return replace(self.response, **own), changes.get("precedence", self.line.precedence)
+
+    def baseline(self) -> JournalRow:
+        """The objective without changes, or why the line cannot run so. Raises InputError."""
+        try:
+            return {**self(), "error": "", "message": ""}
+        except (EquilibriumError, SimulationError) as error:
+            return {"objective": np.inf, "error": type(error).__name__, "message": str(error)}

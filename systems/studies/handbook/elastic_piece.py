@@ -1,0 +1,97 @@
+"""One elastic rope piece between two points, for a tension at its start, a horizontal tension or a length."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ropeway.components import catenary
+from ropeway.components.catenary import Strain
+from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
+from ropeway.systems.studies.handbook.inextensible_catenary import vertical_at
+
+_STEP = 1e-30  # complex step: derivatives to rounding
+
+
+class ElasticPiece(NamedTuple):
+    """A rope piece from its start over (run, rise) [m]: weight per unstretched metre, strain, the tension vector
+    at its start (vertical > 0 where it rises), its unstretched length [m]. Arrays, any one unit of force."""
+
+    run: Array
+    rise: Array
+    weight: Array
+    strain: Strain
+    horizontal: Array
+    vertical: Array
+    length: Array
+
+    @classmethod
+    def between(
+        cls, run: Array, rise: Array, weight: Array, strain: Strain, horizontal: Array, length: Array
+    ) -> ElasticPiece:
+        """A start for `solve`: the inextensible rope of a horizontal tension, with its length shrunk."""
+        vertical = -vertical_at(weight * run / (2.0 * horizontal), run, -rise, weight)
+        stretched = length / (1.0 + strain.at(horizontal * np.hypot(1.0, rise / run)))
+        return cls(run, rise, weight, strain, horizontal, vertical, stretched)
+
+    @property
+    def end_tension(self) -> Array:
+        """Tension at the end."""
+        return np.asarray(np.hypot(self.horizontal, self.vertical + self.weight * self.length))
+
+    def solve(
+        self,
+        *,
+        tension: Numbers | None = None,
+        horizontal: Numbers | None = None,
+        length: Numbers | None = None,
+    ) -> ElasticPiece:
+        """By Newton's method, with one of these given: the tension at the start, the horizontal tension, or the
+        unstretched length. NaN where it does not converge."""
+        (given,) = (v for v in (tension, horizontal, length) if v is not None)
+        *known, wanted = np.broadcast_arrays(*self[:3], *self[4:], np.asarray(given, dtype=float))
+        shape = wanted.shape
+        run, rise, weight, *unknown = (v.ravel() for v in known)
+        wanted = wanted.ravel()
+
+        def residual(u: Any) -> Any:
+            piece = catenary.segment((u[:, 0], 0.0, u[:, 1]), weight, u[:, 2], self.strain)
+            if tension is not None:
+                condition = np.sqrt(u[:, 0] ** 2 + u[:, 1] ** 2)
+            else:
+                condition = u[:, 0] if horizontal is not None else u[:, 2]
+            return np.column_stack(
+                [piece.reach[0] / run - 1.0, (piece.reach[2] - rise) / run, condition / wanted - 1.0]
+            )
+
+        x = np.column_stack(unknown)
+        jacobian = np.empty((len(x), 3, 3))
+        size = np.full(len(x), np.inf)
+        with np.errstate(all="ignore"):
+            for _ in range(40):
+                for j in range(3):
+                    probe = x.astype(complex)
+                    probe[:, j] += 1j * _STEP
+                    jacobian[:, :, j] = residual(probe).imag / _STEP
+                jacobian[~np.isfinite(jacobian).all(axis=(1, 2))] = np.eye(3)
+                move = np.linalg.solve(jacobian, -residual(x)[:, :, None])[:, :, 0]
+                longest = np.max(np.abs(move[:, [0, 2]] / x[:, [0, 2]]), axis=1)
+                x = x + move * np.minimum(1.0, 0.5 / longest)[:, None]
+                size = np.abs(move).max(axis=1) / np.abs(x).max(axis=1)
+                if not np.any(size > 1e-14):
+                    break
+            x[~((size <= 1e-10) & (x[:, 0] > 0.0) & (x[:, 2] > 0.0))] = np.nan
+        solved = (column.reshape(shape) for column in x.T)
+        return self._replace(**dict(zip(("horizontal", "vertical", "length"), solved, strict=True)))
+
+    def sag(self, share: float) -> Array:
+        """Vertical distance [m] from the chord down to the rope, at a share of the run."""
+        force = (self.horizontal, 0.0, self.vertical)
+
+        def miss(station: Any) -> Any:
+            return catenary.segment(force, self.weight, station, self.strain).reach[0] / self.run - share
+
+        station = newton(complex_step(miss), share * self.length)
+        reach = catenary.segment(force, self.weight, station, self.strain).reach
+        return np.asarray(share * self.rise - reach[2])

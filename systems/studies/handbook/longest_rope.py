@@ -1,0 +1,113 @@
+"""The longest rope that hangs clear of a terrain profile.
+
+Harvey (2013), section 2.2.6 and Appendix 2, with his Table 3 exact instead of printed: he replaces the
+terrain by a polynomial and compares nodes; here the terrain is piecewise linear, and the rope is tested at
+its vertices and, where it runs parallel to a piece of terrain, inside that piece.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import InputError, SlackRopeError
+from ropeway.systems.studies.handbook.array_roots import Array
+from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces, require
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class LongestRope:
+    """A bare rope that just touches the clearance line: its `length` [m], its `curve` as seen from the left
+    support, the station x [m] where it `touches`, and its left support `start` (x, z)."""
+
+    curve: CatenaryCurve
+    start: tuple[float, float]
+    touches: float
+
+    @property
+    def length(self) -> float:
+        """Length of the rope [m]."""
+        return float(self.curve.length)
+
+    def height(self, x: ArrayLike) -> Array:
+        """Elevation of the rope at stations x [m]."""
+        return self.start[1] + self.curve.height(np.asarray(x) - self.start[0])
+
+    def forces(self, weight: float) -> EndForces:
+        """End forces for a weight per metre; start is the left support."""
+        return self.curve.forces(weight)
+
+
+@checked
+def longest_rope(
+    stations: ArrayLike,
+    elevations: ArrayLike,
+    headspar: tuple[float, float],
+    tailspar: tuple[float, float],
+    *,
+    clearance: float = 0.0,
+) -> LongestRope:
+    """The longest inextensible rope between two support points (x, z) that stays `clearance` [m] or more above
+    the terrain, measured vertically.
+
+    stations, elevations: the terrain [m], piecewise linear, stations rising, over the whole span. Raises
+    InputError for a profile that is none or does not reach, and SlackRopeError where no rope clears it.
+    """
+    x, z = require_profile(stations, elevations)
+    require(clearance, "clearance [m]", lambda v: v >= 0.0, "zero or more")
+    (ax, az), (bx, bz) = sorted((float(p[0]), float(p[1])) for p in (headspar, tailspar))
+    if not ax < bx:
+        raise InputError(f"Both supports stand at station {ax} m", "A span needs two stations")
+    if ax < x[0] or bx > x[-1]:
+        raise InputError(
+            f"The supports at {ax} m and {bx} m are not both on the profile, {x[0]} m to {x[-1]} m",
+            "Extend the profile",
+        )
+    span, rise = bx - ax, bz - az
+    inner = (x > ax) & (x < bx)
+    at = np.concatenate([[0.0], x[inner] - ax, [span]])
+    ground = np.interp(at + ax, x, z) + clearance - az
+    slope = np.diff(ground) / np.diff(at)
+    if ground[0] > 0.0 or ground[-1] > rise or np.any(ground[1:-1] >= rise * at[1:-1] / span):
+        raise SlackRopeError(
+            f"The terrain reaches the chord of the supports, or comes nearer to it than the clearance of {clearance} m",
+            "Raise the supports or ask for less clearance",
+        )
+
+    def nearest(log_u: float) -> tuple[float, float]:
+        curve = CatenaryCurve(span, rise, span / (2.0 * np.exp(log_u)))
+        tangent = curve.station(slope)
+        place = np.concatenate([at[1:-1], np.clip(tangent, at[:-1], at[1:])])
+        level = np.concatenate([ground[1:-1], ground[:-1] + slope * (place[len(at) - 2 :] - at[:-1])])
+        inside = (place > 0.0) & (place < span)  # at its ends the rope is held
+        gap = np.where(inside, curve.height(place) - level, np.inf)
+        k = int(np.argmin(gap))
+        return float(gap[k]), float(place[k])
+
+    low, high = np.log(1e-9), np.log(1e-9)
+    while nearest(high)[0] > 0.0 and high < np.log(200.0):
+        low, high = high, high + 1.0
+    if nearest(high)[0] > 0.0 or low == high:
+        raise SlackRopeError("No rope just touches this terrain", "Check the profile and the supports")
+    log_u = brentq(lambda v: nearest(v)[0], low, high, xtol=1e-15, rtol=4.0 * np.finfo(float).eps)
+    return LongestRope(CatenaryCurve(span, rise, span / (2.0 * np.exp(log_u))), (ax, az), ax + nearest(log_u)[1])
+
+
+def require_profile(stations: ArrayLike, elevations: ArrayLike) -> tuple[Array, Array]:
+    """A terrain profile as arrays. Raises InputError unless it has two points or more and its stations rise."""
+    x, z = (np.asarray(v, dtype=float) for v in (stations, elevations))
+    if x.ndim != 1 or x.shape != z.shape or len(x) < 2:
+        raise InputError(
+            f"A profile needs two or more points, with one elevation for each station; it has {x.shape} and {z.shape}",
+            "Give two sequences of one length",
+        )
+    if not (np.isfinite(x).all() and np.isfinite(z).all()):
+        raise InputError("The profile has values that are not finite", "Remove or complete them")
+    if np.any(np.diff(x) <= 0.0):
+        k = int(np.argmax(np.diff(x) <= 0.0))
+        raise InputError(f"The profile's station {x[k + 1]} m follows {x[k]} m", "Stations must increase")
+    return x, z

@@ -1,0 +1,152 @@
+"""All payload methods side by side with the exact payload, and with what Harvey (2013) printed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from ropeway.components.annotation_checks import Positive
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.rope import Rope
+from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_roots import Array, Numbers
+from ropeway.systems.studies.handbook.harvey_as_printed import SLOPES, TABLE_2
+from ropeway.systems.studies.handbook.inextensible_catenary import require
+from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
+from ropeway.systems.studies.handbook.payload_exact import Joint, catenary_clamped, catenary_rolling, elastic_state
+from ropeway.systems.studies.handbook.payload_methods import METHODS, Method, payload_for_tension
+
+UNITS = {"chord_slope": "1", "payload": "kg", "error": "1", "error_rolling": "1", "as_printed": "kg", "printed": "kg"}
+"""Units of the comparison's columns."""
+
+
+@checked
+def compare_payload_methods(
+    *,
+    span: float,
+    deflection: float,
+    chord_slopes: Sequence[float],
+    rope: Rope,
+    tension: float | None = None,
+    carriage_mass: float = 0.0,
+    carriage: float = 0.5,
+    as_printed: bool = False,
+    gravity: Positive = GRAVITY,
+) -> pd.DataFrame:
+    """Payload of every method on one span at several chord slopes.
+
+    span [m], horizontal; deflection: vertical, from the chord to the carriage [m]; chord_slopes: fall from the
+    upper support over the span (0.2 for 20 %); tension at the upper support [N], None for the rope's safe working
+    load; carriage_mass [kg]; carriage: its distance from the upper support as a share of the span.
+
+    One row for each method and slope. Columns: method, chord_slope, payload [kg], error: relative, of the payload
+    against the exact clamped one (inextensible rope, equal horizontal tension on both sides of the carriage), and
+    error_rolling against the exact rolling one (equal tension, horizontal mainline). The rows "elastic catenary"
+    have the rope's own stretch. as_printed=True adds as_printed: payload of the source's formula or readings with
+    their faults; printed: the number in Harvey (2013), Table 2, where the span is his; and the erratum. His
+    rigid-link sums have rows of their own, as printed only.
+
+    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    """
+    slopes = np.asarray(chord_slopes, dtype=float)
+    if slopes.ndim != 1 or slopes.size == 0:
+        raise InputError(f"chord_slopes is {chord_slopes!r}", "Give a sequence of slopes, (0.0, 0.1, 0.2)")
+    line = LoadedSpan(span, deflection, slopes, carriage)
+    pull = rope.safe_working_load if tension is None else tension
+    weight = rope.mass_per_length * gravity
+
+    def payload(method: Method) -> Array:
+        value = payload_for_tension(method, line, rope, pull, carriage_mass=carriage_mass, gravity=gravity)
+        return np.broadcast_to(value, slopes.shape)
+
+    payloads = {name: payload(method) for name, method in METHODS.items()}
+    if np.isfinite(rope.axial_stiffness):
+        payloads |= {f"elastic catenary, {j}": payload(_elastic(rope, j)) for j in ("clamped", "rolling")}
+    table = pd.DataFrame(
+        [(name, slope, value) for name, row in payloads.items() for slope, value in zip(slopes, row, strict=True)],
+        columns=["method", "chord_slope", "payload"],
+    )
+    for column, joint in (("error", "clamped"), ("error_rolling", "rolling")):
+        table[column] = table["payload"] / np.tile(payloads[f"catenary, {joint}"], len(payloads)) - 1.0
+    if as_printed:
+        his = _is_harveys(line, weight / gravity, pull / gravity, carriage_mass)
+        table = _with_printed(table, line, weight / gravity, pull / gravity, carriage_mass, his)
+    table.attrs["units"] = {name: UNITS.get(name, "") for name in table.columns}
+    return table
+
+
+@checked
+def method_errors(
+    rope: Rope,
+    *,
+    span: float,
+    tension: float,
+    slopes: ArrayLike,
+    deflections: ArrayLike,
+    carriages: ArrayLike,
+    methods: Sequence[str] | None = None,
+    gravity: Positive = GRAVITY,
+) -> pd.DataFrame:
+    """Error of each method's gross load against the exact one, over a grid of chord slopes, deflections (share of
+    the span, at the carriage) and carriage places (share of the span).
+
+    Index method; columns: reference, lowest, highest, mean absolute error (relative), and slope, deflection and
+    carriage where it is worst. A rolling method is measured against the rolling catenary. Raises as
+    `compare_payload_methods`.
+    """
+    require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
+    s, y, c = (v.ravel() for v in np.meshgrid(*map(np.asarray, (slopes, deflections, carriages)), indexing="ij"))
+    line = LoadedSpan(span, y * span, s, c)
+
+    def gross(method: Method) -> Array:
+        return payload_for_tension(method, line, rope, tension, gravity=gravity)
+
+    if unknown := set(methods or ()) - set(METHODS):
+        raise UnknownNameError(f"No method {min(unknown)!r}", f"Known are {', '.join(METHODS)}")
+    exact = {"clamped": gross(catenary_clamped), "rolling": gross(catenary_rolling)}
+    rows = []
+    for name in METHODS if methods is None else methods:
+        reference = "rolling" if "rolling" in name else "clamped"
+        error = gross(METHODS[name]) / exact[reference] - 1.0
+        k = int(np.argmax(np.abs(error)))
+        rows.append((name, reference, error.min(), error.max(), np.abs(error).mean(), s[k], y[k], c[k]))
+    names = ["method", "reference", "lowest", "highest", "mean", "worst_slope", "worst_deflection", "worst_carriage"]
+    return pd.DataFrame(rows, columns=names).set_index("method")
+
+
+def _elastic(rope: Rope, joint: str) -> Method:
+    def method(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
+        how: Joint = "rolling" if joint == "rolling" else "clamped"
+        return elastic_state(line, weight, tension, rope.strain, how).gross
+
+    return method
+
+
+def _with_printed(
+    table: pd.DataFrame, line: LoadedSpan, weight_kgf: float, tension_kgf: float, carriage_mass: float, his: bool
+) -> pd.DataFrame:
+    """The comparison with the columns as_printed, printed and erratum, and Harvey's own sums as further rows."""
+    slopes = np.asarray(line.chord_slope)
+    rows = []
+    for name, source in TABLE_2.items():
+        values = np.broadcast_to(source.method(line, weight_kgf, tension_kgf) - carriage_mass, slopes.shape)
+        numbers = dict(zip(SLOPES, source.payloads, strict=True)) if his else {}
+        rows += [
+            (name, slope, value, numbers.get(round(float(slope), 9), np.nan), source.erratum)
+            for slope, value in zip(slopes, values, strict=True)
+        ]
+    printed = pd.DataFrame(rows, columns=["method", "chord_slope", "as_printed", "printed", "erratum"])
+    printed = printed.drop_duplicates(["method", "chord_slope"])
+    whole = table.merge(printed, how="left", on=["method", "chord_slope"])
+    whole = pd.concat([whole, printed[~printed["method"].isin(table["method"])]], ignore_index=True)
+    return whole.fillna({"erratum": ""})
+
+
+def _is_harveys(line: LoadedSpan, weight_kgf: float, tension_kgf: float, carriage_mass: float) -> bool:
+    """Whether a span is the one of Harvey's Table 2."""
+    here = [float(v) for v in (line.span, line.deflection, line.carriage, weight_kgf, tension_kgf, carriage_mass)]
+    return bool(np.allclose(here, (200.0, 25.0, 0.5, 3.48, 19600.0, 150.0), rtol=1e-3, atol=0.0))

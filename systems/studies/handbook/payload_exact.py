@@ -1,0 +1,148 @@
+"""The exact payload of a span: two catenaries that meet at the carriage.
+
+The upper piece is determined by the tension at the upper support. The lower piece keeps one free parameter,
+so the carriage must say more: clamped without any other horizontal force (equal horizontal tensions), or
+free to roll and held by a mainline (equal tensions). All in any one unit of force.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ropeway.components.annotation_checks import PositiveNumbers
+from ropeway.components.argument_checks import checked
+from ropeway.components.catenary import Strain
+from ropeway.components.errors import SlackRopeError
+from ropeway.systems.studies.handbook.array_roots import Array, Numbers
+from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
+from ropeway.systems.studies.handbook.inextensible_catenary import alike, length_between, taut_u, vertical_at
+from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
+
+Joint = Literal["clamped", "rolling"]
+"""How the carriage holds the skyline."""
+
+
+class ExactLoad(NamedTuple):
+    """The exact state of a loaded span. `gross`: payload and carriage; `pull`: of the mainline on a rolling
+    carriage, horizontal component, towards the upper support; the lengths [m] are unstretched."""
+
+    gross: Array
+    horizontal_upper: Array
+    horizontal_lower: Array
+    tension_lower_support: Array
+    carriage_tension_upper: Array
+    carriage_tension_lower: Array
+    length_upper: Array
+    length_lower: Array
+    pull: Array
+
+
+def catenary_clamped(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
+    """Gross load for the tension at the upper support: inextensible catenaries with equal horizontal tension.
+
+    Exact. NaN where the tension is too little for the rope's own weight.
+    """
+    return exact_state(line, weight, tension, "clamped").gross
+
+
+def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
+    """Gross load for the tension at the upper support: inextensible catenaries with equal tension at the
+    carriage, which a horizontal mainline holds. Exact. NaN where the tension is too little."""
+    return exact_state(line, weight, tension, "rolling").gross
+
+
+@checked
+def exact_load(
+    line: LoadedSpan, weight: PositiveNumbers, tension: PositiveNumbers, joint: Joint, *, pull_slope: Numbers = 0.0
+) -> ExactLoad:
+    """The exact state for inextensible rope. weight: per metre; tension: at the upper support; pull_slope: rise
+    over run of the mainline, from a rolling carriage towards the upper support (0: horizontal).
+
+    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    """
+    alike(*line.parts, weight, tension, pull_slope)
+    return _solved(exact_state(line, weight, tension, joint, pull_slope=pull_slope), tension)
+
+
+@checked
+def elastic_load(
+    line: LoadedSpan,
+    weight: PositiveNumbers,
+    tension: PositiveNumbers,
+    strain: Strain,
+    joint: Joint,
+    *,
+    pull_slope: Numbers = 0.0,
+) -> ExactLoad:
+    """The exact state for a rope that stretches; weight: per unstretched metre. As `exact_load` otherwise.
+
+    strain: coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
+    """
+    alike(*line.parts, weight, tension, pull_slope)
+    return _solved(elastic_state(line, weight, tension, strain, joint, pull_slope=pull_slope), tension)
+
+
+def _solved(state: ExactLoad, tension: Numbers) -> ExactLoad:
+    """The state. Raises SlackRopeError where there is none."""
+    bad = np.isnan(state.gross)
+    if bad.any():
+        given = float(np.broadcast_to(tension, bad.shape)[bad].flat[0])
+        raise SlackRopeError(
+            f"A tension of {given:.6g} is too little for the rope's own weight",
+            "Raise the tension, or allow less deflection",
+        )
+    return state
+
+
+def exact_state(
+    line: LoadedSpan, weight: Numbers, tension: Numbers, joint: Joint, *, pull_slope: Numbers = 0.0
+) -> ExactLoad:
+    """As `exact_load`, with NaN where the tension is too little for the rope's own weight."""
+    w, t = np.asarray(weight, dtype=float), np.asarray(tension, dtype=float)
+    d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower
+    u1 = taut_u(d1, h1, t, w)
+    horizontal = w * d1 / (2.0 * u1)
+    # Along a load-free piece T_upper - T_lower = w dh: a rolling carriage passes the tension on.
+    u2 = taut_u(d2, h2, t + w * (h2 - h1), w) if joint == "rolling" else w * d2 / (2.0 * horizontal)
+    horizontal_lower = w * d2 / (2.0 * u2)
+    s1, s2 = length_between(u1, d1, h1), length_between(u2, d2, h2)
+    lift = (vertical_at(u1, d1, h1, w) - w * s1) + (vertical_at(u2, d2, h2, w) - w * s2)
+    end = np.hypot(horizontal_lower, vertical_at(u2, d2, h2, w))
+    pull = horizontal_lower - horizontal
+    return ExactLoad(
+        lift + pull * pull_slope, horizontal, horizontal_lower, end, t - w * h1, end - w * h2, s1, s2, pull
+    )
+
+
+def elastic_state(
+    line: LoadedSpan,
+    weight: Numbers,
+    tension: Numbers,
+    strain: Strain,
+    joint: Joint,
+    *,
+    pull_slope: Numbers = 0.0,
+) -> ExactLoad:
+    """As `elastic_load`, with NaN where the tension is too little for the rope's own weight."""
+    w = np.asarray(weight, dtype=float)
+    stiff = exact_state(line, weight, tension, joint)
+    d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower
+    upper = ElasticPiece.between(d1, -h1, w, strain, stiff.horizontal_upper, stiff.length_upper).solve(tension=tension)
+    at_carriage = upper.end_tension
+    lower = ElasticPiece.between(d2, h2, w, strain, stiff.horizontal_lower, stiff.length_lower)
+    lower = lower.solve(tension=at_carriage) if joint == "rolling" else lower.solve(horizontal=upper.horizontal)
+    pull = lower.horizontal - upper.horizontal
+    gross = lower.vertical - (upper.vertical + w * upper.length) + pull * pull_slope
+    return ExactLoad(
+        gross,
+        upper.horizontal,
+        lower.horizontal,
+        lower.end_tension,
+        at_carriage,
+        np.hypot(lower.horizontal, lower.vertical),
+        upper.length,
+        lower.length,
+        pull,
+    )

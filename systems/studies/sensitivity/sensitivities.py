@@ -1,0 +1,89 @@
+"""Exact derivatives of results: newtons per kilogram, per metre of support height, per newton of pretension.
+
+At rest they follow from the equations by implicit differentiation; along a simulation from the linearised
+equations (`forward_sensitivity`)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.component import Kind
+from ropeway.components.errors import InputError
+from ropeway.systems.dynamics.result import Result
+from ropeway.systems.interrupts import interruptible
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.results.column_labels import Labels
+from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.equilibrium_solver import still
+from ropeway.systems.statics.line_state import find
+from ropeway.systems.studies.sensitivity.forward_sensitivity import Follower
+from ropeway.systems.studies.sensitivity.linearisation import tangent_of
+from ropeway.systems.studies.sensitivity.perturbations import Varied
+
+
+@checked
+@interruptible
+def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to: str | Sequence[str]) -> pd.DataFrame:
+    """Derivatives of results by parameters, in SI units of the one per SI unit of the other.
+
+    of: names of outputs, variables or quantities of loads ("l1.z"). to: names of parameters ("s3.z"), lengths
+    ("a_b.length"), inputs ("c1.speed"), initial states, masses of loads ("l1.mass"), or "head.pretension": the
+    tension of the empty rope at its first support, with the lengths and the tensions of drums that follow
+    from it. Everything else is held, unstretched lengths too; loads stay where they are on the rope.
+
+    Of an equilibrium: one row for each of `of`, one column for each of `to`. Of a simulation: one row for each
+    time of the frame, columns (of, to); nothing where a load is not on the line; travel counts from the start;
+    an input given as a Schedule is raised as a whole. A step of a threshold response does not change with the
+    tension that caused it, only with its size. attrs["units"] and attrs["per"] have the units.
+
+    Raises UnknownNameError, InputError: for a simulation in which a load stands on a sheave or after an
+    emergency stop.
+    """
+    wanted, varied = ([v] if isinstance(v, str) else list(v) for v in (of, to))
+    if not wanted or not varied:
+        raise InputError("sensitivities has nothing to derive", "Name at least one result and one parameter")
+    frame = (
+        _at_rest(solution, wanted, varied) if isinstance(solution, Equilibrium) else _in_time(solution, wanted, varied)
+    )
+    model = solution.model
+    frame.attrs["units"] = Labels({name: _unit(model, name) for name in wanted})
+    frame.attrs["per"] = Labels({name: _unit(model, name) for name in varied})
+    return frame
+
+
+def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
+    line = still(line)
+    moved = Varied.of(line, varied)
+    places = [find(line.model, line.runs, line.passed, name) for name in wanted]
+    d = moved.discrete(line.model, line.runs, line.passed, line.point)
+    found = tangent_of(line.model).solve(line.point, moved.x, moved.u, moved.p, d)
+    outputs = tangent_of(line.model).outputs(line.point, found)
+    rows = [outputs[k] if kind is Kind.OUTPUT else found.vector(kind)[k] for kind, k in places]
+    return pd.DataFrame(rows, index=pd.Index(wanted, name="of"), columns=pd.Index(varied, name="to"))
+
+
+def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
+    happened = {event.event for event in result.noted}
+    if found := happened & {"load held", "emergency stop"}:
+        raise InputError(f"There is {' and '.join(sorted(found))} in the run", "Stop the run before it")
+    follower = Follower(result, Varied.of(result.record(0), varied))
+    rows = []
+    for i in range(len(result.records)):
+        line = follower.step(i)
+        if result.on_grid[i]:
+            rows.append(follower.read(line, wanted))
+    columns = pd.MultiIndex.from_product([wanted, varied], names=["of", "to"])
+    index = pd.Index(result.times[result.on_grid], name="time")
+    return pd.DataFrame(np.array(rows).reshape(len(rows), -1), index=index, columns=columns)
+
+
+def _unit(model: Model, name: str) -> str:
+    """Unit of a variable, of a load's quantity or of a pretension."""
+    for table in model.tables.values():
+        if name in table.index:
+            return table.units[table.index[name]]
+    return {"mass": "kg", "pretension": "N"}.get(name.rpartition(".")[2], "m")

@@ -1,0 +1,1 @@
+"""A skyline's carriage: load path, payload, pretension, supports, inhaul."""

@@ -1,0 +1,174 @@
+"""The places that a carriage comes through on its way: spans and shoes, and where each ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.optimize import brentq, newton
+
+from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
+from ropeway.systems.solvers.newton import Point
+from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
+from ropeway.systems.studies.skyline.root_selection import Question, meant
+from ropeway.systems.studies.skyline.station_solver import SIDE, Stations
+
+EDGE = 1e-3
+"""A carriage leaves a shoe where this much rope [m] would come off it."""
+
+TOUCH = 0.5 * EDGE
+"""A carriage comes on to a shoe where so much rope [m] is left between them: less than is there when it has left, so
+that it does not alternate."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """The places of a rig's carriage with a payload [kg]."""
+
+    rig: SkylineRig
+    payload: float
+
+    def rolls(self, k: int) -> bool:
+        """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. Where the
+        stretch of a long mainline changes by more than the length of the shoe, it runs over at once."""
+        return _rolls(self, k)
+
+    def in_order(self) -> list[Place]:
+        """All places of the carriage, in the order of their stations."""
+        found = []
+        for k in range(self.rig.spans):
+            found.append(Place(k))
+            if k < len(self.rig.supports) and self.rig.supports[k].radius > 0.0:
+                found += [Place(k, rollers=k + 1), Place(k, k)]
+        return found
+
+    def placed(self, x: float) -> Solved:
+        """The carriage at a station. Raises EquilibriumError where the mainline would have to push."""
+        found = Stations(self.rig).solve(x, self.payload)
+        if found.held_by != "mainline":
+            raise EquilibriumError(
+                f"At station {x:g} m the mainline of {self.rig.name!r} would have to push",
+                "Give it a haulback that pulls enough",
+            )
+        return found
+
+    def on_shoe(self, k: int, x: float) -> Solved:
+        """The carriage held on the shoe of support k."""
+        at = span_model(self.rig, Place(k, k))
+        point = meant(at, Question(x, self.payload))
+        return Solved(at, point, at.outputs(point), "mainline")
+
+    def solve(self, at: SpanModel, x: float, near: Point | None = None) -> Point:
+        """The equilibrium at a station; near a shoe it starts from the carriage held there."""
+        k = self.rig.shoe_near(x) if at.on is None else None
+        if k is not None and abs(x - self.rig.supports[k].centre[0]) < STEEPEST * self.rig.supports[k].radius:
+            near = at.off_shoe(self.on_shoe(k, x))
+        return meant(at, Question(x, self.payload), [] if near is None else [near])
+
+    def first(self, at: SpanModel, x: float, way: int, paid: float) -> Point:
+        """The equilibrium beyond a point saddle, at station x; where the mainline would have to push there, the first
+        one further on, `way`, that the mainline holds: nearest to where its `paid` length [m] leads the carriage.
+        Raises EquilibriumError."""
+        try:
+            return self.solve(at, x)
+        except EquilibriumError as error:
+            refused = error
+        low, high = at.reach
+        best: Point | None = None
+        for ahead in np.geomspace(2.0 * SIDE, 0.5 * (high - low), 16):
+            try:
+                point = self.solve(at, x + way * float(ahead), best)
+            except EquilibriumError:
+                if best is not None:
+                    break
+                continue
+            if best is not None and abs(self.paid_out(at, point) - paid) > abs(self.paid_out(at, best) - paid):
+                break
+            best = point
+        if best is None:
+            raise refused
+        return best
+
+    def edge(self, k: int, side: int) -> float:
+        """Where the carriage leaves the shoe of support k, before (-1) or beyond (1) its middle [m]."""
+        return _edge(self, k, side)
+
+    def touch(self, at: SpanModel, k: int) -> float:
+        """Where the carriage comes on to the shoe of support k out of a span [m]."""
+        side = -1 if at.span == k else 1
+        edge, free = self.edge(k, side), at.model.y.index[f"{at.free_span(k)}.length"]
+
+        def left(x: float) -> float:
+            return float(at.outputs(self.solve(at, x))[free]) - TOUCH
+
+        return float(newton(left, edge, x1=edge + 0.1 * side * EDGE, tol=1e-11))
+
+    def laid(self, at: SpanModel) -> bool:
+        """Whether a place is one that the carriage comes through: the mainline lies on a roller before the carriage
+        only where it sags enough."""
+        k = at.span
+        if at.place.rollers is None:
+            return True
+        return self.on_shoe(k, self.edge(k, -1))[f"{self.rig.carriage.name}.mainline_rope"] > 0.0
+
+    def border(self, at: SpanModel, beyond: SpanModel, way: int) -> float:
+        """The station at which the carriage goes over from one place to the next [m]."""
+        k = min(at.span, beyond.span)
+        if self.rig.supports[k].radius <= 0.0:
+            return float(self.rig.points[k + 1, 0] - way * SIDE)
+        if at.on is not None:
+            return self.edge(k, way)
+        if beyond.on is not None or at.span != beyond.span:
+            return self.touch(at, k)
+        rolled = at if at.place.rollers is not None else beyond
+        roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
+
+        def lies(x: float) -> float:
+            point = self.solve(rolled, x)
+            found = Solved(rolled, point, rolled.outputs(point), "mainline")
+            return found[f"{roller}.a_rope"] - found[f"{roller}.b_rope"]
+
+        reach = 0.02 * self.rig.supports[k].radius
+        while lies(low - reach) > 0.0:
+            reach *= 1.5
+        return float(brentq(lies, low - reach, low, xtol=1e-8))
+
+    def paid_out(self, at: SpanModel, point: Point) -> float:
+        """Length of the mainline [m, unstretched], what lies on rollers too."""
+        layout = at.model.layouts[at.roles.index("mainline")]
+        return float(point.p[layout.length_start].sum() + layout.travel.read(point.x, point.z)[0])
+
+
+@lru_cache(maxsize=64)
+def _rolls(places: Places, k: int) -> bool:
+    at = span_model(places.rig, Place(k, k))
+    steps = np.linspace(places.edge(k, -1), places.edge(k, 1), 13)
+    return bool(
+        np.all(np.diff([places.paid_out(at, meant(at, Question(float(x), places.payload))) for x in steps]) > 0.0)
+    )
+
+
+@lru_cache(maxsize=64)
+def _edge(places: Places, k: int, side: int) -> float:
+    support = places.rig.supports[k]
+    middle, *_ = support.at
+    # The shoe is as wide as its circle; where it would end, the carriage has long left it.
+    far = 0.99 * STEEPEST * support.radius + side * (support.centre[0] - middle)
+
+    def off(x: float) -> float:
+        return places.on_shoe(k, x).off_shoe - EDGE
+
+    if off(middle) > 0.0:
+        raise EquilibriumError(f"The skyline lifts off the shoe of {support.name!r}", "Raise it, or slacken it")
+    reach = 0.05 * support.radius
+    while off(middle + side * reach) < 0.0 and reach < far:
+        reach = min(1.5 * reach, far)
+    return float(brentq(off, middle, middle + side * reach, xtol=1e-10))
+
+
+def require_pulled(rig: SkylineRig) -> None:
+    """Raises InputError for a rig whose carriage no mainline pulls."""
+    if rig.mainline is None or rig.carriage.clamped:
+        raise InputError(f"{rig.name} has no mainline to pull with", "Give it mainline=, and a carriage that rolls")

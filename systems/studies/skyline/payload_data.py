@@ -1,0 +1,79 @@
+"""The largest payloads along a corridor, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.argument_checks import checked
+from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.studies.skyline.payload_remarks import (
+    BareRope,
+    bare_rope,
+    haulback_that_hauls,
+    not_hauled,
+    remarks,
+)
+
+
+@checked
+@dataclass(frozen=True, eq=False, repr=False)
+class PayloadData:
+    """The largest payload by station, with what follows from it. Its fields: see `rw.PayloadStudy`."""
+
+    rig: SkylineRig
+    frame: pd.DataFrame
+    safety_factor: float
+    mainline_safety_factor: float
+    clearance: float | None
+
+    @property
+    def hauled(self) -> bool:
+        """Whether the mainline [and the haulback] can haul the carriage at all stations, without a clamp that it does
+        not have."""
+        return not len(self.not_hauled)
+
+    @cached_property
+    def not_hauled(self) -> np.ndarray:
+        """Stations [m] at which the mainline would have to push: the payload there asks for a clamp."""
+        return not_hauled(self.rig, self.frame)
+
+    @cached_property
+    def haulback_needed(self) -> float | None:
+        """The haulback tension [N] with which the corridor's payload is hauled at all stations, to 2 percent above;
+        None where it is hauled as it is, or where no tension within the rope's safe working load does."""
+        return haulback_that_hauls(self.rig, self.not_hauled, self.payload)
+
+    @cached_property
+    def bare_rope(self) -> BareRope | None:
+        """Where the bare skyline is nearest to the ground; None without a terrain, or for a running skyline."""
+        return bare_rope(self.rig)
+
+    @cached_property
+    def remarks(self) -> list[str]:
+        """Sentences besides the payload: stations at which it is not hauled, a rope under the ground."""
+        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope)
+
+    @cached_property
+    def limiting(self) -> pd.Series[Any]:
+        """The row of the station that carries least: its payload is the corridor's."""
+        return self.frame.loc[self.frame["payload"].idxmin()]
+
+    @property
+    def lowered(self) -> bool:
+        """Whether the yarder lowers the skyline at each station to the clearance."""
+        return self.clearance is not None and is_lowered(self.rig)
+
+    @property
+    def payload(self) -> float:
+        """Largest payload that can be brought along all stations [kg]."""
+        return float(self.limiting["payload"])
+
+
+def is_lowered(rig: SkylineRig) -> bool:
+    """Whether a clearance sets the skyline's height: not a standing one's, and not under a log, which follows."""
+    return rig.kind is not RigKind.STANDING and rig.turn is None

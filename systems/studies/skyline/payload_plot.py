@@ -1,0 +1,258 @@
+"""Picture of a skyline's payloads: the corridor to scale, payloads and tensions below. matplotlib comes when drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from textwrap import wrap
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import catenary
+from ropeway.components.errors import EquilibriumError
+from ropeway.components.rounding import at_most
+from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
+from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.load_path import load_path, row
+from ropeway.systems.studies.skyline.station_solver import Stations
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ropeway.systems.studies.skyline.payload_data import PayloadData
+
+
+class Way(NamedTuple):
+    """A load path to draw."""
+
+    path: pd.DataFrame
+    colour: str
+    label: str
+
+
+_COLOURS = ("tab:blue", "tab:orange", "tab:purple", "tab:olive", "tab:pink", "tab:cyan", "tab:brown")
+_ROPES = {"mainline": "tab:red", "haulback": "tab:blue", "dropline": "tab:green"}
+
+
+def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | None = None) -> None:
+    """The corridor to scale: ground, spars, ways of the carriage, and the ropes with the carriage at one place."""
+    (x0, x1), (low, high) = _extent(rig, ways)
+    if rig.terrain is not None:
+        ground = rig.terrain
+        axis.fill_between(ground.station, ground.elevation, low, color="0.86", lw=0)
+        axis.plot(ground.station, ground.elevation, color="0.35", lw=1.3)
+    for node in rig.stands:
+        x, _, z = node.at
+        foot = rig.terrain.elevation_at(x) if rig.terrain is not None else z - 0.03 * (x1 - x0)
+        axis.plot([x, x], [foot, z], color="tab:brown", lw=2.6, solid_capstyle="butt")
+        axis.annotate(node.name, (x, z), xytext=(0, 5), textcoords="offset points", ha="center", fontsize="small")
+    for way in ways:
+        for _, part in way.path.dropna(subset=["carriage_z"]).groupby("span"):
+            axis.plot(part["carriage_x"], part["carriage_z"], color=way.colour, lw=1.1, ls="--", zorder=2)
+            if rig.carriage.depth > 0.0 and way is ways[-1]:
+                lowest = part["carriage_z"] - rig.carriage.depth
+                axis.plot(part["carriage_x"], lowest, color=way.colour, lw=0.8, ls=":", zorder=2)
+        axis.plot([], [], color=way.colour, lw=1.1, ls="--", label=way.label)
+    if rig.carriage.depth > 0.0 and ways:
+        axis.plot([], [], color=ways[-1].colour, lw=0.8, ls=":", label="lowest point of the load")
+    if shown is not None:
+        _ropes(axis, shown)
+    axis.set_xlim(x0, x1)
+    axis.set_ylim(low, high)
+    axis.set_aspect("equal", adjustable="box")
+    axis.set_ylabel("elevation [m]")
+    axis.grid(alpha=0.25)
+    if axis.get_legend_handles_labels()[0]:
+        axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=6, fontsize="small", frameon=False)
+
+
+def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits of the picture of a corridor: (x, x), (z, z)."""
+    x = rig.points[:, 0]
+    width = float(x.max() - x.min())
+    heights = [*rig.points[:, 2], *(float(z) for way in ways for z in way.path["carriage_z"].dropna())]
+    if rig.terrain is not None:
+        near = (rig.terrain.station > x.min() - 0.03 * width) & (rig.terrain.station < x.max() + 0.03 * width)
+        heights += list(rig.terrain.elevation[near])
+    low, high = min(heights) - 0.03 * width, max(heights) + 0.05 * width
+    return (float(x.min()) - 0.03 * width, float(x.max()) + 0.03 * width), (low, high)
+
+
+def _ropes(axis: Axes, shown: Solved) -> None:
+    rig, model = shown.at.rig, shown.at.model
+    named: set[str] = set()
+    for r, run in enumerate(model.runs):
+        sky, role = r == shown.at.skyline, shown.at.roles[r]
+        colour, width = ("black", 2.2) if sky else (_ROPES.get(role, "0.45"), 1.0)
+        name = "haulback" if sky and rig.kind is RigKind.RUNNING else role or "guylines"
+        for k, span in enumerate(run.spans):
+            start = shown.start(r, k)
+            length = shown[f"{span.name}.length"]
+            weight = run.rope.mass_per_length * rig.gravity
+            stations = np.linspace(0.0, length, 60)
+            curve = catenary.profile(
+                shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
+            )
+            label = None if name in named else name
+            axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
+            named.add(name)
+    name = rig.carriage.name
+    x, z = shown[f"{name}.x"], shown[f"{name}.z"]
+    axis.plot([x], [z], "s", color="black", ms=6, zorder=5)
+    if rig.carriage.depth > 0.0:
+        axis.plot([x, x], [z, z - rig.carriage.depth], color="black", lw=2.5, zorder=5)
+    if rig.turn is not None:
+        front, rear = ([shown[f"{rig.turn.log.name}.{end}{axis}"] for axis in "xz"] for end in ("", "rear_"))
+        axis.plot(*zip(front, rear, strict=True), color="tab:brown", lw=3.5, solid_capstyle="butt", label="log")
+
+
+def payload_figure(study: PayloadData) -> Figure:
+    """Corridor, payload by station in the colour of its limit, and the tensions with the corridor's payload
+    against their safe working loads."""
+    from matplotlib.figure import Figure
+
+    rig = study.rig
+    ways = _ways(study)
+    (x0, x1), (low, high) = _extent(rig, ways)
+    needed = 10.7 * (high - low) / (x1 - x0)
+    figure = Figure(figsize=(11.0, needed + 7.2), layout="constrained")
+    top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
+    corridor(top, rig, ways, _shown(study))
+    figure.suptitle(_headline(study))
+    top.set_title("\n".join([_given(study), *_remarks(study)]), fontsize="small")
+    _payloads(middle, study)
+    _tensions(bottom, study, ways[-1].path if ways else study.frame)
+    for axis in (middle, bottom):
+        axis.set_xlim(x0, x1)
+    bottom.set_xlabel("station [m]")
+    return figure
+
+
+def _headline(study: PayloadData) -> str:
+    """What can be brought along the corridor, and what limits it."""
+    worst = study.limiting
+    what = f"{at_most(study.payload)} kg" if study.payload > 0.0 else "no payload"
+    return f"{study.rig.name}: {what}, limited at {worst['station']:.0f} m by {worst['limited_by']}"
+
+
+def _given(study: PayloadData) -> str:
+    """What the payloads hold for."""
+    rig, rope = study.rig, study.rig.skyline
+    name = "haulback" if rig.kind is RigKind.RUNNING else "skyline"
+    given = [f"{name}: {rope.mass_per_length:g} kg/m, MBL {at_most(rope.breaking_load / 1e3, 1)} kN"]
+    if rig.tension is not None:
+        given.append(f"pretension {rig.tension / 1e3:g} kN")
+    elif rig.length is not None:
+        given.append(f"unstretched length {rig.length:.2f} m")
+    given.append(f"safety factor {study.safety_factor:g}")
+    if study.mainline_safety_factor != study.safety_factor:
+        given.append(f"other ropes {study.mainline_safety_factor:g}")
+    given.append("no clearance asked" if study.clearance is None else f"clearance {study.clearance:g} m")
+    given.append(f"carriage {rig.carriage.mass:g} kg")
+    return "; ".join(given)
+
+
+def _remarks(study: PayloadData) -> list[str]:
+    """The remarks of a study, in lines as wide as the picture."""
+    return [line for remark in study.remarks for line in wrap(remark, 165)]
+
+
+def _ways(study: PayloadData) -> list[Way]:
+    """The carriage's way empty and with the corridor's payload, where there are such."""
+    found = []
+    masses = [] if study.lowered else [(0.0, "tab:cyan", "way of the empty carriage")]
+    if study.payload > 0.0 or study.lowered:
+        masses.append((study.payload, "tab:blue", f"way of the carriage with {at_most(study.payload)} kg"))
+    for mass, colour, label in masses:
+        try:
+            path = _path(study, mass)
+        except EquilibriumError:
+            continue
+        if len(path):
+            found.append(Way(path, colour, label))
+    return found
+
+
+def _path(study: PayloadData, mass: float) -> pd.DataFrame:
+    """The load path of a mass [kg], at the heights of the study where the yarder lowers the skyline."""
+    if not study.lowered:
+        return load_path(study.rig, mass, study.frame["station"].to_numpy())
+    solver, rows = Stations(study.rig, by_height=True), []
+    for x, z in study.frame.reindex(columns=["station", "carriage_z"]).dropna().itertuples(index=False):
+        rows.append(row(solver.solve(x, mass, z), x))
+    return pd.DataFrame(rows)
+
+
+def _shown(study: PayloadData) -> Solved | None:
+    """The rig at its limiting station."""
+    worst = study.limiting
+    height = float(worst["carriage_z"]) if study.lowered and "carriage_z" in study.frame else None
+    try:
+        return Stations(study.rig, by_height=study.lowered).solve(float(worst["station"]), study.payload, height)
+    except EquilibriumError:
+        return None
+
+
+def _payloads(axis: Axes, study: PayloadData) -> None:
+    """Payload over station, by what limits it. A payload above the panel stands at its top with an arrow; where there
+    is none the curve breaks off, and a cross on the axis says why."""
+    frame = study.frame
+    mass = frame["payload"] / 1000.0
+    top = max(1.25 * float(mass.quantile(0.9)), 1.5 * study.payload / 1000.0, 0.1)
+    axis.plot(frame["station"], mass.where((mass > 0.0) & (mass <= top)), color="0.6", lw=0.8, zorder=1)
+    for i, (limit, part) in enumerate(frame.groupby("limited_by", sort=False)):
+        colour, x, own = _COLOURS[i % len(_COLOURS)], part["station"], part["payload"] / 1000.0
+        places = {"o": (own > 0.0) & (own <= top), "^": own > top, "x": own <= 0.0}
+        label = f"limited by {limit}" if (own > 0.0).any() else f"no payload: {limit}"
+        for mark, chosen in places.items():
+            if chosen.any():
+                axis.plot(x[chosen], own[chosen].clip(upper=0.97 * top), mark, ms=4 + (mark != "o"), color=colour,
+                          ls="", label=label, clip_on=False)  # fmt: skip
+                label = "_nolegend_"
+    worst = study.limiting
+    axis.axhline(study.payload / 1000.0, color="black", lw=0.8, ls="--")
+    axis.annotate(
+        f"{at_most(study.payload)} kg at {worst['station']:.0f} m",
+        (worst["station"], study.payload / 1000.0),
+        xytext=(0, -13 if study.payload > 0.0 else 8),
+        textcoords="offset points",
+        ha="center",
+        fontsize="small",
+    )
+    axis.set_ylim(0.0, top)
+    axis.set_ylabel("largest payload [t]")
+    axis.grid(alpha=0.3)
+    above = " (an arrow: above the panel)" if (mass > top).any() else ""
+    axis.legend(ncols=4, fontsize="small", title=f"largest payload by station{above}", title_fontsize="small", **ABOVE)
+
+
+def _tensions(axis: Axes, study: PayloadData, frame: pd.DataFrame) -> None:
+    """Highest tensions over station, against the safe working loads by the study's safety factors."""
+    rig = study.rig
+    sky = "haulback" if rig.kind is RigKind.RUNNING else "skyline"
+    shown = [(sky, "highest_tension", "black", rig.skyline, study.safety_factor)]
+    if rig.mainline is not None:
+        shown.append(("mainline", "mainline_highest", "tab:red", rig.mainline, study.mainline_safety_factor))
+    if rig.haulback is not None and rig.kind is not RigKind.RUNNING:
+        shown.append(("haulback", "haulback_highest", "tab:blue", rig.haulback, study.mainline_safety_factor))
+    found: dict[tuple[float, float], tuple[float, str, str]] = {}
+    for name, column, colour, rope, factor in shown:
+        if column in frame and float(frame[column].max()) > 0.0:
+            axis.plot(frame["station"], frame[column] / 1e3, color=colour, lw=1.3, label=f"{name}, highest")
+            highest, names, first = found.get((rope.breaking_load, factor), (0.0, "", colour))
+            names = f"{names} and {name}" if names else name
+            found[rope.breaking_load, factor] = (max(highest, float(frame[column].max())), names, first)
+    draw_limits(
+        axis,
+        [
+            (highest, [LimitLine(strength / factor, f"SWL {names} (MBL / {factor:g})", colour)])
+            for (strength, factor), (highest, names, colour) in found.items()
+        ],
+    )
+    load = "the largest payload" if frame is study.frame else f"{at_most(study.payload)} kg"
+    axis.set_ylabel(f"tension with\n{load} [kN]")
+    axis.grid(alpha=0.3)
+    axis.legend(ncols=4, fontsize="small", **ABOVE)

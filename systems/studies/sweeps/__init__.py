@@ -1,0 +1,1 @@
+"""One study over many cases, on many workers."""

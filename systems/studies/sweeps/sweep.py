@@ -1,0 +1,205 @@
+"""Any study over many cases, on as many workers as there are."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import InputError, WorkerError
+from ropeway.systems.interrupts import interruptible, keeping, users_code
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.system import System
+from ropeway.systems.progress_bar import bar
+from ropeway.systems.results.column_labels import Labels
+from ropeway.systems.studies.sweeps.cases import Units, any_unit, table_of
+from ropeway.systems.studies.sweeps.journal import Journal, JournalRow
+from ropeway.systems.studies.sweeps.line_study import line_mark, line_study, line_unit, line_units
+from ropeway.systems.studies.sweeps.workers import Workers, crew
+
+Study = Callable[..., Mapping[str, Any] | float]
+"""A function of the parameters of a case, by name."""
+
+_FAILURE = ("error", "message")
+
+
+@checked
+@interruptible
+def sweep(
+    study: Study | System | Model,
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path,
+    *,
+    outputs: str | Sequence[str] | None = None,
+    workers: Workers = None,
+    path: str | Path | None = None,
+    progress: bool | None = None,
+) -> pd.DataFrame:
+    """A study of many cases: a row each, in the order of the cases, the same whatever the workers.
+
+    study: a function called as `study(**case)`, which returns a number (column `value`) or numbers and text by
+    name; or a line, whose equilibrium is found with the parameters of the case (named as for `equilibrium`:
+    `"l7.mass"`, `"s3.z"`, `"a_b.length"`), and `outputs` of it by name, by default all of the model. The line
+    keeps its unstretched lengths but for those that are parameters.
+
+    parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
+    as `latin_hypercube` makes, or the path of its file. A name may have a unit in brackets: `"c1.speed [km/h]"` is
+    `c1.speed`, and its values become m/s; those of a function's parameters become SI. workers: number of local
+    processes, by default one for each core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet
+    file for the table; a sweep that was stopped goes on from the rows there are.
+
+    Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
+    where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
+    before the first case; WorkerError when a worker is lost, and Interrupted, each with the rows so far as `result`;
+    WriteError when the file cannot be written.
+    """
+    units = dict[str, str]()
+    if isinstance(study, (System, Model)):
+        model = study if isinstance(study, Model) else assemble(study)
+        cases = _cases(parameters, partial(line_unit, model))
+        names = list(cases.columns)
+        _require_numbers(cases)
+        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
+        task: Study = variants
+        units, mark = line_units(model, [*names, *variants.outputs]), line_mark(model, variants)
+    elif outputs is not None:
+        raise InputError("outputs are read from a line, not from a function", "Let the function return them")
+    else:
+        cases = _cases(parameters)
+        _require_fitting(study, cases)
+        if path is not None and getattr(study, "__name__", "") == "<lambda>":
+            raise InputError("A file cannot tell one lambda from another", "Give a function with a name")
+        task, mark = _UsersStudy(study), _mark(study)
+    if path is not None and Path(path).suffix != ".parquet":
+        raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
+    rows: dict[int, JournalRow] = {}
+
+    def so_far() -> pd.DataFrame:
+        return _table(cases, rows, units)
+
+    with ExitStack() as stack:
+        stack.enter_context(keeping(so_far))
+        journal = None if path is None else stack.enter_context(Journal(path, mark, cases))
+        finished = None if journal is None else journal.finished()
+        if finished is not None:
+            return finished
+        try:
+            _run(task, cases, rows, workers, journal, progress)
+        except WorkerError as error:
+            error.result = so_far()
+            raise
+        return so_far() if journal is None else journal.finish(so_far())
+
+
+def _cases(
+    parameters: Mapping[str, Iterable[Any]] | pd.DataFrame | str | Path, unit_of: Units = any_unit
+) -> pd.DataFrame:
+    """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
+    cases = table_of(parameters, unit_of)
+    if taken := set(cases.columns) & set(_FAILURE):
+        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
+    return cases
+
+
+def _table(cases: pd.DataFrame, rows: Mapping[int, JournalRow], units: Mapping[str, str]) -> pd.DataFrame:
+    """The cases that have been found, with what they came to."""
+    there = [i for i in cases.index if i in rows]
+    found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
+    table = pd.concat([cases.loc[there], found], axis=1)
+    table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
+    table.attrs["units"] = Labels(units)
+    return table
+
+
+def _run(
+    study: Study,
+    cases: pd.DataFrame,
+    rows: dict[int, JournalRow],
+    workers: Workers,
+    journal: Journal | None,
+    progress: bool | None,
+) -> None:
+    """Finds the rows of all cases, by number."""
+    if journal is not None:
+        rows.update(journal.rows())
+    every = cases.to_dict("records")
+    left = [i for i in range(len(every)) if i not in rows]
+    size = max(1, min(50, len(every) // 200))
+    chunks = [left[k : k + size] for k in range(0, len(left), size)]
+    with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
+        advance(len(rows))
+        for k, found in share_out(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
+            new = dict(zip(chunks[k], found, strict=True))
+            rows.update(new)
+            if journal is not None:
+                journal.add(new)
+            advance(len(rows))
+
+
+@dataclass(frozen=True)
+class _UsersStudy:
+    """A function of the user's."""
+
+    study: Study
+
+    def __call__(self, **case: Any) -> Mapping[str, Any] | float:
+        with users_code():
+            return self.study(**case)
+
+
+def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[JournalRow]:
+    """What some cases came to, failures too: the part of a sweep that a worker does."""
+    return [_row(study, case) for case in cases]
+
+
+def _row(study: Study, case: dict[str, Any]) -> JournalRow:
+    """What a case came to, or how it failed: whatever a user's function raises is an answer here."""
+    try:
+        return {**_plain(study(**case), case), **dict.fromkeys(_FAILURE, "")}
+    except Exception as error:  # noqa: BLE001
+        return dict(zip(_FAILURE, (type(error).__name__, str(error)), strict=True))
+
+
+def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
+    """Numbers and text by name. Raises InputError for anything else."""
+    pairs = found.items() if isinstance(found, (Mapping, pd.Series)) else [("value", found)]
+    row: JournalRow = {}
+    for name, each in pairs:
+        value = each.item() if isinstance(each, np.generic) else each
+        if not isinstance(value, (bool, int, float, str, type(None))):
+            raise InputError(f"{name} of the study is a {type(value).__name__}", "Return numbers and text by name")
+        if name in case or name in _FAILURE:
+            raise InputError(f"{name} of the study is the name of another column", "Give it another name")
+        row[str(name)] = value
+    return row
+
+
+def _mark(study: Study) -> bytes:
+    """What tells a study from others: its name, and the values bound to it."""
+    try:
+        return pickle.dumps(study)
+    except (pickle.PicklingError, AttributeError, TypeError):
+        return f"{getattr(study, '__module__', '')}.{getattr(study, '__qualname__', repr(study))}".encode()
+
+
+def _require_numbers(cases: pd.DataFrame) -> None:
+    for name, kind in cases.dtypes.items():
+        if not pd.api.types.is_numeric_dtype(kind):
+            raise InputError(f"Parameter {name!r} of the line is not a number in every case", "Give numbers")
+
+
+def _require_fitting(study: Study, cases: pd.DataFrame) -> None:
+    """Raises InputError for a function that does not take the parameters."""
+    try:
+        signature(study).bind(**cases.iloc[0].to_dict())
+    except TypeError as error:
+        raise InputError(f"The study does not take these parameters: {error}", "Name them as it does") from error

@@ -1,0 +1,91 @@
+"""Importers that others wrote run the example line (packages of the extra `fmu-test`): ten minutes with hundreds of
+crossings, all tensions at control sheaves compared after each step."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from support.fmus import example_line
+
+pytestmark = pytest.mark.importers
+EVERY, STEPS = 0.73, 822  # no load crosses at one of its multiples
+Compare = Callable[[list[list[float]]], float]
+
+
+@pytest.fixture(scope="module")
+def result() -> rw.Result:
+    found = rw.simulate(example_line(), EVERY * STEPS, every=EVERY)
+    assert len(found.events) > 200
+    return found
+
+
+@pytest.fixture(scope="module")
+def names(result: rw.Result) -> list[str]:
+    return [c for c in result.frame if c.endswith((".tension_in", ".tension_out"))]
+
+
+@pytest.fixture(scope="module")
+def deviation(result: rw.Result, names: list[str]) -> Compare:
+    wanted = result.frame[names].to_numpy()[1 : STEPS + 1]
+
+    def of(rows: list[list[float]]) -> float:
+        return float((np.abs(np.array(rows) - wanted) / np.abs(wanted)).max())
+
+    return of
+
+
+def test_libcosim(line2: Path, names: list[str], deviation: Compare) -> None:
+    from libcosimpy.CosimEnums import CosimVariableType
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    execution = CosimExecution.from_step_size(step_size=round(EVERY * 1e9))
+    slave = execution.add_local_slave(CosimLocalSlave(fmu_path=str(line2), instance_name="line"))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    table = execution.slave_variables(slave)
+    references = {v.name.decode(): v.reference for v in table if v.type == CosimVariableType.REAL.value}
+    rows = []
+    for _ in range(STEPS):
+        execution.step(1)
+        rows.append(list(observer.last_real_values(slave, [references[n] for n in names])))
+    assert execution.status().current_time == round(EVERY * STEPS * 1e9)
+    assert deviation(rows) < 1e-4
+
+
+@pytest.mark.parametrize("name", ["line2", "line3"])
+def test_ecos(name: str, request: pytest.FixtureRequest, names: list[str], deviation: Compare) -> None:
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    rows = []
+    with EcosSimulationStructure() as structure:
+        structure.add_model("line", str(request.getfixturevalue(name)))
+        with EcosSimulation(structure=structure, step_size=EVERY) as simulation:
+            simulation.init()
+            for _ in range(STEPS):
+                simulation.step()
+                rows.append([simulation.get_real(f"line::{n}") for n in names])
+            assert simulation.get_time() == pytest.approx(EVERY * STEPS)
+    assert deviation(rows) < 1e-4
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+@pytest.mark.parametrize("name", ["one_span", "example_line", "skyline", "corridor"])
+def test_the_checker_of_fmu_manipulation_toolbox(
+    name: str, fmi: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    from fmu_manipulation_toolbox.checker import get_checkers
+    from fmu_manipulation_toolbox.operations import FMU
+
+    from support import fmus
+
+    path = rw.fmu.export(getattr(fmus, name)(), tmp_path / "checked.fmu", fmi, platforms=())
+    with caplog.at_level("INFO"), FMU(str(path)) as archive:
+        for checker in get_checkers():
+            archive.apply_operation(checker())
+    assert [r.message for r in caplog.records if r.levelname in ("WARNING", "ERROR")] == []
+    assert any("compliant" in r.message for r in caplog.records)

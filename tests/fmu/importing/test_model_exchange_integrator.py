@@ -1,0 +1,116 @@
+"""FMUs for Model Exchange moved by the integrator here: events of state and time."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropeway as rw
+from ropeway.fmu import CoSimulation, FmuRunError, Slave, load
+from support.fmus import example_line
+from support.masses import mass_fmu
+
+GRAVITY, BOUNCE, KICK_TIME, KICK = 9.81, 0.8, 1.52, 2.0
+BALL = {"x": 1.0, "gravity": GRAVITY, "bounce": BOUNCE, "floor": 0.0, "kick_time": KICK_TIME, "kick": KICK}
+
+
+def ball(times: np.ndarray) -> np.ndarray:
+    """Height and speed of a ball that bounces and is kicked once, by its parabolas."""
+    begin, x, v, kicked, rows = 0.0, 1.0, 0.0, False, []
+    for t in times:
+        while True:
+            landing = begin + (v + np.sqrt(v * v + 2.0 * GRAVITY * x)) / GRAVITY
+            event = landing if kicked else min(landing, KICK_TIME)
+            if event > t:
+                break
+            d = event - begin
+            x, v, begin = x + v * d - GRAVITY * d * d / 2.0, v - GRAVITY * d, event
+            if event == landing:
+                x, v = 0.0, -BOUNCE * v
+            else:
+                v, kicked = v + KICK, True
+        d = t - begin
+        rows.append((x + v * d - GRAVITY * d * d / 2.0, v - GRAVITY * d))
+    return np.array(rows)
+
+
+def run(path: Path, step: float, until: float, start: dict[str, float], kind: str = "ModelExchange") -> pd.DataFrame:
+    together = CoSimulation(step)
+    together.add("one", path, start=start, kind=kind)  # type: ignore[arg-type]
+    return together.run(until)
+
+
+@pytest.mark.parametrize("step", [0.1, 3.1])
+def test_a_ball_bounces_and_is_kicked(mass: Path, step: float) -> None:
+    frame = run(mass, step, 3.1, BALL)
+    assert np.abs(frame[["one.x", "one.v"]].to_numpy() - ball(frame.index.to_numpy())).max() < 1e-9
+
+
+def test_without_events_as_in_co_simulation(mass: Path) -> None:
+    start = {"x": 1.0, "spring": 4.0, "damper": 0.3}
+    by_us, by_it = (run(mass, 0.1, 5.0, start, kind) for kind in ("ModelExchange", "CoSimulation"))
+    assert by_us.to_numpy() == pytest.approx(by_it.to_numpy(), abs=1e-8)
+
+
+def test_an_fmu_for_model_exchange_only(mass: Path, tmp_path: Path) -> None:
+    path = mass_fmu(tmp_path / "mass.fmu", co_simulates=False)
+    together = CoSimulation(0.1)
+    assert together.add("one", path, start=BALL).kinds == ("ModelExchange",)
+    assert together.run(3.1).equals(run(mass, 0.1, 3.1, BALL))
+
+
+@pytest.mark.parametrize("keeps_states", [True, False])
+def test_back_over_an_event(tmp_path: Path, keeps_states: bool) -> None:
+    path = mass_fmu(tmp_path / "mass.fmu", keeps_states=keeps_states)
+    with Slave(load(path), "ball", "ModelExchange") as slave:
+        slave.enter(0.0, BALL)
+        slave.leave()
+        kept = slave.save()
+        slave.step(0.4, {}, {})
+        slave.restore(kept)
+        assert slave.time == 0.0
+        slave.step(2.0, {}, {})
+        first = slave.get(["x", "v"])
+        assert first == pytest.approx(ball(np.array([2.0]))[0], abs=1e-9)
+        if keeps_states:
+            slave.restore(kept)
+            slave.step(2.0, {}, {})
+            assert np.array_equal(slave.get(["x", "v"]), first)
+        else:
+            with pytest.raises(FmuRunError, match=r"'ball' .* cannot go back to t = 0 s: it has had an event since"):
+                slave.restore(kept)
+        slave.forget(kept)
+
+
+@pytest.mark.parametrize("name", ["line2", "line3", "driven"])
+def test_loads_cross_as_in_co_simulation(name: str, request: pytest.FixtureRequest) -> None:
+    """Crossings are events of state, the responses of `driven` tick by the clock."""
+    path = request.getfixturevalue(name)
+    tight = 1e-6 if name == "driven" else 1e-9
+    by_us, by_it = (run(path, 0.73, 58.4, {}, kind) for kind in ("ModelExchange", "CoSimulation"))
+    columns = [c for c in by_us.columns if "tension_in" in c or "travel" in c]
+    scale = by_it[columns].abs().max()
+    assert len(columns) > 3
+    assert ((by_us[columns] - by_it[columns]).abs().max() / scale).max() < tight
+
+
+def test_inputs_that_jump(line2: Path) -> None:
+    with Slave(load(line2), "line", "ModelExchange") as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        slave.step(30.0, {"c1.speed": 1.0}, {"c1.speed": 1.0})
+        slave.step(30.0, {"c1.speed": 1.01}, {"c1.speed": 1.01})
+        jump = rw.Schedule((0.0, 30.0, 30.0 + 1e-6, 60.0), (1.0, 1.0, 1.01, 1.01))
+        last = rw.simulate(example_line(), 60.0, inputs={"c1.speed": jump}).frame.iloc[-1]
+        names = ["c1.tension_in", "c1.tension_out", "c1.travel"]
+        assert slave.get(names) == pytest.approx(last[names].to_numpy(), rel=1e-6)
+
+
+def test_more_speed_than_rope_is_told(line2: Path) -> None:
+    with Slave(load(line2), "line", "ModelExchange") as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        far = {"c1.speed": 60.0, "c2.speed": -60.0}
+        with pytest.raises(FmuRunError, match=r"'line' \(line2\.fmu\) .* It says: "):
+            slave.step(60.0, far, far)

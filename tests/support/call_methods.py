@@ -1,0 +1,179 @@
+"""A valid call of every public method that takes arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import ropeway as rw
+from support.call_objects import (
+    GROUND,
+    ROPE,
+    THIN,
+    corridor,
+    exported,
+    exported_line,
+    fmu,
+    folder,
+    guyed,
+    log,
+    plan,
+    rest,
+    rig,
+    run,
+    shod_rig,
+    speeds,
+)
+
+
+class Call(NamedTuple):
+    """A callable with arguments that it takes, by name; those of `self` are left alone."""
+
+    function: Callable[..., Any]
+    arguments: dict[str, Any]
+
+
+def methods() -> dict[str, Callable[[], Call]]:
+    """A call of every method that takes arguments."""
+
+    def strung() -> tuple[rw.System, tuple[rw.Span, ...]]:
+        s = rw.System("line")
+        nodes = rw.Anchor("a", at=(0.0, 0.0)), rw.Sheave("m", at=(60.0, 3.0)), rw.Anchor("b", at=(110.0, 0.0))
+        return s, s.string(ROPE, *nodes, length=112.0)
+
+    def on_line(name: str, /, **arguments: Any) -> Call:
+        s, spans = strung()
+        given = {key: spans if value is ... else value for key, value in arguments.items()}
+        return Call(getattr(s, name), given)
+
+    def connecting() -> Call:
+        s = rw.System("line")
+        span, anchor = s.add(rw.Span("x_y", rope=ROPE, length=90.0)), s.add(rw.Anchor("x", at=(0.0, 0.0)))
+        return Call(s.connect, {"one": span.a, "other": anchor.rope})
+
+    def cosimulation(name: str, /, **arguments: Any) -> Call:
+        master = rw.fmu.CoSimulation(step=0.5)
+        if name != "add":
+            master.add("span", exported())
+            master.add("line", exported_line())
+        return Call(getattr(master, name), arguments)
+
+    def slave(name: str, /, **arguments: Any) -> Call:
+        one = rw.fmu.Slave(fmu())
+        if name != "enter":
+            one.enter(0.0, {})
+            one.leave()
+        return Call(getattr(one, name), arguments)
+
+    schedule, curve = rw.Schedule([0.0, 4.0], [0.5, 1.0]), rw.CatenaryCurve(120.0, -8.0, 900.0)
+    problem = rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)
+    stretch = {"axial_stiffness": 24e6, "breaking_load": 450e3}
+    return {
+        "Candidate.support": lambda: Call(rw.Candidate("tree", 80.0, (6.0,)).support, {"height": 6.0}),
+        **{
+            f"CatenaryCurve.{name}": lambda name=name, key=key: Call(getattr(curve, name), {key: 0.3})
+            for name, key in (("forces", "weight"), ("height", "x"), ("sag", "x"), ("slope", "x"), ("station", "slope"))
+        },
+        "ConstructionStretch.strain": lambda: Call(rw.ConstructionStretch().strain, dict(stretch)),
+        "Elastic.strain": lambda: Call(rw.Elastic().strain, dict(stretch)),
+        "Component.output": lambda: Call(rw.Sheave("s", at=(0.0, 0.0)).output, {"name": "wrap"}),
+        "Component.input": lambda: Call(rw.Drum("d", at=(0.0, 0.0)).input, {"name": "speed"}),
+        "Disturbance.schedules": lambda: Call(
+            rw.Disturbance("late", sheave="c", delay=1.0).schedules, {"planned": {"c": schedule}}
+        ),
+        "Disturbance.start": lambda: Call(rw.Disturbance("heavy", mass=1.1).start, {"planned": rest()}),
+        "Equilibrium.__getitem__": lambda: Call(rest().__getitem__, {"name": "c.tension_in"}),
+        "Equilibrium.points": lambda: Call(rest().points, {"r": 0}),
+        "Equilibrium.profile": lambda: Call(rest().profile, {"span": "a_c", "stations": [0.0, 20.0]}),
+        "GuyedSpar.block": lambda: Call(guyed().block, {"rope": "mainline"}),
+        "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
+        "Profile.chord_slope": lambda: Call(GROUND.chord_slope, {"start": 0.0, "end": 90.0}),
+        "Profile.clearance_of_line": lambda: Call(GROUND.clearance_of_line, {"points": [(0.0, 30.0), (90.0, 20.0)]}),
+        "Profile.elevation_at": lambda: Call(GROUND.elevation_at, {"station": 40.0}),
+        "Profile.elevations": lambda: Call(GROUND.elevations, {"stations": np.array([40.0, 50.0])}),
+        "Profile.from_csv": lambda: Call(rw.Profile.from_csv, {"path": corridor()}),
+        "Profile.from_dem": lambda: Call(
+            rw.Profile.from_dem,
+            {
+                "path": folder() / "none.tif", "start": (0.0, 0.0), "end": (90.0, 0.0), "spacing": 5.0,
+                "band": 1, "unit": "m", "nodata": None, "largest_jump": 3.0,
+            },
+        ),
+        "Profile.resampled": lambda: Call(GROUND.resampled, {"spacing": 10.0}),
+        "Profile.slope_at": lambda: Call(GROUND.slope_at, {"station": 40.0}),
+        "Profile.vertex_at": lambda: Call(GROUND.vertex_at, {"station": 40.0}),
+        "Result.at": lambda: Call(run().at, {"time": 1.5}),
+        "Result.plot": lambda: Call(run().plot, {"components": ["c"]}),
+        "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0, "ground": GROUND}),
+        "Result.record": lambda: Call(run().record, {"i": 1}),
+        "Result.to_csv": lambda: Call(run().to_csv, {"path": folder() / "run.csv"}),
+        "Result.to_parquet": lambda: Call(run().to_parquet, {"path": folder() / "run.parquet"}),
+        "Rope.from_construction": lambda: Call(
+            rw.Rope.from_construction,
+            {
+                "construction": "6x19 IWRC", "diameter": 0.02, "grade": 1960.0, "modulus": 9e10,
+                "stretch": rw.Elastic(), "safety_factor": 3.0,
+            },
+        ),
+        "Rope.named": lambda: Call(
+            rw.Rope.named, {"name": "6x19 EEIP 19", "stretch": rw.Elastic(), "safety_factor": 3.0}
+        ),
+        "Schedule.at": lambda: Call(schedule.at, {"time": 1.0}),
+        "Schedule.from_csv": lambda: Call(rw.Schedule.from_csv, {"path": speeds(), "column": "speed"}),
+        "Schedule.later": lambda: Call(schedule.later, {"by": 1.0, "until": 4.0}),
+        "Schedule.on": lambda: Call(schedule.on, {"times": [0.0, 1.0]}),
+        "Schedule.require": lambda: Call(schedule.require, {"time": 1.0}),
+        "Schedule.to_csv": lambda: Call(schedule.to_csv, {"path": folder() / "speeds.csv"}),
+        "SchedulePlan.at": lambda: Call(plan().at, {"time": 1.0}),
+        "SchedulePlan.robustness": lambda: Call(
+            plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
+        ),
+        "SchedulePlan.told": lambda: Call(plan().told, {"name": "energy"}),
+        "SchedulePlan.to_csv": lambda: Call(plan().to_csv, {"path": folder() / "plan.csv"}),
+        "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
+        "SkylineRig.on_shoe_start": lambda: Call(
+            shod_rig().on_shoe_start, {"on": 0, "station": 125.0, "payload": 500.0}
+        ),
+        "SkylineRig.shoe_near": lambda: Call(rig().shoe_near, {"station": 125.0}),
+        "SkylineRig.span_of": lambda: Call(rig().span_of, {"station": 70.0}),
+        "SkylineRig.start": lambda: Call(rig().start, {"span": 0, "station": 70.0, "payload": 500.0, "height": None}),
+        "SkylineRig.system": lambda: Call(
+            rig().system, {"span": 0, "station": 70.0, "payload": 500.0, "on": None, "rollers": None}
+        ),
+        "SpanProblem.reach": lambda: Call(problem.reach, {"horizontal": 9e3, "vertical": 2e3}),
+        "SpanProblem.stretched": lambda: Call(problem.stretched, {"horizontal": 9e3, "vertical": 2e3}),
+        "System.add": lambda: Call(rw.System().add, {"component": rw.Sheave("s", at=(0.0, 0.0))}),
+        "System.connect": connecting,
+        "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0]),
+        "System.hang": lambda: on_line("hang", load=rw.Load("turn", 90.0), spans=..., at=30.0),
+        "System.origin": lambda: on_line("origin", name="a", text="at {}"),
+        "System.string": lambda: Call(
+            lambda one, other, **how: rw.System().string(how.pop("rope"), one, other, **how),
+            {
+                "rope": ROPE, "one": rw.Anchor("a", at=(0.0, 0.0)), "other": rw.Anchor("b", at=(60.0, 3.0)),
+                "length": 62.0, "tension": None, "name": "main",
+            },
+        ),
+        "Turn.under": lambda: Call(
+            rw.Turn(log(), dropline=THIN, length=6.0).under,
+            {"x": 40.0, "y": 0.0, "z": 20.0, "mass": 600.0, "ground": GROUND},
+        ),
+        "fmu.CoSimulation.add": lambda: cosimulation(
+            "add", name="span", participant=exported(), kind="CoSimulation", start={}
+        ),
+        "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
+        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
+        "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
+        "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
+        "fmu.Fmu.entry": lambda: Call(fmu().entry, {"name": "a.tension"}),
+        "fmu.Fmu.values": lambda: Call(fmu().values, {"given": {"turn.mass": 700.0}}),
+        "fmu.Fmu.shaped": lambda: Call(fmu().shaped, {"structure": {}}),
+        "fmu.Slave.read": lambda: slave("read", names=["a.tension"]),
+        "fmu.Slave.derivatives": lambda: slave("derivatives", outputs=["a.tension"], inputs={"turn.mass": 700.0}),
+        "fmu.Slave.enter": lambda: slave("enter", start=0.0, values={}, stop=2.0),
+        "fmu.Slave.get": lambda: slave("get", names=["a.tension"]),
+        "fmu.Slave.set": lambda: slave("set", values={}),
+        "fmu.Slave.step": lambda: slave("step", size=0.5, start={}, end={}),
+    }  # fmt: skip

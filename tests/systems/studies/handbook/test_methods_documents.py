@@ -1,0 +1,85 @@
+"""What docs/methods.md says, the examples of the studies, and the speed that issue and docs promise."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from ropeway.examples import harvey_payload, lyons_stretch, turk_solvers
+from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
+from ropeway.systems.studies.handbook.payload_exact import catenary_clamped
+from ropeway.systems.studies.handbook.payload_methods import METHODS
+
+ROOT = Path(__file__).parents[4]
+
+
+def script(name: str) -> ModuleType:
+    """A benchmark, which is a script and no part of the package."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def rows(text: str) -> dict[str, list[str]]:
+    cells = [[c.strip() for c in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")]
+    return {c[0]: c[1:] for c in cells if c[0] in METHODS}
+
+
+@pytest.mark.parametrize("span", [200.0, 600.0])
+def test_error_table_of_the_docs(span: float) -> None:
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    section = text.split(f"### Span {span:.0f} m")[1].split("\n#")[0].split("What to make")[0]
+    printed, made = rows(section), rows(script("payload_errors").table(span))
+    assert list(printed) == list(made) == list(METHODS)
+    for name in METHODS:
+        assert printed[name][0] == made[name][0]
+        assert [float(v) for v in printed[name][1:4]] == pytest.approx([float(v) for v in made[name][1:4]], abs=2e-4)
+    small = rows(script("payload_errors").table(span, (3, 3, 3)))
+    for name in METHODS:
+        low, high = (float(v) for v in printed[name][1:3])
+        assert low - 2e-4 <= float(small[name][1]) <= float(small[name][2]) <= high + 2e-4
+
+
+def test_hundred_thousand_exact_payloads_in_one_sweep() -> None:
+    line = script("payload_speed").sweep()
+    count = np.asarray(line.deflection).size
+    assert count >= 100_000
+    assert np.isfinite(catenary_clamped(line, 3.48, 19600.0)).all()
+
+
+def test_sweep_is_the_same_as_one_by_one() -> None:
+    line = script("payload_speed").sweep(125)
+    gross = catenary_clamped(line, 3.48, 19600.0)
+    one = [
+        float(catenary_clamped(LoadedSpan(200.0, y, s, c), 3.48, 19600.0))
+        for y, s, c in zip(line.deflection, line.chord_slope, line.carriage, strict=True)
+    ]
+    assert gross == pytest.approx(one, rel=1e-13)
+
+
+def test_speed_benchmark_runs(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    benchmark = script("payload_speed")
+    monkeypatch.setattr(benchmark, "sweep", lambda: LoadedSpan(200.0, np.linspace(10.0, 30.0, 50)))
+    monkeypatch.setattr(benchmark, "best", lambda function, repeat=1: (function(), 1e-6)[1])
+    benchmark.main()
+    assert "catenary, clamped" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("example", [lyons_stretch, harvey_payload, turk_solvers])
+def test_example_runs_and_draws(example: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name = example.__name__.rpartition(".")[2]
+    path = example.main(tmp_path)
+    assert path == tmp_path / f"{name}.png"
+    assert path.stat().st_size > 20_000
+    out = capsys.readouterr().out
+    expected = {
+        "lyons_stretch": "1.004565",
+        "harvey_payload": "8837.6",
+        "turk_solvers": "1001 ft",
+    }[name]
+    assert expected in out

@@ -1,0 +1,90 @@
+"""The search for supports against the payload study of every possibility."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from ropeway.systems.rigs.rig_builder import with_supports
+
+CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
+STATIONS = np.arange(20.0, 480.0, 20.0)
+
+
+def rig() -> rw.SkylineRig:
+    return rw.standing_skyline(
+        rw.Profile.from_csv(CORRIDOR),
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        tailspar=rw.TailSpar("tail", station=480.0, height=8.0),
+        skyline=rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3),
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0, depth=3.0),
+    )
+
+
+TREES = (
+    rw.Candidate("oak", station=200.0, heights=(7.0, 10.0)),
+    rw.Candidate("fir", station=260.0, heights=(6.0, 8.0, 10.0)),
+    rw.Candidate("ash", station=330.0, heights=(8.0, 10.0)),
+)
+
+
+def test_it_is_the_best_of_all_possibilities() -> None:
+    plan = rw.optimise_supports(rig(), TREES, payload=2500.0, clearance=0.5, stations=STATIONS)
+    assert plan.feasible
+    assert plan.rig.supports == tuple(s.placed(rig().terrain) for s in plan.supports)
+    bare = rw.payload(rig(), clearance=0.5, stations=STATIONS)
+    assert bare.payload < 2500.0
+    possible = []
+    for tree in TREES:
+        for height in tree.heights:
+            trial = with_supports(rig(), [tree.support(height)])
+            if rw.payload(trial, clearance=0.5, stations=STATIONS).payload >= 2500.0:
+                possible.append((height, tree.name))
+    assert possible, "one support has to do"
+    assert len(plan.supports) == 1
+    assert plan.height == min(possible)[0]
+
+
+def test_two_supports_where_one_does_not_do() -> None:
+    most = rw.payload(with_supports(rig(), [TREES[1].support(10.0)]), clearance=0.5, stations=STATIONS).payload
+    wanted = most + 400.0
+    plan = rw.optimise_supports(rig(), TREES, payload=wanted, clearance=0.5, stations=STATIONS)
+    pairs = []
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        for heights in product(TREES[a].heights, TREES[b].heights):
+            chosen = [TREES[a].support(heights[0]), TREES[b].support(heights[1])]
+            if rw.payload(with_supports(rig(), chosen), clearance=0.5, stations=STATIONS).payload >= wanted:
+                pairs.append(sum(heights))
+    if pairs:
+        assert plan.feasible
+        assert len(plan.supports) == 2
+        assert plan.height == min(pairs)
+    else:
+        assert not plan.feasible or len(plan.supports) == 3
+
+
+def test_an_infeasible_corridor_is_an_answer() -> None:
+    plan = rw.optimise_supports(rig(), TREES[:1], payload=50_000.0, stations=STATIONS)
+    assert not plan.feasible
+    assert plan.limited_by in ("skyline tension", "clearance")
+    assert plan.station in STATIONS
+
+
+def test_a_free_range_and_bad_candidates() -> None:
+    free = rw.support_range(200.0, 300.0, 50.0, (8.0,))
+    assert [c.station for c in free] == [200.0, 250.0, 300.0]
+    with pytest.raises(rw.InputError, match="lower station first"):
+        rw.support_range(300.0, 200.0, 50.0, (8.0,))
+    with pytest.raises(rw.InputError, match="outside the spars"):
+        rw.optimise_supports(rig(), [rw.Candidate("far", station=700.0, heights=(8.0,))], payload=1.0)
+    with pytest.raises(rw.InputError, match="no height"):
+        rw.Candidate("stump", station=1.0, heights=())
+    with pytest.raises(rw.InputError, match="one name"):
+        rw.optimise_supports(rig(), [TREES[0], TREES[0]], payload=1.0)
+    refused: dict[str, object] = {"clearance": np.nan, "safety_factor": 0.0, "most": -1, "stations": []}
+    for name, wrong in refused.items():
+        with pytest.raises(rw.InputError, match=name):
+            rw.optimise_supports(rig(), TREES, payload=1.0, **{name: wrong})  # type: ignore[arg-type]
