@@ -237,8 +237,11 @@ class _Trial:
         return replace(self.response, **own), changes.get("precedence", self.line.precedence)
 
     def baseline(self) -> JournalRow:
-        """The objective without changes, or why the line cannot run so. Raises InputError."""
+        """The objective without changes, or why the line cannot run so. Raises InputError; SimulationError where the line
+        has no equilibrium: no response changes that."""
         try:
             return {**self(), "error": "", "message": ""}
-        except (EquilibriumError, SimulationError) as error:
+        except EquilibriumError as error:
+            raise SimulationError("Every run of the line fails at its start", f"The first said: {error}") from error
+        except SimulationError as error:
             return {"objective": np.inf, "error": type(error).__name__, "message": str(error)}

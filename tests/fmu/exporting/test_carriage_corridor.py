@@ -82,7 +82,9 @@ def test_events_in_model_exchange(corridor2: Path) -> None:
         relative_tolerance=1e-8,
     )
     times = found["time"][np.flatnonzero(np.diff(found["time"]) == 0.0)]
-    np.testing.assert_allclose(np.unique(times), run.events["time"], atol=1e-6)
+    times = np.unique(times)
+    times = times[np.append(np.diff(times) > 1e-9, True)]  # the integrator may stop a rounding error before a root
+    np.testing.assert_allclose(times, run.events["time"], atol=1e-6)
 
 
 def test_one_step_is_as_good_as_many(corridor3: Path, open_fmu: Opener) -> None:

@@ -102,7 +102,7 @@ def test_a_response_outside_the_ranges_counts_too() -> None:
 
 
 def test_a_line_that_cannot_run_says_why() -> None:
-    heavy = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=(2e6, 1.0, 1.0, 1.0), load_spacing=30.0)
+    heavy = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=8e3, load_spacing=30.0)
     with pytest.raises(rw.SimulationError, match=r"The first said: The loads .* are too heavy"):
         rw.tune_response(
             heavy,
