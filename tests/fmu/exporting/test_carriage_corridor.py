@@ -83,7 +83,7 @@ def test_events_in_model_exchange(corridor2: Path) -> None:
     )
     times = found["time"][np.flatnonzero(np.diff(found["time"]) == 0.0)]
     times = np.unique(times)
-    times = times[np.append(np.diff(times) > 1e-9, True)]  # the integrator may stop a rounding error before a root
+    times = times[np.diff(times, append=np.inf) > 1e-9]  # the integrator may stop a rounding error before a root
     np.testing.assert_allclose(times, run.events["time"], atol=1e-6)
 
 
