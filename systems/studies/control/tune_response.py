@@ -237,8 +237,8 @@ class _Trial:
         return replace(self.response, **own), changes.get("precedence", self.line.precedence)
 
     def baseline(self) -> JournalRow:
-        """The objective without changes, or why the line cannot run so. Raises InputError; SimulationError where the line
-        has no equilibrium: no response changes that."""
+        """The objective without changes, or why the line cannot run so. Raises InputError; SimulationError where the
+        line has no equilibrium: no response changes that."""
         try:
             return {**self(), "error": "", "message": ""}
         except EquilibriumError as error:
