@@ -9,7 +9,7 @@ from __future__ import annotations
 import inspect
 import math
 import numbers
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from reprlib import Repr
@@ -81,6 +81,11 @@ def real(value: Any) -> Any:
     if not finite:
         raise RefusedError(value, FINITE)
     return value
+
+
+def _are_finite(values: Collection[Any]) -> bool:
+    """Whether all are finite floats: found faster for many than by `real`."""
+    return set(map(type, values)) == {float} and all(map(math.isfinite, values))
 
 
 def unbounded(value: Any) -> Any:
@@ -217,14 +222,14 @@ def mapping_of(keys: Check | None, values: Check | None, expected: str) -> Check
     def mapping(value: Any) -> Any:
         if not isinstance(value, Mapping):
             raise RefusedError(value, expected)
-        found = {}
+        found, sound = {}, values is real and _are_finite(value.values())
         for key, element in value.items():
             try:
                 key = key if keys is None else keys(key)
             except RefusedError as refusal:
                 raise RefusedError(key, f"{refusal.expected} as each key") from None
             try:
-                found[key] = element if values is None else values(element)
+                found[key] = element if values is None or sound else values(element)
             except RefusedError as refusal:
                 raise refusal.at(repr(key)) from None
         return value if all(found[key] is value[key] for key in found) else found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -302,7 +303,7 @@ class LineState:
                 owners.setdefault(name, []).append((r, i))
         masses = [run.loads.mass.copy() for run in self.runs]
         for name, value in values.items():
-            if not np.isfinite(value):
+            if not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
             owner, _, quantity = name.rpartition(".")
             if quantity == "mass" and owner in owners:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ropeway.components.component import Component, Kind
 from ropeway.components.errors import InputError
@@ -98,11 +101,16 @@ def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
 
 def undriven(state: LineState) -> None:
     """Takes from a state what a run has left to its drives: corrections of responses, brakes, losses of pressure."""
-    d = state.model.d
-    switched = {variable for variable, _ in SWITCHED.values()}
-    for i in state.model.kept:
-        if _of_response(d.names[i]) or d.names[i].rpartition(".")[2] in switched:
-            state.point.d[i] = d.values[i]
+    entries = _driven(state.model)
+    state.point.d[entries] = state.model.d.values[entries]
+
+
+@lru_cache(maxsize=16)
+def _driven(model: Model) -> np.ndarray:
+    """Places of the discrete variables of responses, brakes and losses of pressure."""
+    switched, names = {variable for variable, _ in SWITCHED.values()}, model.d.names
+    found = [i for i in model.kept if _of_response(names[i]) or names[i].rpartition(".")[2] in switched]
+    return np.array(found, dtype=int)
 
 
 def _of_response(name: str) -> bool:
