@@ -15,6 +15,7 @@ from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.load_path import load_path, row
 from ropeway.systems.studies.skyline.station_solver import Stations
 
@@ -182,7 +183,7 @@ def _path(study: PayloadData, mass: float) -> pd.DataFrame:
         return load_path(study.rig, mass, study.frame["station"].to_numpy())
     solver, rows = Stations(study.rig, by_height=True), []
     for x, z in study.frame.reindex(columns=["station", "carriage_z"]).dropna().itertuples(index=False):
-        rows.append(row(solver.solve(x, mass, z), x))
+        rows.append(row(certified([solver.solve(x, mass, z)])[0], x))
     return pd.DataFrame(rows)
 
 
@@ -191,7 +192,8 @@ def _shown(study: PayloadData) -> Solved | None:
     worst = study.limiting
     height = float(worst["carriage_z"]) if study.lowered and "carriage_z" in study.frame else None
     try:
-        return Stations(study.rig, by_height=study.lowered).solve(float(worst["station"]), study.payload, height)
+        solver = Stations(study.rig, by_height=study.lowered)
+        return certified([solver.solve(float(worst["station"]), study.payload, height)])[0]
     except EquilibriumError:
         return None
 
