@@ -144,7 +144,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         ),
         "SpanProblem.reach": lambda: Call(problem.reach, {"horizontal": 9e3, "vertical": 2e3}),
         "SpanProblem.stretched": lambda: Call(problem.stretched, {"horizontal": 9e3, "vertical": 2e3}),
-        "System.add": lambda: Call(rw.System().add, {"component": rw.Sheave("s", at=(0.0, 0.0))}),
+        "System.add": lambda: Call(rw.System().add, {"component": rw.System("inner"), "name": "part"}),
         "System.connect": connecting,
         "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0]),
         "System.hang": lambda: on_line("hang", load=rw.Load("turn", 90.0), spans=..., at=30.0),
