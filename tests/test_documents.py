@@ -31,3 +31,20 @@ def test_every_public_name_is_listed() -> None:
     assert set(rw.__all__) <= listed
     named = re.findall(r"`rw\.(\w+)", "".join(p.read_text() for p in (ROOT / "docs").glob("*.md")))
     assert all(hasattr(rw, name) for name in named)
+
+
+BANNED = (
+    "comes to an end", "find no place", "finds no place", "is asked of", "to and fro", "have not come together",
+    "makes an end", "what there is", "no less", "is told",
+)  # fmt: skip
+"""Literary phrases where a technical word exists."""
+
+
+def test_prose_is_plain() -> None:
+    found = []
+    for file in (p for suffix in ("py", "md", "c", "h") for p in ROOT.rglob(f"*.{suffix}")):
+        if file == Path(__file__).resolve() or not {".venv", "build"}.isdisjoint(file.relative_to(ROOT).parts):
+            continue
+        text = " ".join(file.read_text().lower().split())
+        found += [(str(file.relative_to(ROOT)), phrase) for phrase in BANNED if phrase in text]
+    assert found == []

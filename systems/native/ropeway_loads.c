@@ -122,7 +122,7 @@ static rw_status overrun(rw_instance *m, unsigned char *just)
         }
         if (!moved) return rw_lengths(m);
     }
-    rw_message(m, RW_ERROR, "logStatusError", "Loads are thrown to and fro at t = %.9g s", m->s.now.t);
+    rw_message(m, RW_ERROR, "logStatusError", "Loads oscillate across a support at t = %.9g s", m->s.now.t);
     return RW_ERROR;
 }
 

@@ -162,7 +162,7 @@ def unknown_line(seed: int) -> tuple[rw.System, Line]:
 
 
 def _supports(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Up, down, to and fro, or level; straight in plan or with bends."""
+    """Uphill, downhill, in waves or level; straight in plan or with bends."""
     steepest = np.exp(rng.uniform(np.log(0.02), 0.0))
     slope = rng.uniform(0.0, steepest, n)
     kind = rng.integers(4)

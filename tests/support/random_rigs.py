@@ -1,4 +1,4 @@
-"""Random rigs of all kinds on rolling ground, with what is asked of them."""
+"""Random rigs of all kinds on rolling ground, each with a clearance and a payload."""
 
 from __future__ import annotations
 

@@ -55,7 +55,7 @@ def path_row(rig: rw.SkylineRig, payload: float, station: float, height: float |
 
 
 def judge(case: Drawn, rng: np.random.Generator) -> Verdict:
-    """All that is asked of one rig."""
+    """All checks of one rig."""
     found = Verdict()
     low, high = case.rig.points[[0, case.rig.spans], 0]
     x = np.linspace(low, high, 9)[1:-1]

@@ -164,7 +164,7 @@ def _remarks(study: PayloadData) -> list[str]:
 def _ways(study: PayloadData) -> list[Way]:
     """The carriage's way empty and with the corridor's payload, where there are such."""
     found = []
-    masses = [] if study.lowered else [(0.0, "tab:cyan", "way of the empty carriage")]
+    masses = [] if study.lowered else [(0.0, "tab:cyan", "path of the empty carriage")]
     if study.payload > 0.0 or study.lowered:
         masses.append((study.payload, "tab:blue", f"way of the carriage with {at_most(study.payload)} kg"))
     for mass, colour, label in masses:

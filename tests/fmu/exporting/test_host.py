@@ -24,7 +24,7 @@ def compiled_host(platform: str, program: Path) -> Path:
 
 
 def arguments(library: str, opened: Opened) -> list[str]:
-    """What the host is told: a hundred steps of 0.5 s, the second instance with another speed."""
+    """Arguments of the host: a hundred steps of 0.5 s, the second instance with another speed."""
     references = [str(opened.references[n]) for n in ("c1.tension_in", "c1.speed")]
     return [library, opened.description.guid, *references, "100", "0.5"]
 
