@@ -78,7 +78,7 @@ class CompilerError(RopewayError):
 
 
 class UnbalancedSystemError(InputError):
-    """Equations and unknowns of a system do not match: a port left open, or too much said."""
+    """Equations and unknowns of a system do not match: a port left open, or an over-determined one."""
 
 
 class WriteError(RopewayError, OSError):
@@ -141,7 +141,7 @@ class ScheduleError(RopewayError):
 
 
 class InfeasibleScheduleError(ScheduleError):
-    """Limits that no schedule keeps together. `relaxation`: the smallest change of each limit that would do, by
+    """No schedule satisfies all limits. `relaxation`: the smallest change of each limit that would do, by
     name, in its unit; `colliding`: a table of the limits that then bind, with component and time [s]."""
 
     def __init__(self, cause: str, remedy: str, relaxation: object, colliding: object) -> None:

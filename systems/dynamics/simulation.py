@@ -123,7 +123,7 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
     for intervention in interventions:
         if intervention.action == "emergency stop" and driven:
             raise InputError(
-                f"An emergency stop cannot take down {'.'.join(driven[0])!r}, which another component drives",
+                f"An emergency stop cannot ramp down {'.'.join(driven[0])!r}, which another component drives",
                 "Brake that sheave",
             )
         if intervention.component is not None and intervention.entry[0] not in model.d.index:

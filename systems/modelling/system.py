@@ -218,7 +218,10 @@ class System(Declarations):
             raise InputError("string needs either length or tension", "Give one of them")
         for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
             if node.through(seat) is None:
-                raise InputError(f"{node.described} stands inside the rope", "A rope can end there, not run over it")
+                raise InputError(
+                    f"{node.described} is an end support, not an intermediate one",
+                    "A rope can end there, not run over it",
+                )
         for before, after in pairwise(nodes):
             if before.at == after.at:
                 raise InputError(f"{before.described} and {after.described} stand at one place", "Move one of them")

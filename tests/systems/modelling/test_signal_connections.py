@@ -83,7 +83,7 @@ def test_what_cannot_be_joined() -> None:
 
 
 def test_an_emergency_stop_needs_the_command() -> None:
-    with pytest.raises(rw.InputError, match=r"cannot take down 'c2\.speed'"):
+    with pytest.raises(rw.InputError, match=r"cannot ramp down 'c2\.speed'"):
         rw.simulate(followed(), 5.0, interventions=[rw.Intervention(1.0, "emergency stop")])
 
 
