@@ -35,6 +35,8 @@ _ALIKE = 1e-9
 _ZERO = 1e-10
 """A margin so small is none: the search ends there, without a try to close its bracket."""
 
+_GAPS = (0.2, 0.5, 1.0, 2.0, 4.0, 0.05, 5e-3, 5e-4)
+"""Depths below the chord [m] at which an empty carriage is tried first."""
 _LOWEST = 1e-6
 """How exactly the lowest height of an empty carriage is found, in parts of the gap below the chord."""
 
@@ -98,30 +100,31 @@ class PayloadSearch:
         goes nowhere."""
         room = self._room(station, height)
         alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # that it counts on nothing else
+        margin = -1.0
 
-        solved = False
-
-        def found(gap: float, effort: Effort) -> bool:
-            """Whether it can hang this far below the chord [m]; each is started from the last that can. Near the chord
-            its tension is out of reach; deeper than a state that is not, such a root is none of a rig."""
-            nonlocal solved
+        def hangs(gap: float, effort: Effort) -> bool:
+            """Whether it can hang this far below the chord [m]; each is started from the last that can."""
+            nonlocal margin
             tried = alone._try(station, 0.0, height + room - gap, effort)
-            near = tried.limit != NO_EQUILIBRIUM and not solved
-            solved |= tried.solved is not None
-            return tried.solved is not None or near
+            margin = margin if tried.solved is None else tried.margin
+            return tried.solved is not None
 
-        gaps = [gap for gap in (0.2, 0.5, 0.05, 5e-3, 5e-4) if gap < room]
-        low = next((gap for effort in (Effort.QUICK, Effort.FULL) for gap in gaps if found(gap, effort)), room)
+        gaps = [gap for gap in _GAPS if gap < room]
+        low = next((gap for effort in (Effort.QUICK, Effort.FULL) for gap in gaps if hangs(gap, effort)), None)
+        if low is None:
+            return height, alone
         ratio = 1.3
         while low < room:  # down by steps, shorter ones where there is nothing, and over what only seems an end
             deeper = min(ratio * low, room)
-            if found(deeper, Effort.NEAR) or (ratio > 1.1 and found(deeper, Effort.QUICK)):
+            if hangs(deeper, Effort.NEAR) or (ratio > 1.1 and hangs(deeper, Effort.QUICK)):
                 low = deeper
             elif ratio > 1.0 + _LOWEST:
                 ratio **= 0.5
             else:
-                gaps = [gap for gap in (1.1 * low, *gaps) if low < gap < room]
-                beyond = next((gap for gap in gaps if found(gap, Effort.QUICK)), None)
+                # An end beyond a limit would leave no payload: it is believed after a full search only.
+                efforts = (Effort.QUICK,) if margin >= 0.0 else (Effort.QUICK, Effort.FULL)
+                deep = [gap for gap in (1.1 * low, *gaps) if low < gap < room]
+                beyond = next((gap for effort in efforts for gap in deep if hangs(gap, effort)), None)
                 if beyond is None:
                     break
                 low, ratio = beyond, 1.3
