@@ -180,6 +180,8 @@ def _not_greatest(case: Drawn, station: float, row: Row) -> list[str]:
     height = case.clearance if height is not None and not np.isfinite(height) else height
     label = f"{mass:.6g} kg by {limit!r} at clearance {height}"
     at = path_row(rig, mass, station, height)
+    if limit == "nothing":  # on a support's shoe, which has no capacity here
+        return [] if rig.shoe_near(station) is not None else [f"unlimited: {label}"]
     if mass == 0.0:
         return [] if _explained(case, station, 0.0, height, at, limit) else [f"zero unexplained: {label}"]
     if at["held_by"] not in HELD:
