@@ -37,7 +37,10 @@ class Verdict:
 
 def alike(a: Row, b: Row) -> bool:
     """Whether two rows of one station give one answer."""
-    if any(a.get(name) != b.get(name) for name in ("limited_by", "held_by", "suspension")):
+    words = [[row.get(name) for name in ("limited_by", "held_by", "suspension")] for row in (a, b)]
+    if not all(
+        one == other or {type(one), type(other)} <= {float, type(None)} for one, other in zip(*words, strict=True)
+    ):
         return False
     for name, room in (("payload", 1e-5), *((column, 1e-6) for column in COLUMNS)):
         one, other = float(a.get(name, np.nan)), float(b.get(name, np.nan))
