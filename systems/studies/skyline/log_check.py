@@ -11,9 +11,6 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.rigs.skyline_rig import Turn
 from ropeway.systems.solvers.newton import Point
 
-HIGHER = 0.3
-"""A carriage whose log hangs free is at most so much higher [m] than one whose log drags: the ground carries some."""
-
 _BEHIND = 1e-6
 """A log that leads its front by less than this part of its length stands upright."""
 
@@ -30,15 +27,14 @@ class LogCheck:
         self._slope = model.y.index[f"{turn.log.name}.ground_slope"]
         k = model.z.index[f"{carriage}_{turn.log.name}.force_x"]
         self._line = np.arange(k, k + 3)
-        self._height = model.z.index[f"{carriage}.z"]
 
     def hangs(self, outputs: np.ndarray) -> bool:
         """Whether the log is off the ground."""
         return bool(outputs[self._gap] > 1e-7)
 
     def require(self, point: Point, outputs: np.ndarray) -> bool:
-        """Raises EquilibriumError for a log upside down. Returns whether it can be in no other place: it hangs free; or
-        it drags, cannot hang free, and meets no ground between its front and its rear."""
+        """Raises EquilibriumError for a log upside down. Returns whether it can be in no other place: it hangs free. On
+        ground with vertices its rear can rest on more than one segment."""
         x, z, rear_x, rear_z, _ = (float(v) for v in point.z[self._log])
         log = self.turn.log
         if self.hangs(outputs):
@@ -49,14 +45,7 @@ class LogCheck:
         trailing = -log.moving or (-1.0 if slope > 0.0 else 1.0)
         if trailing * (rear_x - x) < -_BEHIND * log.length:
             raise EquilibriumError(f"{log.label} would be pushed ahead of its front", "Give it more height", log.name)
-        lowest = float(point.z[self._height]) + HIGHER - self.turn.length - log.length
-        return lowest < self.elevation(x) and self._nearest(x, z, rear_x)
-
-    def _nearest(self, x: float, z: float, rear_x: float) -> bool:
-        """Whether the rear, swung out from below the front, meets the ground first where it is."""
-        along = np.linspace(0.0, 1.0, 12)[:-1] * (rear_x - x)
-        arc = z - np.sqrt(np.maximum(self.turn.log.length**2 - along**2, 0.0))
-        return all(low <= self.elevation(x + step) + 1e-6 for low, step in zip(arc, along, strict=True))
+        return False
 
     def gap(self, point: Point) -> float:
         """Height of the rear over the ground [m]."""
