@@ -6,6 +6,8 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import numpy as np
+
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
@@ -147,14 +149,18 @@ class Carriage(Node):
             residuals["tension_law"] = outputs["tension_b"] - outputs["tension_a"]
         return Equations(residuals=residuals, outputs=outputs)
 
+    def _holding_force(self, v: Any, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """The ideal holding force in `laws`, from the unit vectors of the skyline's pulls on both sides, (3, ...)."""
+        way = a - b
+        if self.holding == "horizontal":
+            way[2] = 0.0
+        return np.asarray(v.holding * way / laws.tension(way))
+
     def laws(self, v: Any) -> dict[str, laws.Law]:
         ropes = [getattr(v, seat.name).force for seat in self.seats]
         held = laws.weight((v.mass + v.payload) * v.gravity)
         if self.holding is not None:
-            way = ropes[0] / laws.tension(ropes[0]) - ropes[1] / laws.tension(ropes[1])
-            if self.holding == "horizontal":
-                way[2] = 0.0
-            held = held + v.holding * way / laws.tension(way)
+            held = held + self._holding_force(v, *(rope / laws.tension(rope) for rope in ropes[:2]))
         found = {f"balance_{axis}": law for axis, law in laws.balance(*ropes, held).items()}
         if not self.clamped:
             found["tension_law"] = laws.ratio(ropes[0], ropes[1])

@@ -145,7 +145,4 @@ class CarriageOnShoe(Carriage):
             on_it = np.stack([side * here[1], 0.0 * here[0], -side * here[0]]) / v.radius
             laid = np.abs(getattr(v, f"{name}_rope")) > 1e-9 * v.radius
             ways.append(np.where(laid, on_it, force / laws.tension(force)))
-        way = ways[0] - ways[1]
-        if self.holding == "horizontal":
-            way[2] = 0.0
-        return np.asarray(v.holding * way / laws.tension(way))
+        return self._holding_force(v, *ways)

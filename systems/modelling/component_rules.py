@@ -41,7 +41,6 @@ def require_declared(component: Component, variables: Sequence[Variable]) -> Non
 
 def _require_names(component: Component, variables: Sequence[Variable]) -> None:
     owner = _owner(component)
-    read = [v.name for v in variables if v.kind not in (Kind.OUTPUT, Kind.RESIDUAL)]
     taken = dict.fromkeys(RESERVED, "a quantity of every component")
     taken.update({port.name: "a port" for port in component.ports})
     taken.update(dict.fromkeys(component.signals, "a signal"))
@@ -55,8 +54,6 @@ def _require_names(component: Component, variables: Sequence[Variable]) -> None:
         twice = [name for name, count in counts.items() if count > 1]
         if twice:
             raise InputError(f"{owner}: two variables are named {twice[0]!r}", "Give each variable a name of its own")
-    if len(set(read)) != len(read):
-        raise InputError(f"{owner}: a variable is declared twice", "Declare each variable once")
 
 
 def _require_sound(v: Variable, owner: str) -> None:
