@@ -13,8 +13,7 @@ from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy import fmi2 as binding2
-from fmpy import fmi3 as binding3
+from fmpy import fmi2 as binding2, fmi3 as binding3
 from fmpy.fmi1 import FMICallException
 
 from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
