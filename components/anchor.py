@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked
@@ -34,6 +36,8 @@ class Anchor(Node):
     InputError
         An invalid name or position.
     """
+
+    role: ClassVar[str] = "anchor"
 
     @property
     def rope(self) -> Seat:

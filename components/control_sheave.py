@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable, form_of
+from ropeway.components.component import form_of
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
+from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
 
 Speed = float | Schedule | None
 """A constant [m/s], a schedule, or None: an input of the model."""
@@ -68,6 +69,8 @@ class ControlSheave(Wheel):
         An invalid name, position, speed, friction or number of turns.
     """
 
+    role: ClassVar[str] = "control sheave"
+
     speed: Speed = 0.0
     drive: Drive = field(default_factory=IdealDrive)
     response: Response | None = None
@@ -81,17 +84,16 @@ class ControlSheave(Wheel):
         check.not_negative(self.turns, self.described, "turns")
 
     @property
-    def supply(self) -> Supply:
-        """Port for a hydraulic power unit that feeds the drive; it may stay open."""
-        return Supply(self, "supply")
-
-    @property
     def drive_speed(self) -> str:
         return self.drive.rope_speed
 
     @property
-    def signals(self) -> tuple[str, ...]:
-        return self.drive.signals
+    def drive_power(self) -> str:
+        return "power"
+
+    @property
+    def shares(self) -> tuple[str, ...]:
+        return self.drive.shares
 
     def limits(self) -> tuple[Limit, ...]:
         return (*super().limits(), Limit("grip_margin", "grip lost", low=0.0), *self.drive.limits())
@@ -135,8 +137,8 @@ class ControlSheave(Wheel):
     def energies(self, read: Callable[[str], Any]) -> Energies:
         return self.drive.energies(read)
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
-        """Flow [m3/s] and power [W] that the drive demands from a power unit."""
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        """Demand of the drive on a power unit."""
         outputs = self.wheel_equations(v)
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]

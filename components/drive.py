@@ -17,9 +17,9 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
-from ropeway.components.component import Energies, Kind, Limit, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
+from ropeway.components.variable import Energies, Kind, Limit, Variable
 
 STANDSTILL = 0.01
 """Width of the smooth transition between driving and braking [m/s]."""
@@ -57,8 +57,8 @@ class Drive(ABC):
 
     rope_speed: ClassVar[str] = "speed"
     """Variable of the sheave with the actual or the commanded rope speed."""
-    signals: ClassVar[tuple[str, ...]] = ()
-    """Quantities that it reads from a power unit."""
+    shares: ClassVar[tuple[str, ...]] = ()
+    """Outputs of a power unit that it uses."""
 
     @abstractmethod
     def motion(self, v: Any) -> DriveMotion:
@@ -102,8 +102,8 @@ class Drive(ABC):
         """
         return ()
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
-        """Demand on a power unit.
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        """Demand on a power unit, on symbols.
 
         Parameters
         ----------
@@ -112,15 +112,10 @@ class Drive(ABC):
 
         Returns
         -------
-        flow, power : float or symbol
-            Flow [m3/s] and power [W].
-
-        Raises
-        ------
-        InputError
-            The drive takes no power unit.
+        mapping of str
+            `flow` [m3/s] and `power` [W]; by default none.
         """
-        raise InputError(f"{type(self).__name__} takes no power unit", "Only hydraulic drives do")
+        return {}
 
     def energies(self, read: Callable[[str], Any]) -> Energies:
         """Kinetic energy and losses over a run; see `Component.energies`.
@@ -195,7 +190,7 @@ class HydraulicDrive(Drive):
     """
 
     rope_speed: ClassVar[str] = "rope_speed"
-    signals: ClassVar[tuple[str, ...]] = ("flow_share", "power_share")
+    shares: ClassVar[tuple[str, ...]] = ("flow_share", "power_share")
 
     displacement: float
     gear_ratio: float
@@ -305,11 +300,11 @@ class HydraulicDrive(Drive):
     def energies(self, read: Callable[[str], Any]) -> Energies:
         return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
+    def demand(self, v: Any) -> Mapping[str, Any]:
         demanded = self._demanded_speed(v)
         flow = namespace(demanded).fabs(demanded) * v.volume_per_metre / v.volumetric_efficiency
         power = self._control_force(v, demanded) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
-        return flow, clip_above(namespace(power).fmax(power, 0.0), v.engine_power)
+        return {"flow": flow, "power": clip_above(namespace(power).fmax(power, 0.0), v.engine_power)}
 
     def _demanded_speed(self, v: Any) -> Any:
         """Speed that the pump is set to."""

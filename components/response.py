@@ -21,9 +21,10 @@ import casadi as ca
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Kind, Variable
+from ropeway.components.component import Component
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind, Variable
 
 PRECEDENCES = ("all at once", "upstream first", "downstream first", "worst first", "neighbours locked out")
 """Which sheaves may act if several request it at one sample: all; the first or the last along the rope; the one with
@@ -75,6 +76,11 @@ class Response(ABC):
         check.positive(self.limit, owner, "limit", "m/s")
 
     @property
+    def tension_range(self) -> tuple[float, float] | None:
+        """Lowest and highest tension that it maintains [N]; None if it has no range."""
+        return None
+
+    @property
     def waiting(self) -> int:
         """Number of samples that wait to take effect."""
         return math.ceil(self.delay / self.period - 1e-9)
@@ -122,6 +128,15 @@ class Response(ABC):
         waiting = v.response_waiting
         queue = ca.vertcat(waiting[1:], target) if self.waiting > 1 else target
         return {"response_target": target, "response_waiting": queue}
+
+
+def response_of(component: Component) -> Response | None:
+    """The response of a component, its attribute `response`; None if it has none.
+
+    Such a component has the variables of its response and the discrete variable `correction` [m/s].
+    """
+    found = getattr(component, "response", None)
+    return found if isinstance(found, Response) else None
 
 
 def _clean(correction: Any) -> Any:
@@ -182,6 +197,10 @@ class ThresholdResponse(Response):
             raise InputError(
                 f"{owner}: initiation {self.initiation} N is larger than the range", "Choose it closer to zero"
             )
+
+    @property
+    def tension_range(self) -> tuple[float, float]:
+        return self.low, self.high
 
     @property
     def structure(self) -> Hashable:

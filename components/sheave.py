@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked
@@ -136,6 +138,8 @@ class Sheave(Wheel):
     InputError
         An invalid name, position or friction.
     """
+
+    role: ClassVar[str] = "idler sheave"
 
     friction: float = 0.0
 

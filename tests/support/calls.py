@@ -9,7 +9,8 @@ from functools import cache
 from typing import Any
 
 import ropeway as rw
-from ropeway.components.component import Component, Node
+from ropeway.components.component import Component
+from ropeway.components.node import Node
 from ropeway.components.response import Response
 from support.call_arguments import functions, instances
 from support.call_methods import Call, methods

@@ -14,8 +14,8 @@ import numpy as np
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import splu
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, scalar
