@@ -123,7 +123,7 @@ def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:
     Those whose position `place` (descending) exceeds the rope coordinate at the support. Loads that are on a support
     have not passed it.
     """
-    count = np.searchsorted(-place, -material, side="remaining")
+    count = np.searchsorted(-place, -material, side="left")
     return np.asarray(np.minimum.accumulate(count))
 
 

@@ -80,7 +80,7 @@ def test_a_system_without_a_rope_has_no_report() -> None:
         ("droop", 0.0, "droop"),
         ("drag", -0.1, "drag"),
         ("efficiency", 1.1, "at most 1"),
-        ("charge_pressure", 400e5, "the lower one"),
+        ("charge_pressure", 400e5, "below the relief pressure"),
         ("inertia", float("nan"), "inertia"),
     ],
 )

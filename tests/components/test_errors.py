@@ -71,7 +71,7 @@ def test_what_cannot_be_sent_is_left_out_with_a_note() -> None:
     error = SimulationError("It stopped", "Look", 3.0, lambda: None)
     other = pickle.loads(pickle.dumps(error))
     assert other.result is None
-    assert "result is not here" in other.__notes__[0]
+    assert "result was dropped" in other.__notes__[0]
     assert str(other) == str(error)
     assert other.time == 3.0
     assert copy.copy(error).result is error.result

@@ -102,7 +102,7 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
     done = subprocess.run([sys.executable, script, folder], capture_output=True, text=True, check=True)
-    remedy = "WriteError Choose a folder that can be written to and has room"
+    remedy = "WriteError Choose a folder with write permission and free space"
     names = ("result.csv", "result.parquet", "schedule.csv", "line.fmu", "sweep.parquet")
     assert done.stdout.splitlines() == [f"{name} {remedy}" for name in names]
     # The journal keeps what has been found: the sweep goes on from there.

@@ -108,7 +108,7 @@ def test_same_system_same_fingerprint(tmp_path: Path) -> None:
     ("more", "cause"),
     [
         ({"fmi": "1.0"}, "fmi is '1.0'"),
-        ({"platforms": ("amiga",)}, "'amiga' is not known"),
+        ({"platforms": ("amiga",)}, "'amiga' is unknown"),
         ({"platforms": "host"}, "platforms is 'host'. Give a sequence of texts"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"outputs": "a_b.tension_a"}, "outputs is 'a_b.tension_a'. Give a sequence of texts"),

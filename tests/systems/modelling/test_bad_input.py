@@ -43,7 +43,7 @@ def refused(
 def test_two_components_of_one_name() -> None:
     s = rw.System("line")
     s.add(anchor("a", 0.0))
-    error = refused(s, lambda: s.add(rw.Sheave("a", at=(9.0, 0.0))), "'a'", "name of its own")
+    error = refused(s, lambda: s.add(rw.Sheave("a", at=(9.0, 0.0))), "'a'", "its own name")
     assert "test_bad_input.py:" in str(error)  # where the first one was added
 
 
@@ -67,7 +67,7 @@ def test_a_rope_on_a_support_that_is_taken() -> None:
     s, _ = line()
     b = s.components["b"]
     assert isinstance(b, rw.Anchor)
-    refused(s, lambda: s.string(ROPE, b, anchor("c", 300.0), length=101.0), "b.rope", "joined twice")
+    refused(s, lambda: s.string(ROPE, b, anchor("c", 300.0), length=101.0), "b.rope", "connected twice")
 
 
 def test_one_support_twice_on_a_rope() -> None:
@@ -342,4 +342,4 @@ def test_a_payload_that_no_rope_bears() -> None:
 def test_a_load_on_spans_that_are_not_joined_yet() -> None:
     s = rw.System("line")
     spans = [s.add(rw.Span(name, rope=ROPE, length=50.0)) for name in ("one", "two")]
-    refused(s, lambda: s.hang(rw.Load("turn", mass=100.0), spans, at=60.0), "'one' and 'two' do not follow each other")
+    refused(s, lambda: s.hang(rw.Load("turn", mass=100.0), spans, at=60.0), "'one' and 'two' are not consecutive")

@@ -174,7 +174,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("time", PAR),)}, "'time' has the name of"),
     ({"variables_": (var("rope", PAR),)}, "'rope' has the name of a port"),
     ({"variables_": (var("pull", PAR), var("pull", PAR))}, "two variables are named 'pull'"),
-    ({"variables_": (var("my pull", PAR),)}, "no name for a variable"),
+    ({"variables_": (var("my pull", PAR),)}, "not a valid name of a variable"),
     ({"variables_": (var("pull", PAR, "furlong"),)}, "unit 'furlong'"),
     ({"variables_": (var("pull", PAR, nominal=0.0),)}, "nominal"),
     ({"variables_": (var("pull", PAR, value=float("nan")),)}, "value nan"),
@@ -185,7 +185,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": 1.0 if v.rope.force[0] > 0 else 2.0}}}, "if_else"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": max(v.rope.force[0], 1.0)}}}, "fmax"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": v.pull}}}, r"v\.pull"),
-    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "not a number"),
+    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "NaN for all values"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": ca.vertcat(*v.rope.force)}}}, "3 values"),
 ]
 

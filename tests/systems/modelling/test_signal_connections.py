@@ -71,7 +71,7 @@ def test_what_cannot_be_joined() -> None:
             s.connect(one, other)
 
     refused(unit.output("flow"), c1.input("speed"), r"unit\.flow is in m3/s, c1\.speed in m/s")
-    refused(unit.output("flow"), c1.input("pump_flow"), "joined twice")
+    refused(unit.output("flow"), c1.input("pump_flow"), "connected twice")
     refused(unit.output("flow"), unit.output("pressure"), "Join an output to an input")
     refused(unit.input("load_power"), c1.input("speed"), "Join an output to an input")
     with pytest.raises(rw.UnknownNameError, match="has no input 'pressure'"):
