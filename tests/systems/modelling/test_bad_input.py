@@ -112,7 +112,8 @@ def test_an_anchor_inside_a_string() -> None:
 
 def test_two_supports_at_one_place() -> None:
     s = rw.System("line")
-    refused(s, lambda: s.string(ROPE, anchor("a", 5.0, 1.0), anchor("b", 5.0, 1.0), length=3.0), "'a'", "'b'", "place")
+    ends = anchor("a", 5.0, 1.0), anchor("b", 5.0, 1.0)
+    refused(s, lambda: s.string(ROPE, *ends, length=3.0), "'a'", "'b'", "position")
 
 
 def test_tension_too_low_for_the_rope() -> None:
