@@ -66,7 +66,8 @@ class Point(Vectors):
 
     def copy(self) -> Point:
         """With vectors of its own."""
-        return Point(*(vector.copy() for vector in self.vectors), t=self.t)
+        x, z, u, p, d = (vector.copy() for vector in self.vectors)
+        return Point(x, z, u, p, d, self.t)
 
 
 class Buffered:
@@ -142,8 +143,8 @@ class Newton:
             y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
             residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
-        known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
-        inputs = NewtonInputs(v, time, *known, target, damping, anchor, slope)
+        known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
+        inputs = NewtonInputs(unknowns=v, t=time, **known, target=target, damping=damping, anchor=anchor, slope=slope)
         names = list(NewtonInputs._fields)
         self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
         matrix = ca.jacobian(residual, v)
