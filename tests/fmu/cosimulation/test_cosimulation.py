@@ -117,7 +117,7 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     with pytest.raises(rw.InputError, match="no slave is named 'c'"):
         together.connect("c.x", "b.c1.speed")
     together.connect("a.c1.rope_speed", "b.c1.speed")
-    with pytest.raises(rw.InputError, match="is driven already"):
+    with pytest.raises(rw.InputError, match="is already driven"):
         together.connect("a.c1.command", "b.c1.speed")
     with pytest.raises(rw.InputError, match="participant is a SkylineRig"):
         together.add("rig", corridor())  # type: ignore[arg-type]

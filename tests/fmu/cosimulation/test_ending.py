@@ -65,7 +65,7 @@ def test_what_is_discarded_or_fails_leaves_its_rows(kinds: Path, kind: Kind) -> 
 
 
 def test_a_smaller_step_is_advised_where_it_can_help(tmp_path: Path, kinds: Path) -> None:
-    with pytest.raises(FmuRunError, match=r"refused a step of 0\.1 s at t = 0\.3 s.*no step from there") as varied:
+    with pytest.raises(FmuRunError, match=r"rejected a step of 0\.1 s at t = 0\.3 s.*no step from there") as varied:
         run(kinds, "CoSimulation", discard_at=0.35)
     assert varied.value.remedy == "Make the step smaller"
     assert varied.value.result is not None
@@ -103,7 +103,7 @@ def test_a_refusal_to_terminate_is_noted(mass: Path) -> None:
     with Slave(load(mass)) as slave:
         slave.enter(0.0, {})
         slave.leave()
-    assert slave.log == ["It refused to terminate"]
+    assert slave.log == ["Termination failed"]
 
 
 def test_a_binary_that_does_not_load(tmp_path: Path, mass: Path) -> None:

@@ -164,7 +164,7 @@ def test_the_end_of_the_way_is_an_error(speed: float, x: float, corridor3: Path,
     with pytest.raises(FMICallException) as caught:
         one.run(0.0, 1000.0, 1.0, ["carriage.x"])
     assert caught.value.status == 3
-    assert "carriage is at the end of its way" in one.log[-1]
+    assert "carriage is at the end of its path" in one.log[-1]
     time, last = one.get("time", "carriage.x")
     assert last == pytest.approx(x, abs=1.1)
     one.set(mainline__speed=-speed)
@@ -218,10 +218,10 @@ def on_ground() -> rw.SkylineRig:
         (point_saddle, {}, "point saddle of 'jack'"),
         (small_shoe, {"payload": 2500.0, "station": 345.0}, "neither rolls over the shoe of 'jack'"),
         (lambda: corridor(mainline=None), {}, "no mainline"),
-        (on_ground, {}, "ground that changes"),
+        (on_ground, {}, "varying ground"),
         (corridor, {"station": 500.0}, "outside the skyline"),
         (corridor, {"payload": -1.0}, "payload"),
-        (skyline, {"station": 100.0}, "for skyline rigs"),
+        (skyline, {"station": 100.0}, "skyline rigs only"),
     ],
 )
 def test_what_is_refused(rig: object, how: dict[str, float], cause: str, tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ def test_variables_say_what_they_are(line2: Path) -> None:
     speed, tension = variables["c1.speed"], variables["c1.tension_in"]
     assert (speed.causality, speed.unit, float(speed.start)) == ("input", "m/s", 1.0)
     assert (tension.causality, tension.unit) == ("output", "N")
-    assert tension.description == "tension of the rope coming in"
+    assert tension.description == "tension of the incoming rope"
     assert float(tension.nominal) > 1e4
     assert variables["der(c1.travel)"].unit == "m/s"
     assert variables["gravity"].causality == "parameter"
@@ -132,8 +132,8 @@ def test_a_file_that_cannot_be(tmp_path: Path) -> None:
 def test_open_inputs_say_so(tmp_path: Path) -> None:
     path = export(open_line(), tmp_path / "open.fmu", platforms=())
     inputs = [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
-    told = {v.name for v in inputs if "must be given" in v.description}
-    assert told == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
+    named = {v.name for v in inputs if "requires a value" in v.description}
+    assert named == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
 
 
 def test_open_input_must_be_shown(tmp_path: Path) -> None:

@@ -148,7 +148,7 @@ def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
         component("power", path, parameters={"unit.speed": 1.0}, ignore_events=True)
     with pytest.raises(FmuVariableError, match="no variable 'inertia'"):
         component("power", path, parameters={"inertia": 1.0}, ignore_events=True)
-    with pytest.raises(FmuRunError, match=r"It says: .* must be above 0"):
+    with pytest.raises(FmuRunError, match=r"Its log: .* must be above 0"):
         component("power", path, parameters={"unit.inertia": -1.0}, ignore_events=True)
     with pytest.raises(rw.InputError, match=r"unit\.inertia'\] is 'heavy'"):
         component("power", path, parameters={"unit.inertia": "heavy"}, ignore_events=True)  # type: ignore[dict-item]

@@ -78,5 +78,5 @@ def _line() -> rw.System:
 def test_a_refusal_carries_the_slaves_own_words(line2: Path) -> None:
     with Slave(load(line2), "winch") as slave:
         slave.enter(0.0, {})
-        with pytest.raises(FmuRunError, match=r"'winch' \(line2\.fmu\) refused.*must be above 0"):
+        with pytest.raises(FmuRunError, match=r"'winch' \(line2\.fmu\) rejected.*must be above 0"):
             slave.set({"c1.grip_friction": -1.0})

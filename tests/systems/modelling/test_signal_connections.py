@@ -72,8 +72,8 @@ def test_what_cannot_be_joined() -> None:
 
     refused(unit.output("flow"), c1.input("speed"), r"unit\.flow is in m3/s, c1\.speed in m/s")
     refused(unit.output("flow"), c1.input("pump_flow"), "connected twice")
-    refused(unit.output("flow"), unit.output("pressure"), "Join an output to an input")
-    refused(unit.input("load_power"), c1.input("speed"), "Join an output to an input")
+    refused(unit.output("flow"), unit.output("pressure"), "Connect an output to an input")
+    refused(unit.input("load_power"), c1.input("speed"), "Connect an output to an input")
     with pytest.raises(rw.UnknownNameError, match="has no input 'pressure'"):
         unit.input("pressure")
     with pytest.raises(rw.UnknownNameError, match="has no output or state 'load_power'"):
