@@ -80,7 +80,7 @@ def boat(
         ({}, "boat has no beam. Give beam"),
     ],
 )
-def test_what_is_refused(given: dict[str, Any], message: str) -> None:
+def test_rejected_input(given: dict[str, Any], message: str) -> None:
     with pytest.raises(rw.InputError) as caught:
         boat(**given)
     assert message in str(caught.value)
@@ -114,7 +114,7 @@ def test_signature_and_help_are_those_of_the_function() -> None:
     assert list(inspect.signature(rw.Load).parameters) == ["name", "mass"]
 
 
-def test_numbers_beyond_what_a_computer_holds_are_typed() -> None:
+def test_overflow_is_a_typed_error() -> None:
     @checked
     def power(base: float) -> float:
         return float(base) ** 400

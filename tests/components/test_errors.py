@@ -67,7 +67,7 @@ def test_an_error_of_a_users_own_class_pickles() -> None:
     assert other.station == 12.5
 
 
-def test_what_cannot_be_sent_is_left_out_with_a_note() -> None:
+def test_unpicklable_attributes_are_dropped_with_a_note() -> None:
     error = SimulationError("It stopped", "Look", 3.0, lambda: None)
     other = pickle.loads(pickle.dumps(error))
     assert other.result is None

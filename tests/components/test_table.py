@@ -152,7 +152,7 @@ def test_errors_name_the_place_and_show_an_example(text: str, words: str, tmp_pa
     assert "An example: time,speed / 0,0.5 / 10,1" in error.value.remedy
 
 
-def test_files_that_hold_no_table(tmp_path: Path) -> None:
+def test_files_without_a_table(tmp_path: Path) -> None:
     for name, data, words in (
         ("old.xls", b"\xd0\xcf\x11\xe0" + bytes(100), "before 2007"),
         ("packed.csv", b"\x1f\x8b\x08" + bytes(100), "compressed"),
@@ -172,7 +172,7 @@ def test_files_that_hold_no_table(tmp_path: Path) -> None:
             rw.Profile.from_csv(wrong)  # type: ignore[arg-type]
 
 
-def test_an_unreadable_file_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreadable_file_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "plan.csv"
     path.write_text("time,speed\n0,1\n")
 
@@ -277,7 +277,7 @@ def test_any_text_is_a_name(label: str) -> None:
 
 
 @pytest.mark.slow
-def test_large_tables_are_read_fast_enough_to_wait_for(tmp_path: Path) -> None:
+def test_large_tables(tmp_path: Path) -> None:
     """A million numbers: nothing in the reader grows faster than the table."""
     count = 500_000
     path = tmp_path / "large.csv"

@@ -65,7 +65,7 @@ def test_other_code_pages_are_refused(names: tuple[str, ...], encoding: str) -> 
     ("name", "encoding", "read_as"),
     [("Rivière", "cp1252", "Rivière"), ("Sørli", "cp1252", "Sørli"), ("Kočka", "cp1250", "Koèka")],
 )
-def test_what_may_be_another_code_page_warns(name: str, encoding: str, read_as: str) -> None:
+def test_ambiguous_code_pages_warn(name: str, encoding: str, read_as: str) -> None:
     with pytest.warns(rw.RopewayWarning, match=f"names such as '{read_as}'.*save it as CSV UTF-8"):
         assert read_as in decoded(PATH, table("a", name).encode(encoding))
 

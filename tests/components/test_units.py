@@ -56,7 +56,7 @@ def test_symbols_are_read(symbol: str) -> None:
     "symbol",
     ["", " ", "furlong", "KN", "Kg", "kgg", "10", "12 m", "m/", "/s", "(m", "m)", "()", "N^", "m_s", "e6", "m//s"],
 )
-def test_what_is_no_symbol_is_not_known(symbol: str) -> None:
+def test_invalid_symbols_are_unknown(symbol: str) -> None:
     assert units.parse(symbol) is None
 
 
@@ -138,7 +138,7 @@ def test_a_difference_is_no_temperature_on_a_scale_with_a_zero_of_its_own() -> N
             units.conversion(source, target, differences=differences)
 
 
-def test_definitions_go_before_symbols() -> None:
+def test_definitions_precede_symbols() -> None:
     stone = {"stone": units.from_base({"kg": 1}, 6.35029318)}
     assert units.conversion("stone", "kg", stone).factor == pytest.approx(6.35029318)
     assert units.conversion("stone", "stone", stone, {"stone": units.from_base({"kg": 1}, 5.0)}).factor > 1.2

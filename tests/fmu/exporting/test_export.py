@@ -36,7 +36,7 @@ def test_archive_is_complete_and_small(name: str, request: pytest.FixtureRequest
     assert picture.startswith(b"\x89PNG")
 
 
-def test_what_a_system_is_in_words(tmp_path: Path) -> None:
+def test_description_of_a_system(tmp_path: Path) -> None:
     """A picture of ropes only where there are some."""
     unit = rw.System("power unit")
     unit.add(WEAK_UNIT)
@@ -52,7 +52,7 @@ def test_what_a_system_is_in_words(tmp_path: Path) -> None:
     assert found["span"] == ("Cable system of 1 span on 1 rope, 1 load at the start", True)
 
 
-def test_variables_say_what_they_are(line2: Path) -> None:
+def test_variables_are_described(line2: Path) -> None:
     variables = {v.name: v for v in fmpy.read_model_description(str(line2)).modelVariables}
     speed, tension = variables["c1.speed"], variables["c1.tension_in"]
     assert (speed.causality, speed.unit, float(speed.start)) == ("input", "m/s", 1.0)
@@ -122,14 +122,14 @@ def test_bad_arguments(more: dict[str, object], cause: str, tmp_path: Path) -> N
         export(one_span(), tmp_path / "x.fmu", **more)  # type: ignore[arg-type]
 
 
-def test_a_file_that_cannot_be(tmp_path: Path) -> None:
+def test_invalid_paths(tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match=r"does not end in \.fmu"):
         export(one_span(), tmp_path / "x.zip")
     with pytest.raises(rw.InputError, match=r"There is no folder .*nowhere"):
         export(one_span(), tmp_path / "nowhere" / "x.fmu")
 
 
-def test_open_inputs_say_so(tmp_path: Path) -> None:
+def test_open_inputs_are_described(tmp_path: Path) -> None:
     path = export(open_line(), tmp_path / "open.fmu", platforms=())
     inputs = [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
     named = {v.name for v in inputs if "requires a value" in v.description}
@@ -147,7 +147,7 @@ def test_compiler_messages_reach_the_user(tmp_path: Path) -> None:
         compiler.compile_library(tmp_path, ["bad.c"], compiler.host(), tmp_path / "bad.so")
 
 
-def test_the_compiler_that_cc_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cc_selects_the_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own = compiler.command(compiler.host())
     if len(own) == 1:
         monkeypatch.setenv("CC", f"{own[0]} -DNOTHING")

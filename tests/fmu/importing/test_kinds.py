@@ -192,7 +192,7 @@ def test_a_table_of_inputs(kinds: Path, tmp_path: Path) -> None:
         assert frame["k.x"].iloc[-1] == pytest.approx(0.5 * 0.45 * 0.9 + 0.3 * 1.55)  # a jump at 0.45 s
 
 
-def test_a_table_of_inputs_as_people_write_it(kinds2: Path, tmp_path: Path) -> None:
+def test_a_table_of_inputs_in_other_notations(kinds2: Path, tmp_path: Path) -> None:
     """Decimal commas, capitals, texts; a column of another name is an error with its line."""
     text = "Time [min];k.u;k.brake;k.text;k.count\n0;1,5;false;left;-3\n0,01;1,5;true;right;7\n0,02;1,5;true;right;7\n"
     (tmp_path / "inputs.csv").write_text(text)
@@ -242,7 +242,7 @@ def test_bad_inputs(kinds2: Path, inputs: Any, cause: str) -> None:
         together.run(1.0, inputs=inputs)
 
 
-def test_a_run_starts_and_stops_as_told(kinds: Path, kind: Kind) -> None:
+def test_a_run_has_its_start_and_stop_time(kinds: Path, kind: Kind) -> None:
     frame = alone(kinds, kind, 0.3, u=1.0).run(11.0, start_time=10.0)
     assert frame.index.tolist() == pytest.approx([10.0, 10.3, 10.6, 10.9, 11.0])
     assert set(frame["k.start_told"]) == {10.0}
