@@ -1,7 +1,7 @@
 """An FMU of OpenModelica with the example line: a mass with spring and damper as a dancer.
 
-The rope behind control sheave c1 loads the dancer, whose displacement sets the speed of the sheave. Once as a component in
-one simulation, and once in co-simulation with the line's FMU. Downloads the FMU, unless its path is given:
+The rope behind control sheave c1 loads the dancer, whose displacement sets the speed of the sheave. Once as a component
+in one simulation, and once in co-simulation with the line's FMU. Downloads the FMU, unless its path is given:
 
     python fmu_foreign.py [folder for the pictures] [Mass_Damper.fmu]
 """

@@ -4,8 +4,8 @@
 
 The line is `line.csv` (24 spans, 4 control sheaves) with loads of 100 to 500 kg every 51 m, and starts with its control
 sheaves in balance. A minute at 1 m/s: at constant speed, with a threshold response, and with schedules for each of
-the three objectives, within 3 kN and 3 kW at each drive. Prints the objectives, the active limits, and the robustness of
-the schedules for lines that differ from the plan, open loop and with a trim; draws `optimise_schedule.png`.
+the three objectives, within 3 kN and 3 kW at each drive. Prints the objectives, the active limits, and the robustness
+of the schedules for lines that differ from the plan, open loop and with a trim; draws `optimise_schedule.png`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""Components of your own: a counterweight with inertia, and an anchor with spring and damper; simulated, swept, exported."""
+"""Components of your own: a counterweight with inertia, an anchor with spring and damper; simulated, swept, exported.
+"""
 
 from __future__ import annotations
 
@@ -109,7 +110,7 @@ def main(folder: Path = Path("ropeway-own-component")) -> None:
         rw.check_component(component)
     s = line()
     rest = rw.equilibrium(s)
-    print(f"at rest the tension at the weight is {rest['weight.tension'] / 1e3:.3f} kN; the displacement of the anchor is "
+    print(f"at rest the tension at the weight is {rest['weight.tension'] / 1e3:.3f} kN; the anchor moves by "
           f"{1e3 * (rest['anchor.x'] - 170.0):.1f} mm")  # fmt: skip
     run = rw.simulate(s, until=10.0, every=0.1)
     print(run.frame[["weight.travel", "weight.tension", "anchor.x"]].iloc[::20].round(4))

@@ -35,7 +35,8 @@ def test_every_public_name_is_listed() -> None:
 
 BANNED = (
     "comes to an end", "find no place", "finds no place", "find a place", "is asked of", "to and fro", "makes an end",
-    "have not come together", "what there is", "no less", "is told", "are told", "told of", "that there is", "gone wrong",
+    "have not come together", "what there is", "no less", "is told", "are told", "told of", "that there is",
+    "gone wrong",
     "does not get over", "gives in exchange", "in exchange for a freed", "too much said", "keeps together", "bears out",
     "what cannot be", "of its own accord", "said to be", "has come to", "at hand", "as it stands", "is left alone",
     "are left alone", "lets go", "cannot take down", "somebody", "no more good", "way of the empty carriage",

@@ -19,7 +19,10 @@ Row = dict[str, Any]
 
 @dataclass
 class Verdict:
-    """Numbers of load path rows requested, rejected, rejected although the oracle has a state; of payloads; `faults`."""
+    """Numbers of load path rows and payloads of a random rig, and its faults.
+
+    Rows requested, rejected, and rejected although the oracle has a state; payloads requested; `faults`.
+    """
 
     asked: int = 0
     refused: int = 0
