@@ -1,10 +1,9 @@
-"""How long a rope was before it hung where it hangs: Lyons' three methods.
+"""Unstretched length of a hanging rope by Lyons' three methods.
 
-Lyons, C.K. (2008): Considering cable stretch in logging applications. International Journal of Forest
-Engineering 19(1): 29-35; equation numbers are his, corrected. Given are the stretched length and the force at
-support A: horizontal tension H and V_A, the upward force of the support on the rope. The weight W = w L0 belongs
-to the unstretched length that is asked for, so each method is an implicit equation; it is solved here.
-Numbers or arrays alike. The dimensionless forms are in `lyons_cases`.
+Lyons, C.K. (2008): Considering cable stretch in logging applications. International Journal of Forest Engineering
+19(1): 29-35; equation numbers are his, corrected. Given are the stretched length and the force at support A: horizontal
+tension H and V_A, the upward force of the support on the rope. The weight W = w L0 depends on the unknown unstretched
+length, so each method solves an implicit equation. Numbers or arrays. The dimensionless forms are in `lyons_cases`.
 """
 
 from __future__ import annotations
@@ -22,8 +21,8 @@ from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import alike, finite, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, finite, require
 
 StretchMethod = Literal["average tension", "elastic", "elastic and construction"]
 """Lyons' methods: eq. 3, eq. 11, eq. 19."""
@@ -32,8 +31,25 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
-    """An unstretched `length` [m] and what goes with it: `stretch` [m], `weight` of the rope [N], tensions and
-    upward support forces at both ends [N]. `float()` gives the length."""
+    """An unstretched length, with the stretch, weight and end forces of the rope.
+
+    `float()` returns the length.
+
+    Parameters
+    ----------
+    length : ndarray
+        Unstretched length [m].
+    stretch : ndarray
+        Stretch [m].
+    weight : ndarray
+        Weight of the rope [N].
+    tension_a, tension_b : ndarray
+        Tensions at both ends [N].
+    vertical_a, vertical_b : ndarray
+        Upward forces of the supports at both ends [N].
+    method : str
+        The method.
+    """
 
     length: Array
     stretch: Array
@@ -65,19 +81,44 @@ def unstretched_length(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> UnstretchedLength:
-    """Unstretched length of a rope that hangs at rest, from its stretched length.
+    """Unstretched length of a rope at rest, from its stretched length.
 
-    length: stretched [m]; horizontal: horizontal tension [N]; vertical: upward force of support A on the rope
-    [N], negative where the rope leaves A upwards.
+    "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. It is too short
+    by a relative W/EA times the smaller of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. Without
+    construction stretch it is 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq. 11): exact
+    for eps = T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the
+    highest tension of its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414.
 
-    "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. Too short,
-    by a relative W/EA times the less of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. No construction
-    stretch: 0.44 % too long for a new rope at a third of its breaking load.
-    "elastic" (eq. 11): exact for eps = T/EA.
-    "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the highest tension of
-    its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414 if it has none.
+    Parameters
+    ----------
+    rope : Rope
+        The rope.
+    length : float or array_like
+        Stretched length [m].
+    horizontal : float or array_like
+        Horizontal tension [N].
+    vertical : float or array_like
+        Upward force of support A on the rope [N]; negative if the rope rises from A.
+    method : {"average tension", "elastic", "elastic and construction"}, default "elastic"
+        The method.
+    gravity : float, default 9.80665
+        Gravity [m/s2].
 
-    Raises InputError.
+    Returns
+    -------
+    UnstretchedLength
+        The length, with stretch, weight and end forces.
+
+    Raises
+    ------
+    InputError
+        An invalid value, or a rope that cannot hang like that.
+
+    Examples
+    --------
+    >>> rope = rw.Rope.named("RHOL-IWRC 29")
+    >>> float(rw.unstretched_length(rope, length=250.0, horizontal=140e3, vertical=20e3))
+    248.9929164205878
     """
     alike(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
@@ -116,8 +157,40 @@ def stretched_position(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Distance p(s) along the stretched rope [m] of `stations` s along the unstretched rope [m], from support A
-    (eq. 10, and eq. 18 with construction stretch). Forces as in `unstretched_length`. Raises InputError."""
+    """Distance along the stretched rope of points on the unstretched rope, from support A.
+
+    Equation 10, and equation 18 with construction stretch.
+
+    Parameters
+    ----------
+    rope : Rope
+        The rope.
+    stations : float or array_like
+        Distances from support A along the unstretched rope [m].
+    horizontal : float or array_like
+        Horizontal tension [N].
+    vertical : float or array_like
+        Upward force of support A on the rope [N].
+    method : {"elastic", "elastic and construction"}, default "elastic"
+        The method.
+    gravity : float, default 9.80665
+        Gravity [m/s2].
+
+    Returns
+    -------
+    ndarray
+        Distances along the stretched rope [m].
+
+    Raises
+    ------
+    InputError
+        An invalid value, or the method "average tension".
+
+    Examples
+    --------
+    >>> float(rw.stretched_position(rope, stations=100.0, horizontal=140e3, vertical=20e3))
+    100.40529272270004
+    """
     alike(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
@@ -136,11 +209,32 @@ def strain_law(rope: Rope, *, construction: bool) -> Strain:
 
 @checked
 def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) -> StretchFit:
-    """Fit eps = coefficient * (T/MBL)^2 by least squares to elongations (0.005 for 0.5 %) at safety factors MBL/T.
+    """Fit eps = coefficient * (T/MBL)^2 to measured elongations by least squares.
 
-    Lyons' Table 1 (8, 5, 3 and "heavily loaded", a safety factor of 2, at 0.125, 0.25, 0.5 and 1 %) gives 0.0414
-    and R2 0.9698 (eq. 13); the fit is 48 % low at a factor of 8, 34 % at 5. Use it as
-    `ConstructionStretch(fit.coefficient)`. Raises InputError.
+    Lyons' Table 1 (8, 5, 3 and "heavily loaded", a safety factor of 2, at 0.125, 0.25, 0.5 and 1 %) gives 0.0414 and R2
+    0.9698 (eq. 13); the fit is 48 % low at a factor of 8, 34 % at 5. Use it as `ConstructionStretch(fit.coefficient)`.
+
+    Parameters
+    ----------
+    safety_factors : array_like
+        Safety factors MBL/T, two or more.
+    elongations : array_like
+        Elongations at these factors, relative (0.005 for 0.5 %).
+
+    Returns
+    -------
+    StretchFit
+        `coefficient` and `r_squared` about the mean.
+
+    Raises
+    ------
+    InputError
+        Invalid values, or equal elongations.
+
+    Examples
+    --------
+    >>> round(rw.fit_construction_stretch([8, 5, 3, 2], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
+    0.0414
     """
     factor, y = np.atleast_1d(np.asarray(safety_factors, float)), np.atleast_1d(np.asarray(elongations, float))
     if factor.shape != y.shape or factor.size < 2:

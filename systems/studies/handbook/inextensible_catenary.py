@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import alike, finite, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 
 
@@ -36,9 +36,21 @@ class EndForces(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class CatenaryCurve:
-    """The catenary from (0, 0) to (span, rise), z up [m], of catenary parameter a = H/w [m].
+    """An inextensible catenary from (0, 0) to (span, rise), z up; numbers or arrays.
 
-    span > 0; rise: height of the end over the start. Broadcasts over arrays. Raises InputError.
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the ends [m].
+    rise : float or array_like
+        Height of the end above the start [m].
+    parameter : float or array_like
+        Catenary parameter a = H/w [m].
+
+    Raises
+    ------
+    InputError
+        A span or parameter that is not positive.
     """
 
     span: Numbers
@@ -72,23 +84,78 @@ class CatenaryCurve:
         return np.asarray(self.span) / 2.0 - np.asarray(self.parameter) * self._beta
 
     def height(self, x: Numbers) -> Array:
-        """z over the start [m] at x [m]."""
+        """Height of the rope.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        ndarray
+            Height above the start [m].
+        """
         return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
     def slope(self, x: Numbers) -> Array:
-        """Rise over run at x [m]."""
+        """Slope of the rope.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        ndarray
+            Rise over run.
+        """
         return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
-        """x [m] where the rope has a slope; it may lie outside the span."""
+        """Point with a slope; it may be outside the span.
+
+        Parameters
+        ----------
+        slope : float or array_like
+            Rise over run.
+
+        Returns
+        -------
+        ndarray
+            Horizontal distance from the start [m].
+        """
         return finite(self.lowest + self.parameter * np.arcsinh(slope), "station")
 
     def sag(self, x: Numbers) -> Array:
-        """Vertical distance from the chord down to the rope at x [m]."""
+        """Sag of the rope.
+
+        Parameters
+        ----------
+        x : float or array_like
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        ndarray
+            Vertical distance from the chord down to the rope [m].
+        """
         return np.asarray(self.rise) * np.asarray(x) / np.asarray(self.span) - self.height(x)
 
     def forces(self, weight: Numbers) -> EndForces:
-        """End forces for a weight per metre. Harvey's T = V/sin, H = V/tan of the end tangents."""
+        """End forces of the rope; Harvey's T = V/sin, H = V/tan of the end tangents.
+
+        Parameters
+        ----------
+        weight : float or array_like
+            Weight per metre [N/m].
+
+        Returns
+        -------
+        EndForces
+            Horizontal tension, vertical forces and tensions at both ends, in the unit of the weight.
+        """
         horizontal = np.asarray(self.parameter) * np.asarray(weight)
         start, end = self.slope(0.0), self.slope(self.span)
         return EndForces(
@@ -102,7 +169,34 @@ class CatenaryCurve:
 
 @checked
 def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, weight: Numbers) -> CatenaryCurve:
-    """For a horizontal tension and a weight per metre. Raises InputError."""
+    """The catenary for a horizontal tension.
+
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the ends [m].
+    rise : float or array_like
+        Height of the end above the start [m].
+    horizontal : float or array_like
+        Horizontal tension [N].
+    weight : float or array_like
+        Weight per metre [N/m].
+
+    Returns
+    -------
+    CatenaryCurve
+        The curve.
+
+    Raises
+    ------
+    InputError
+        A value that is not positive.
+
+    Examples
+    --------
+    >>> float(rw.catenary_for_horizontal(200.0, 10.0, horizontal=40e3, weight=34.1).length)
+    200.49188207956817
+    """
     alike(span, rise, horizontal, weight)
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
@@ -111,9 +205,33 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
 
 @checked
 def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> CatenaryCurve:
-    """For a rope length [m] (Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2)).
+    """The catenary for a rope length.
 
-    Raises InputError when the rope is not longer than its chord; Harvey's code returns the chord then.
+    Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2).
+
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the ends [m].
+    rise : float or array_like
+        Height of the end above the start [m].
+    length : float or array_like
+        Length of the rope [m].
+
+    Returns
+    -------
+    CatenaryCurve
+        The curve.
+
+    Raises
+    ------
+    InputError
+        The rope is not longer than its chord (Harvey's code then returns the chord).
+
+    Examples
+    --------
+    >>> float(rw.catenary_for_length(200.0, 10.0, length=201.0).parameter)
+    666.5578457261455
     """
     alike(span, rise, length)
     d, h, s = (np.asarray(v, dtype=float) for v in (span, rise, length))
@@ -130,7 +248,34 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 
 @checked
 def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0.5) -> CatenaryCurve:
-    """For a sag [m] below the chord at a share `at` of the span, 0 < at < 1. Raises InputError."""
+    """The catenary for a sag.
+
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the ends [m].
+    rise : float or array_like
+        Height of the end above the start [m].
+    sag : float or array_like
+        Vertical distance from the chord down to the rope [m].
+    at : float or array_like, default 0.5
+        Station of the sag over the span, between 0 and 1.
+
+    Returns
+    -------
+    CatenaryCurve
+        The curve.
+
+    Raises
+    ------
+    InputError
+        A value that is not positive, or a station outside the span.
+
+    Examples
+    --------
+    >>> float(rw.catenary_for_sag(200.0, 10.0, sag=5.0).length)
+    200.58154903586677
+    """
     alike(span, rise, sag, at)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(sag, "sag [m]", lambda v: v > 0.0, "above zero")
@@ -145,9 +290,35 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
 
 @checked
 def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers) -> CatenaryCurve:
-    """For the tension at the start of the rope and its weight per metre; the taut one of the two.
+    """The taut catenary for a tension at its start.
 
-    Raises InputError, and SlackRopeError where the tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the ends [m].
+    rise : float or array_like
+        Height of the end above the start [m].
+    tension : float or array_like
+        Tension at the start [N].
+    weight : float or array_like
+        Weight per metre [N/m].
+
+    Returns
+    -------
+    CatenaryCurve
+        The curve.
+
+    Raises
+    ------
+    InputError
+        A value that is not positive.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> float(rw.catenary_for_tension(200.0, 10.0, tension=40e3, weight=34.1).length)
+    200.49218536716396
     """
     alike(span, rise, tension, weight)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
@@ -208,31 +379,6 @@ def too_little(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers, 
         f"and {h:.6g} m up: that needs {minimum_tension(d, h, w):.6g}",
         "Raise the tension, or put a support between",
     )
-
-
-def require(value: ArrayLike, what: str, test: Any, words: str) -> None:
-    """Raises InputError unless all values are finite and pass a test."""
-    array = np.asarray(value, dtype=float)
-    bad = ~(np.isfinite(array) & test(array))
-    if bad.any():
-        raise InputError(f"{what} is {float(array[bad].flat[0])!r}", f"It must be {words}")
-
-
-def alike(*values: ArrayLike) -> None:
-    """Raises InputError unless arrays stand side by side: of one shape, or shapes that broadcast."""
-    try:
-        np.broadcast_shapes(*(np.shape(v) for v in values))
-    except ValueError:
-        shapes = " and ".join(dict.fromkeys(str(np.shape(v)) for v in values if np.ndim(v)))
-        raise InputError(f"Arrays of shapes {shapes} do not stand side by side", "Give arrays of one length") from None
-
-
-def finite(value: ArrayLike, what: str) -> Array:
-    """A result as an array. Raises InputError where it is none."""
-    array = np.asarray(value, dtype=float)
-    if not np.isfinite(array).all():
-        raise InputError(f"The {what} is beyond all numbers", "Check the units: a value is far too large or too small")
-    return array
 
 
 def _start_tension(u: Any, span: Numbers, drop: Numbers) -> Any:

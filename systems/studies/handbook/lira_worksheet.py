@@ -15,9 +15,10 @@ from ropeway.components.annotation_checks import PositiveNumbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import alike
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, catenary_for_length
+from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_length
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import elastic_state
 from ropeway.systems.studies.handbook.payload_methods import cable_factor, load_factor
@@ -57,13 +58,42 @@ def lira_worksheet(
     strain: Strain | None = None,
     readings: Readings | None = None,
 ) -> Worksheet:
-    """Fill in the worksheet, tension: safe working load at the upper support; any one unit of force.
+    """The LIRA worksheet for a tension at the upper support, in any unit of force.
 
-    strain: the rope's, for the unloaded deflection; None for an inextensible rope. readings: as read from the
-    nomographs, instead of computed. Error of the payload about -0.07 % (superposition). Harvey's last box reads
-    Fig. A.1 at the loaded deflection; here it is the unloaded one, for which it asks.
+    The error of the payload is about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded
+    deflection; here it is read at the unloaded one, as the worksheet requires.
 
-    Raises SlackRopeError where the tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array_like
+        Weight of the rope per metre.
+    tension : float or array_like
+        Safe working load at the upper support.
+    carriage_weight : float or array_like, default 0
+        Weight of the carriage.
+    strain : Strain, optional
+        Strain of the rope, for the unloaded deflection; by default inextensible.
+    readings : Readings, optional
+        Values read from the nomographs; by default they are computed.
+
+    Returns
+    -------
+    Worksheet
+        The boxes of the worksheet.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> float(rw.lira_worksheet(rw.LoadedSpan(200.0, 25.0), weight=3.48, tension=19600.0).gross)
+    9120.773319232427
     """
     alike(*line.parts, weight, tension, carriage_weight)
     if readings is None:

@@ -1,4 +1,4 @@
-"""The geometry that every payload method starts from: one span with a carriage somewhere in it."""
+"""The geometry of all payload methods: a span with a carriage."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.handbook.array_checks import alike, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, require
 
 
 @checked
@@ -17,10 +17,22 @@ from ropeway.systems.studies.handbook.inextensible_catenary import alike, requir
 class LoadedSpan:
     """A span with its carriage; numbers, or arrays that broadcast.
 
-    span: horizontal distance of its supports [m]; deflection: vertical distance from the chord down to the
-    carriage [m]; chord_slope: fall of the chord over the span, from the upper support, where the tension is
-    given, to the lower one (0.2 for 20 %, never negative); carriage: its horizontal distance from the upper
-    support as a share of the span. Raises InputError.
+    Parameters
+    ----------
+    span : float or array_like
+        Horizontal distance of the supports [m].
+    deflection : float or array_like
+        Vertical distance from the chord down to the carriage [m].
+    chord_slope : float or array_like, default 0
+        Fall of the chord over the span, from the upper support, where the tension is given, to the lower one (0.2 for
+        20 %).
+    carriage : float or array_like, default 0.5
+        Horizontal distance of the carriage from the upper support, over the span.
+
+    Raises
+    ------
+    InputError
+        A value out of its range, or a negative slope.
     """
 
     span: Numbers

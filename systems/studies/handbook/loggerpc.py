@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 from ropeway.systems.studies.handbook.longest_rope import require_profile
 
 POUND_FORCE = 4.4482216152605

@@ -15,8 +15,9 @@ from scipy.optimize import brentq
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array
-from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces, require
+from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -51,11 +52,35 @@ def longest_rope(
     *,
     clearance: float = 0.0,
 ) -> LongestRope:
-    """The longest inextensible rope between two support points (x, z) that stays `clearance` [m] or more above
-    the terrain, measured vertically.
+    """The longest inextensible rope between two points that has a vertical clearance above a terrain.
 
-    stations, elevations: the terrain [m], piecewise linear, stations rising, over the whole span. Raises
-    InputError for a profile that is none or does not reach, and SlackRopeError where no rope clears it.
+    Parameters
+    ----------
+    stations : array_like
+        Stations of the terrain [m], increasing, over the whole span.
+    elevations : array_like
+        Elevations at these stations [m].
+    headspar, tailspar : tuple of float
+        Ends of the rope, (x, z) [m].
+    clearance : float, default 0
+        Smallest vertical clearance [m].
+
+    Returns
+    -------
+    LongestRope
+        Its `length`, `curve`, and the station that it `touches`.
+
+    Raises
+    ------
+    InputError
+        An invalid profile, or one that does not cover the span.
+    SlackRopeError
+        No rope clears the terrain.
+
+    Examples
+    --------
+    >>> rw.longest_rope([0, 50, 120], [0, -9, 2], (0.0, 9.0), (120.0, 8.0), clearance=1.0).length
+    123.68906747914883
     """
     x, z = require_profile(stations, elevations)
     require(clearance, "clearance [m]", lambda v: v >= 0.0, "zero or more")

@@ -17,8 +17,8 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.rope import MODULUS, ConstructionStretch
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 
 DENSITY = 9300.0
 """Of the metal of a 6x19 IWRC rope [kg/m3] (Lyons, p. 32)."""
@@ -117,10 +117,27 @@ def locus_phi(tau: Numbers, slope: Numbers, *, share: float = 1.0 / 3.0) -> Arra
 
 @checked
 def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
-    """Lyons' Figure 2 as numbers: the ratio of the average-tension method's length to the exact one, of all cases.
+    """Lyons' Figure 2 as numbers: the average-tension length over the exact one, for all cases.
 
-    Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
-    cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
+    Parameters
+    ----------
+    phi : array_like
+        V_A/W, support force over the weight of the rope.
+
+    Returns
+    -------
+    DataFrame
+        Columns case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation (T_A/MBL, NaN in
+        cases 1-4), possible (whether a rope can have these beta and tau and that tension).
+
+    Raises
+    ------
+    InputError
+        Invalid values of phi.
+
+    Examples
+    --------
+    >>> rw.twelve_cases([0.5, 1.0, 2.0])
     """
     values = np.asarray(phi, dtype=float).ravel()
     tables = []

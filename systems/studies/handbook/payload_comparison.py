@@ -13,9 +13,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.harvey_as_printed import SLOPES, TABLE_2
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import Joint, catenary_clamped, catenary_rolling, elastic_state
 from ropeway.systems.studies.handbook.payload_methods import METHODS, Method, payload_for_tension
@@ -39,18 +39,47 @@ def compare_payload_methods(
 ) -> pd.DataFrame:
     """Payload of every method on one span at several chord slopes.
 
-    span [m], horizontal; deflection: vertical, from the chord to the carriage [m]; chord_slopes: fall from the
-    upper support over the span (0.2 for 20 %); tension at the upper support [N], None for the rope's safe working
-    load; carriage_mass [kg]; carriage: its distance from the upper support as a share of the span.
+    The rows "elastic catenary" include the stretch of the rope. Harvey's rigid-link sums have their own rows, as
+    printed only.
 
-    One row for each method and slope. Columns: method, chord_slope, payload [kg], error: relative, of the payload
-    against the exact clamped one (inextensible rope, equal horizontal tension on both sides of the carriage), and
-    error_rolling against the exact rolling one (equal tension, horizontal mainline). The rows "elastic catenary"
-    have the rope's own stretch. as_printed=True adds as_printed: payload of the source's formula or readings with
-    their faults; printed: the number in Harvey (2013), Table 2, where the span is his; and the erratum. His
-    rigid-link sums have rows of their own, as printed only.
+    Parameters
+    ----------
+    span : float
+        Horizontal distance of the supports [m].
+    deflection : float
+        Vertical distance from the chord down to the carriage [m].
+    chord_slopes : sequence of float
+        Fall from the upper support over the span (0.2 for 20 %).
+    rope : Rope
+        The skyline.
+    tension : float, optional
+        Tension at the upper support [N]; by default the safe working load of the rope.
+    carriage_mass : float, default 0
+        Mass of the carriage [kg].
+    carriage : float, default 0.5
+        Horizontal distance of the carriage from the upper support, over the span.
+    as_printed : bool, default False
+        Whether to add the columns as_printed (payload by the source's formula or readings, with their errors), printed
+        (the number of Harvey (2013), Table 2, for his span) and erratum.
+    gravity : float, default 9.80665
+        Gravity [m/s2].
 
-    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    Returns
+    -------
+    DataFrame
+        A row for each method and slope: method, chord_slope, payload [kg], error (relative to the exact clamped payload
+        of an inextensible rope) and error_rolling (relative to the exact rolling payload with a horizontal mainline).
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> rw.compare_payload_methods(span=200.0, deflection=25.0, chord_slopes=(0.0, 0.1), rope=rope)
     """
     slopes = np.asarray(chord_slopes, dtype=float)
     if slopes.ndim != 1 or slopes.size == 0:
@@ -91,12 +120,47 @@ def method_errors(
     methods: Sequence[str] | None = None,
     gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
-    """Error of each method's gross load against the exact one, over a grid of chord slopes, deflections (share of
-    the span, at the carriage) and carriage places (share of the span).
+    """Error of the gross load of each method over a grid of spans.
 
-    Index method; columns: reference, lowest, highest, mean absolute error (relative), and slope, deflection and
-    carriage where it is worst. A rolling method is measured against the rolling catenary. Raises as
-    `compare_payload_methods`.
+    Rolling methods are compared with the rolling catenary, others with the clamped one.
+
+    Parameters
+    ----------
+    rope : Rope
+        The skyline.
+    span : float
+        Horizontal distance of the supports [m].
+    tension : float
+        Tension at the upper support [N].
+    slopes : array_like
+        Chord slopes.
+    deflections : array_like
+        Deflections at the carriage, over the span.
+    carriages : array_like
+        Distances of the carriage from the upper support, over the span.
+    methods : sequence of str, optional
+        Names of methods; by default all.
+    gravity : float, default 9.80665
+        Gravity [m/s2].
+
+    Returns
+    -------
+    DataFrame
+        Index method; reference, lowest, highest and mean absolute error (relative), and slope, deflection and carriage
+        of the largest error.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+    UnknownNameError
+        An unknown method.
+
+    Examples
+    --------
+    >>> rw.method_errors(rope, span=200.0, tension=192e3, slopes=[0.0, 0.2], deflections=[0.1], carriages=[0.5])
     """
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     s, y, c = (v.ravel() for v in np.meshgrid(*map(np.asarray, (slopes, deflections, carriages)), indexing="ij"))

@@ -15,9 +15,10 @@ from ropeway.components.annotation_checks import PositiveNumbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import alike
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, length_between, taut_u, vertical_at
+from ropeway.systems.studies.handbook.inextensible_catenary import length_between, taut_u, vertical_at
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 
 Joint = Literal["clamped", "rolling"]
@@ -57,10 +58,38 @@ def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Arr
 def exact_load(
     line: LoadedSpan, weight: PositiveNumbers, tension: PositiveNumbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
-    """The exact state for inextensible rope. weight: per metre; tension: at the upper support; pull_slope: rise
-    over run of the mainline, from a rolling carriage towards the upper support (0: horizontal).
+    """The exact state of a loaded span with an inextensible rope.
 
-    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array_like
+        Weight of the rope per metre.
+    tension : float or array_like
+        Tension at the upper support, in the unit of the weight.
+    joint : {"clamped", "rolling"}
+        How the carriage holds the skyline.
+    pull_slope : float or array_like, default 0
+        Slope of the mainline from a rolling carriage towards the upper support, rise over run.
+
+    Returns
+    -------
+    ExactLoad
+        Gross load, tensions, lengths and pull of the mainline.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> line = rw.LoadedSpan(200.0, 25.0)
+    >>> float(rw.exact_load(line, weight=3.48, tension=19600.0, joint="clamped").gross)
+    9127.455811385567
     """
     alike(*line.parts, weight, tension, pull_slope)
     return _solved(exact_state(line, weight, tension, joint, pull_slope=pull_slope), tension)
@@ -76,9 +105,40 @@ def elastic_load(
     *,
     pull_slope: Numbers = 0.0,
 ) -> ExactLoad:
-    """The exact state for a rope that stretches; weight: per unstretched metre. As `exact_load` otherwise.
+    """The exact state of a loaded span with an elastic rope.
 
-    strain: coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array_like
+        Weight of the rope per unstretched metre.
+    tension : float or array_like
+        Tension at the upper support, in the unit of the weight.
+    strain : Strain
+        Coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` in N).
+    joint : {"clamped", "rolling"}
+        How the carriage holds the skyline.
+    pull_slope : float or array_like, default 0
+        Slope of the mainline from a rolling carriage towards the upper support, rise over run.
+
+    Returns
+    -------
+    ExactLoad
+        Gross load, tensions, unstretched lengths and pull of the mainline.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> rope = rw.Rope.named("RHOL-IWRC 29")
+    >>> float(rw.elastic_load(rw.LoadedSpan(200.0, 25.0), 34.1, 192e3, rope.strain, "clamped").gross)
+    89431.05224760203
     """
     alike(*line.parts, weight, tension, pull_slope)
     return _solved(elastic_state(line, weight, tension, strain, joint, pull_slope=pull_slope), tension)

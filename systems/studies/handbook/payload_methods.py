@@ -23,8 +23,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import SlackRopeError
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import alike, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, rising
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, catenary_for_sag, minimum_tension, require
+from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_sag, minimum_tension
 from ropeway.systems.studies.handbook.kendrick import Weighed, kendrick_iteration, weighed
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import catenary_clamped, catenary_rolling
@@ -159,10 +160,40 @@ def payload_for_tension(
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Payload [kg] for a tension [N] at the upper support, after one of the methods, as `METHODS["rigid link"]`.
+    """Payload for a tension at the upper support, by one of the methods.
 
-    Negative where the rope cannot even carry the carriage. Raises InputError, and SlackRopeError where the
-    tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    method : callable
+        One of `ropeway.systems.studies.handbook.payload_methods.METHODS`, such as `METHODS["rigid link"]`.
+    line : LoadedSpan
+        The span with its carriage.
+    rope : Rope
+        The skyline.
+    tension : float or array_like
+        Tension at the upper support [N].
+    carriage_mass : float or array_like, default 0
+        Mass of the carriage [kg].
+    gravity : float, default 9.80665
+        Gravity [m/s2].
+
+    Returns
+    -------
+    ndarray
+        Payload [kg]; negative if the rope cannot carry the carriage.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        The tension is too low for the weight of the rope.
+
+    Examples
+    --------
+    >>> from ropeway.systems.studies.handbook.payload_methods import METHODS
+    >>> float(rw.payload_for_tension(METHODS["rigid link"], rw.LoadedSpan(200.0, 25.0), rope, 192e3))
+    9116.806498514929
     """
     alike(*line.parts, tension, carriage_mass)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
@@ -184,9 +215,39 @@ def tension_for_payload(
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Tension [N] at the upper support for a payload [kg], after one of the methods (`METHODS`); the taut rope.
+    """Tension of the taut rope at the upper support for a payload, by one of the methods.
 
-    Raises InputError, and SlackRopeError where no taut rope through the carriage's place is loaded so little.
+    Parameters
+    ----------
+    method : callable
+        One of `ropeway.systems.studies.handbook.payload_methods.METHODS`, such as `METHODS["rigid link"]`.
+    line : LoadedSpan
+        The span with its carriage.
+    rope : Rope
+        The skyline.
+    payload : float or array_like
+        Payload [kg].
+    carriage_mass : float or array_like, default 0
+        Mass of the carriage [kg].
+    gravity : float, default 9.80665
+        Gravity [m/s2].
+
+    Returns
+    -------
+    ndarray
+        Tension at the upper support [N].
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+    SlackRopeError
+        No taut rope has such a small payload at this deflection.
+
+    Examples
+    --------
+    >>> float(rw.tension_for_payload(METHODS["rigid link"], rw.LoadedSpan(200.0, 25.0), rope, 9000.0))
+    189638.6259809267
     """
     alike(*line.parts, payload, carriage_mass)
     require(payload, "payload [kg]", lambda v: v >= 0.0, "zero or more")

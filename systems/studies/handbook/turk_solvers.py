@@ -22,8 +22,8 @@ from ropeway.components import catenary, check, parabola
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.handbook.array_checks import finite
 from ropeway.systems.studies.handbook.array_roots import Array
-from ropeway.systems.studies.handbook.inextensible_catenary import finite
 
 SpanMethod = Literal["successive substitution", "Newton-Raphson", "Brown"]
 """Turk's three methods."""
@@ -37,10 +37,29 @@ _DIFFERENCE = 1e-7  # forward difference, relative
 @checked
 @dataclass(frozen=True)
 class SpanProblem:
-    """A span with loads: end b `span` away from end a and `rise` higher, unstretched `length`, `weight` per
-    unstretched length, `axial_stiffness`, `loads` (downward) at unstretched `distances` from a, in order.
+    """A span with loads, in any unit of force and length.
 
-    Any one unit of force and length. Raises InputError.
+    Parameters
+    ----------
+    span : float
+        Horizontal distance of the ends.
+    rise : float
+        Height of end b above end a.
+    length : float
+        Unstretched length of the rope.
+    weight : float
+        Weight per unstretched length.
+    axial_stiffness : float
+        EA.
+    distances : sequence of float, default ()
+        Unstretched distances of the loads from a, in order.
+    loads : sequence of float, default ()
+        Loads, downward.
+
+    Raises
+    ------
+    InputError
+        A value that is not positive, or loads outside the span.
     """
 
     span: float
@@ -72,12 +91,38 @@ class SpanProblem:
         return float(np.hypot(self.span, self.rise))
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """x and z (up) of end b; vertical: upward force of the support at a on the rope."""
+        """Position of end b for a force at a.
+
+        Parameters
+        ----------
+        horizontal : float
+            Horizontal tension.
+        vertical : float
+            Upward force of the support at a on the rope.
+
+        Returns
+        -------
+        x, z : float
+            Position from a, z up.
+        """
         x, z = finite(self._end(horizontal, vertical), "reach")
         return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
-        """Stretched length."""
+        """Stretched length for a force at a.
+
+        Parameters
+        ----------
+        horizontal : float
+            Horizontal tension.
+        vertical : float
+            Upward force of the support at a on the rope.
+
+        Returns
+        -------
+        float
+            Stretched length.
+        """
         return float(finite(self._total(horizontal, vertical), "stretched length"))
 
     def _end(self, horizontal: float, vertical: float) -> tuple[float, float]:
@@ -143,11 +188,43 @@ def solve_span(
     tolerance: float = 1e-9,
     limit: int = 60,
 ) -> History:
-    """Iterate on a span's two equations until its end is within tolerance times the span, or `limit` is reached.
+    """Solve the two equations of a span iteratively, and record the iteration.
 
-    start: (H, V), default the parabola's. damped: a step of Newton or Brown changes the tension by half of itself
-    at most, the substitution goes half of each step (in 1/H). Newton takes 6 evaluations of one equation a round
-    (forward differences), Brown 5. unknowns: for Newton and Brown. Raises InputError.
+    The iteration ends when the end of the rope is within tolerance times the span, or at the limit. A round takes 6
+    evaluations of one equation with Newton-Raphson (forward differences), 5 with Brown's method.
+
+    Parameters
+    ----------
+    problem : SpanProblem
+        The span.
+    method : {"Newton-Raphson", "Brown", "successive substitution"}, default "Newton-Raphson"
+        The method.
+    start : tuple of float, optional
+        Initial guess of the horizontal and vertical force at a; by default those of the parabola.
+    damped : bool, default True
+        Whether a step of Newton or Brown changes the tension by at most half of it, and a substitution takes half of
+        each step (in 1/H).
+    unknowns : {"horizontal and vertical", "tension and angle"}, default "horizontal and vertical"
+        Unknowns of Newton and Brown.
+    tolerance : float, default 1e-9
+        Distance of the rope's end from b over the span.
+    limit : int, default 60
+        Largest number of iterations.
+
+    Returns
+    -------
+    History
+        The iterates, and whether they converged.
+
+    Raises
+    ------
+    InputError
+        An invalid value.
+
+    Examples
+    --------
+    >>> rw.solve_span(rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)).iterations
+    3
     """
     check.count(limit, "solve_span", "iterates", 1_000)
     check.positive(tolerance, "solve_span", "tolerance")
