@@ -19,7 +19,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector
 from ropeway.components.check import ANY, Range
-from ropeway.components.errors import UnknownNameError
+from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
 
@@ -531,9 +531,17 @@ class Node(Component):
         object.__setattr__(self, "at", check.point(self.at, self.described))
 
     @property
+    def position(self) -> tuple[float, float, float]:
+        """(x, y, z) [m]. Raises InputError for a support that no terrain has given its place yet."""
+        if not self.at:
+            raise InputError(f"{self.described} has no position", "Give at=, or place it on a terrain by a rig")
+        x, y, z = self.at
+        return x, y, z
+
+    @property
     def described(self) -> str:
         """Class and label, for error messages."""
-        return f"{type(self).__name__} {self.label!r}"
+        return f"{type(self).__name__} {self.label or self.name!r}"
 
     @property
     def arriving(self) -> Seat:
@@ -620,5 +628,5 @@ class Node(Component):
         """
         return tuple(
             Variable(axis, Kind.PARAMETER, "m", f"{axis} coordinate of the support", value, 100.0)
-            for axis, value in zip("xyz", self.at, strict=True)
+            for axis, value in zip("xyz", self.position, strict=True)
         )

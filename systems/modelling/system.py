@@ -361,10 +361,11 @@ class System(Declarations):
 
 
 def _node_of(seat: Seat) -> Node:
-    """The node of a seat. Raises InputError where it has no place yet."""
+    """The node of a seat. Raises InputError where it has no position yet."""
     node = seat.owner
-    if not isinstance(node, Node) or not node.at:
-        raise InputError(f"{node.name!r} has no place", "Give at=, or stand it on a terrain")
+    if not isinstance(node, Node):
+        raise InputError(f"{node.name!r} is no support", "Give supports, or their seats")
+    _ = node.position
     return node
 
 
