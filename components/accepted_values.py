@@ -312,11 +312,11 @@ def any_of(plain: tuple[type, ...], expected: Sequence[str], checks: Sequence[Ch
         for check in checks:
             try:
                 return check(value)
-            except RefusedError as error:
-                refusals.append(error)
-        for refusal in refusals:  # an error within the right container is more specific than the list of kinds
-            if refusal.place or refusal.expected == FINITE:
-                raise refusal
+            except RefusedError as refusal:
+                refusals.append(refusal)
+        for failure in refusals:  # an error within the right container is more specific than the list of kinds
+            if failure.place or failure.expected == FINITE:
+                raise failure
         raise RefusedError(value, " or ".join(dict.fromkeys((*(r.expected for r in refusals), *expected))))
 
     return alternative

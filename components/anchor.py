@@ -12,7 +12,9 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked

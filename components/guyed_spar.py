@@ -14,12 +14,13 @@ from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import HeadSpar, Tailhold
 from ropeway.components.terrain import Profile
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked

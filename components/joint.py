@@ -9,7 +9,9 @@ from typing import Any, ClassVar
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked

@@ -11,9 +11,9 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
+from ropeway.components.variable import Energies, Equations, Kind, Site, Variable
 
 
 @checked

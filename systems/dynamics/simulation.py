@@ -10,8 +10,8 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal

@@ -12,10 +12,10 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.carriage import Carriage, Holding
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, HeadSpar, TailSpar
 from ropeway.components.terrain import Profile

@@ -13,12 +13,13 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
-from ropeway.components.component import Node, Seat
+from ropeway.components.component import Seat
 from ropeway.components.drum import Drum
 from ropeway.components.errors import EquilibriumError, InputError, SlackRopeError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.log import Log
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, HeadSpar, TailSpar

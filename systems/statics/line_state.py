@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, nearest
 from ropeway.systems.modelling.initial_guess import run_start

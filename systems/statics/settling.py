@@ -118,7 +118,7 @@ def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
             loads = run.loads
             trial.runs[r] = replace(run, loads=replace(loads, place=part * loads.place, at=part * loads.at))
 
-    if any(node.kept_tension is not None for run in runs for node in run.nodes):
+    if any(node.set_tension is not None for run in runs for node in run.nodes):
         raise EquilibriumError(
             f"A drum of system {state.model.name!r} keeps its tension at any length", "Look at its tension"
         )
@@ -242,6 +242,6 @@ def _gives_way(run: Run) -> bool:
     """Whether a drum or a wheel on a slide lets rope run at a constant force, so that no rope is short enough to hold
     any load."""
     return any(
-        node.kept_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
+        node.set_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
         for node in run.nodes
     )

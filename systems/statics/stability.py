@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.certificate_layout import layout_of

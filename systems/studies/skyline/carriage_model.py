@@ -11,10 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ropeway.components import catenary, shoe
-from ropeway.components.component import Kind, Node, Seat
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model

@@ -11,10 +11,10 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.rounding import at_most
 from ropeway.components.terrain import Profile

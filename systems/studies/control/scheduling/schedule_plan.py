@@ -42,7 +42,6 @@ class SchedulePlan(PlanData):
     def trimmed(self) -> System:
         """The line with trims that correct towards the plan: feed-forward plus trim is
         `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
-
         return trimmed_line(self, self.trim)
 
     def robustness(
@@ -53,7 +52,6 @@ class SchedulePlan(PlanData):
         tension [N], "over plan" (that over the plan's, less 1), deviation [N], from `settle` [s] on, by default the
         plan's, and energy [J] of the whole run; NaN where the line could not go on.
         """
-
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:

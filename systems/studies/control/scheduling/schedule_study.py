@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import check
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InfeasibleScheduleError, InputError, RopewayError, ScheduleError
+from ropeway.components.node import Node
 from ropeway.components.response import ProportionalResponse, Response
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.result import Result
