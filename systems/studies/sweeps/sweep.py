@@ -25,7 +25,7 @@ from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.studies.sweeps.cases import Units, any_unit, table_of
 from ropeway.systems.studies.sweeps.journal import Journal, JournalRow
 from ropeway.systems.studies.sweeps.line_study import line_mark, line_study, line_unit, line_units
-from ropeway.systems.studies.sweeps.workers import Workers, crew
+from ropeway.systems.studies.sweeps.workers import Workers, worker_pool
 
 Study = Callable[..., Mapping[str, Any] | float]
 """A function of the parameters of a case, by name."""
@@ -135,9 +135,9 @@ def _run(
     left = [i for i in range(len(every)) if i not in rows]
     size = max(1, min(50, len(every) // 200))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
+    with bar("sweep", len(every), progress) as advance, worker_pool(workers) as pool:
         advance(len(rows))
-        for k, found in share_out(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
+        for k, found in pool(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
             new = dict(zip(chunks[k], found, strict=True))
             rows.update(new)
             if journal is not None:

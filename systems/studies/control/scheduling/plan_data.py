@@ -85,7 +85,7 @@ class PlanData:
     lead: str
     trim: ProportionalResponse
 
-    def told(self, name: str) -> str:
+    def objective_text(self, name: str) -> str:
         """An objective with its value, unit and the time that it counts, as a text. Raises UnknownNameError."""
         if name not in self.objectives:
             raise UnknownNameError(f"The plan has no objective {name!r}", f"It has {', '.join(self.objectives)}")

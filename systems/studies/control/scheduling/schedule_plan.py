@@ -35,7 +35,7 @@ class SchedulePlan(PlanData):
     """
 
     def __repr__(self) -> str:
-        found = ", ".join(self.told(name) for name in self.weights)
+        found = ", ".join(self.objective_text(name) for name in self.weights)
         return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
 
     @property
