@@ -27,8 +27,7 @@ from ropeway.systems.studies.control.scheduling.sample_times import sample_times
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.scheduling.schedule_tasks import ScheduleTasks
 from ropeway.systems.studies.control.scheduling.section_equations import LineEquations
-from ropeway.systems.studies.control.scheduling.solution import Planned
-from ropeway.systems.studies.control.scheduling.solution import planned as solved
+from ropeway.systems.studies.control.scheduling.solution import Planned, planned as solved
 from ropeway.systems.studies.control.scheduling.terms import Parts, Task
 
 _ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6
