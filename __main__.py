@@ -244,7 +244,7 @@ def _report(result: Result) -> None:
     frame, events, rope = result.frame, result.events, result.runs[0].rope
     tensions = result.full_frame.filter(regex=r"\.(tension_in|tension_out|rope_tension)$")
     ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
-    driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.kept_tension is not None]
+    driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.set_tension is not None]
     names = [c for n in driven for c in tensions.columns if c.startswith(f"{n.name}.")]
     _table(
         f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",

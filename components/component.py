@@ -581,7 +581,7 @@ class Node(Component):
         return None
 
     @property
-    def kept_tension(self) -> float | None:
+    def set_tension(self) -> float | None:
         """Constant tension that the node holds by paying out or winding in [N]; None otherwise."""
         return None
 

@@ -68,7 +68,7 @@ class Drum(Node):
         return "speed" if self.tension is None else None
 
     @property
-    def kept_tension(self) -> float | None:
+    def set_tension(self) -> float | None:
         return self.tension
 
     @property

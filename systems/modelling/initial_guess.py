@@ -53,8 +53,8 @@ def run_start(
     total = rope[last] - rope[first]
     kept = np.full(count, np.nan)
     for node, k in ((run.nodes[0], 0), (run.nodes[-1], -1)):
-        if node.kept_tension is not None:
-            kept[group[k]] = node.kept_tension - weight * (points[k, 2] - points[0, 2])
+        if node.set_tension is not None:
+            kept[group[k]] = node.set_tension - weight * (points[k, 2] - points[0, 2])
     closed = np.isnan(kept)
     for _ in range(3 if np.any(free) else 1):
         beyond = loads_passed(run, rope)

@@ -98,7 +98,7 @@ class Run:
     @property
     def moves(self) -> bool:
         """Whether rope can run over its ends or through a drive."""
-        return any(n.drive_speed is not None or n.kept_tension is not None for n in self.nodes)
+        return any(n.drive_speed is not None or n.set_tension is not None for n in self.nodes)
 
 
 def _place(seat: Seat, read: Callable[[str], float]) -> np.ndarray:

@@ -15,6 +15,7 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System, caller
+from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.given_values import solve_swapped
@@ -108,9 +109,11 @@ def _at_rest(
     "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
     declared = state.point.p.copy()
     if way == "let out":
-        state = let_out(state)
+        with bar("equilibrium: rope let out", 1.0) as advance:
+            state = let_out(state, advance=advance)
     elif way == "loaded":
-        state = loaded(state)
+        with bar("equilibrium: loads added", 1.0) as advance:
+            state = loaded(state, advance)
     if wanted:
         solve_swapped(state, wanted, freed, from_chord=way != "let out")
     elif way in ("near", "from geometry"):

@@ -1,4 +1,4 @@
-"""What is asked of a schedule, as bounds on the outputs and speeds of a line."""
+"""Tasks of schedules: bounds on the outputs and speeds of a line."""
 
 from __future__ import annotations
 
