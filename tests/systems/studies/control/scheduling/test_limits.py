@@ -8,6 +8,7 @@ import pytest
 
 import ropeway as rw
 from support import schedule_lines
+from support.drives import hydraulic_drive
 
 UNTIL = 40.0
 
@@ -72,15 +73,7 @@ def test_a_line_that_stands_takes_no_energy() -> None:
 
 @pytest.mark.slow
 def test_drives_are_kept_within_what_they_have() -> None:
-    drive = rw.HydraulicDrive(
-        displacement=127e-6,
-        gear_ratio=20.0,
-        sheave_radius=0.5,
-        relief_pressure=250e5,
-        pump_flow=7e-3,
-        engine_power=60e3,
-        inertia=800.0,
-    )
+    drive = hydraulic_drive()
     free = plan_of(schedule_lines.line(drive=drive), minimise="tension deviation")
     assert free.gap.crossing_time < 5e-3
     used = free.result.full_frame.loc[10.0:, "c3.pressure"].max()
