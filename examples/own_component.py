@@ -1,5 +1,4 @@
-"""Components of your own: a counterweight with inertia, an anchor with spring and damper; simulated, swept, exported.
-"""
+"""Components of your own: a counterweight with inertia, an anchor with spring and damper; simulated, swept, exported."""
 
 from __future__ import annotations
 

@@ -22,8 +22,31 @@ from ropeway.components.units import conversion, to_si
 
 @checked
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, seed: int = 0) -> pd.DataFrame:
-    """Cases spread evenly between the `bounds` (low, high) of each parameter: in each of `samples` equal parts of
-    a parameter's range there is one. One row a case, the same for the same seed. Raises InputError."""
+    """Cases evenly spread between bounds: each of `samples` equal parts of a parameter's range has one.
+
+    Parameters
+    ----------
+    bounds : mapping of str to (float, float)
+        Lowest and highest value of each parameter.
+    samples : int
+        Number of cases.
+    seed : int, default 0
+        Of the random numbers; the cases are the same for the same seed.
+
+    Returns
+    -------
+    DataFrame
+        A row a case.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> rw.latin_hypercube({"l7.mass": (100.0, 500.0), "s3.z": (40.0, 44.0)}, 4).shape
+    (4, 2)
+    """
     if not bounds or samples < 1:
         raise InputError("latin_hypercube has nothing to spread", "Give bounds and at least one sample")
     for name, ends_of in bounds.items():
