@@ -93,6 +93,11 @@ def unbounded(value: Any) -> Any:
     return float(value) if is_real(value) and value in (math.inf, -math.inf) else real(value)
 
 
+def undefined(value: Any) -> Any:
+    """A number, which may be NaN."""
+    return float(value) if is_real(value) and value != value else real(value)
+
+
 def whole(value: Any) -> Any:
     """An integer."""
     if is_real(value) and isinstance(value, numbers.Integral):

@@ -228,7 +228,7 @@ class GuyedSpar(HeadSpar):
             ),
             Variable("height", par, "m", "length of the mast", self.height or 0.0, 10.0, range=POSITIVE),
             Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0, range=NOT_NEGATIVE),
-            *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
+            *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.position, strict=True)),
             Variable("axial", alg, "N", "compression of the mast", upright, force),
             *(
                 Variable(f"{r}_travel", alg, "m", f"unstretched length of {r} run through its block", 0.0, site.length)

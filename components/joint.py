@@ -71,7 +71,7 @@ class Joint(Node):
         return (
             *(
                 Variable(axis, Kind.ALGEBRAIC, "m", f"{axis} of the joint", value, 100.0)
-                for axis, value in zip("xyz", self.at, strict=True)
+                for axis, value in zip("xyz", self.position, strict=True)
             ),
             Variable("mass", Kind.PARAMETER, "kg", "mass of the joint", self.mass, 1000.0, range=NOT_NEGATIVE),
             *(

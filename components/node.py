@@ -9,6 +9,7 @@ from typing import ClassVar
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port, Seat
+from ropeway.components.errors import InputError
 from ropeway.components.variable import Kind, Variable
 
 
@@ -43,7 +44,15 @@ class Node(Component):
     @property
     def described(self) -> str:
         """Class and label, for error messages."""
-        return f"{type(self).__name__} {self.label!r}"
+        return f"{type(self).__name__} {self.label or self.name!r}"
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """(x, y, z) [m]. Raises InputError for a support that no terrain has given its position yet."""
+        if not self.at:
+            raise InputError(f"{self.described} has no position", "Give at=, or place it on a terrain by a rig")
+        x, y, z = self.at
+        return x, y, z
 
     @property
     def arriving(self) -> Seat:
@@ -130,5 +139,5 @@ class Node(Component):
         """
         return tuple(
             Variable(axis, Kind.PARAMETER, "m", f"{axis} coordinate of the support", value, 100.0)
-            for axis, value in zip("xyz", self.at, strict=True)
+            for axis, value in zip("xyz", self.position, strict=True)
         )

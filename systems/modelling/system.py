@@ -384,6 +384,7 @@ class System(Declarations):
 def _node_of(seat: Seat) -> Node:
     """The node of a seat. Raises InputError if it has no position yet."""
     node = seat.owner
-    if not isinstance(node, Node) or not node.at:
-        raise InputError(f"{node.name!r} has no position", "Give at=, or place it on a terrain")
+    if not isinstance(node, Node):
+        raise InputError(f"{node.name!r} is not a support", "Give supports, or their seats")
+    _ = node.position
     return node

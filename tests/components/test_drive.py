@@ -9,16 +9,9 @@ from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.smooth import clip, clip_above
+from support import drives
 
-SETTINGS = {
-    "displacement": 127e-6,
-    "gear_ratio": 20.0,
-    "sheave_radius": 0.5,
-    "relief_pressure": 250e5,
-    "pump_flow": 6e-3,
-    "engine_power": 60e3,
-    "inertia": 800.0,
-}
+SETTINGS = {**drives.SETTINGS, "pump_flow": 6e-3}
 
 
 @given(st.floats(-5.0, 5.0), st.floats(0.1, 3.0))

@@ -14,6 +14,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 import ropeway as rw
 from ropeway.components.component import Component
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 SUPPORTS = Path(__file__).resolve().parents[2] / "examples" / "line.csv"
@@ -100,15 +101,7 @@ def valley(speed: float, at: float) -> rw.System:
     return s
 
 
-HYDRAULIC = rw.HydraulicDrive(
-    displacement=1e-4,
-    gear_ratio=20.0,
-    sheave_radius=0.5,
-    relief_pressure=350e5,
-    pump_flow=0.02,
-    engine_power=60e3,
-    inertia=500.0,
-)
+HYDRAULIC = hydraulic_drive(displacement=1e-4, relief_pressure=350e5, pump_flow=0.02, inertia=500.0)
 
 
 def open_line() -> rw.System:

@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.1, axial_stiffness=31e6, breaking_load=500e3)
-DRIVE = rw.HydraulicDrive(
-    displacement=1e-4,
-    gear_ratio=10.0,
-    sheave_radius=0.5,
-    relief_pressure=3e7,
-    pump_flow=5e-3,
-    engine_power=60e3,
-    inertia=2000.0,
-)
+DRIVE = hydraulic_drive(displacement=1e-4, gear_ratio=10.0, relief_pressure=3e7, pump_flow=5e-3, inertia=2000.0)
 
 
 def line(mass: float, *, spans: int = 6, precedence: str = "worst first", **how: Any) -> rw.System:
