@@ -104,6 +104,7 @@ class Disturbance:
         Parameters
         ----------
         planned : Equilibrium
+            The start of the plan.
 
         Returns
         -------
