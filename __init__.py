@@ -166,8 +166,8 @@ if TYPE_CHECKING:
     from ropeway.systems.rigs.monocable import monocable as monocable
     from ropeway.systems.rigs.running_skyline import running_skyline as running_skyline
     from ropeway.systems.rigs.skyline_rig import SkylineRig as SkylineRig
-    from ropeway.systems.rigs.skyline_rig import Turn as Turn
     from ropeway.systems.rigs.standing_skyline import standing_skyline as standing_skyline
+    from ropeway.systems.rigs.turn import Turn as Turn
     from ropeway.systems.statics.equilibrium import Equilibrium as Equilibrium
     from ropeway.systems.statics.equilibrium_solver import equilibrium as equilibrium
     from ropeway.systems.studies.control.objectives import objectives as objectives
@@ -207,8 +207,8 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.skyline.inhaul import Inhaul as Inhaul
     from ropeway.systems.studies.skyline.inhaul import inhaul as inhaul
     from ropeway.systems.studies.skyline.load_path import load_path as load_path
-    from ropeway.systems.studies.skyline.payload import PayloadStudy as PayloadStudy
-    from ropeway.systems.studies.skyline.payload import payload as payload
+    from ropeway.systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy
+    from ropeway.systems.studies.skyline.payload.study import payload as payload
     from ropeway.systems.studies.skyline.pretension import SetUp as SetUp
     from ropeway.systems.studies.skyline.pretension import set_up as set_up
     from ropeway.systems.studies.skyline.pretension import tension_history as tension_history
@@ -247,8 +247,9 @@ _HOMES = {
     "ropeway.systems.rigs.live_skyline": "gravity_skyline live_skyline",
     "ropeway.systems.rigs.monocable": "monocable",
     "ropeway.systems.rigs.running_skyline": "running_skyline",
-    "ropeway.systems.rigs.skyline_rig": "SkylineRig Turn",
+    "ropeway.systems.rigs.skyline_rig": "SkylineRig",
     "ropeway.systems.rigs.standing_skyline": "standing_skyline",
+    "ropeway.systems.rigs.turn": "Turn",
     "ropeway.systems.statics.equilibrium": "Equilibrium",
     "ropeway.systems.statics.equilibrium_solver": "equilibrium",
     "ropeway.systems.studies.control.objectives": "objectives",
@@ -276,7 +277,7 @@ _HOMES = {
     "ropeway.systems.studies.sensitivity.sensitivities": "sensitivities",
     "ropeway.systems.studies.skyline.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.skyline.load_path": "load_path",
-    "ropeway.systems.studies.skyline.payload": "PayloadStudy payload",
+    "ropeway.systems.studies.skyline.payload.study": "PayloadStudy payload",
     "ropeway.systems.studies.skyline.pretension": "SetUp set_up tension_history",
     "ropeway.systems.studies.skyline.support_layout": "Candidate SupportPlan optimise_supports support_range",
     "ropeway.systems.studies.sweeps.cases": "latin_hypercube",

@@ -150,12 +150,12 @@ def payload(
 ) -> None:
     """Largest payload at stations along a standing skyline, and what limits it."""
     import ropeway as rw
-    from ropeway.systems.studies.skyline.payload_command import payload_command
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
 
     with errors_on_one_line():
         folder_for(out)
-        study, paths = payload_command(
-            corridor,
+        request = CorridorRequest(
+            corridor=corridor,
             skyline=rw.Rope.named(skyline),
             mainline=None if mainline is None else rw.Rope.named(mainline),
             tension=tension,
@@ -169,8 +169,8 @@ def payload(
             safety_factor=safety_factor,
             clearance=clearance,
             spacing=spacing,
-            out=out,
         )
+        study, paths = payload_command(request, out)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)

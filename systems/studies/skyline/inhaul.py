@@ -23,15 +23,15 @@ from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import Places, require_pulled
-from ropeway.systems.studies.skyline.load_path import row, units_of
-from ropeway.systems.studies.skyline.payload import margins_of
+from ropeway.systems.studies.skyline.limits import LoadLimits, margins_of
+from ropeway.systems.studies.skyline.station_row import StationRow, station_row, units_of
 from ropeway.systems.studies.skyline.station_solver import NEAR, SIDE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Happening(NamedTuple):
+class CarriageEvent(NamedTuple):
     """Something that happened to the carriage: time [s], what, and where [m]."""
 
     time: float
@@ -123,9 +123,9 @@ class _Run:
     ) -> None:
         self.rig, self.payload, self.every, self.changes, self.tolerance = rig, payload, every, changes, tolerance
         self.time = 0.0
-        self.rows: list[dict[str, float | str | int]] = []
-        self.events: list[Happening] = []
-        self.margins = margins_of(rig, rig.skyline.safety_factor, None, (None, 0.0), lift_off=True)
+        self.rows: list[StationRow] = []
+        self.events: list[CarriageEvent] = []
+        self.margins = margins_of(rig, LoadLimits(rig.skyline.safety_factor))
         self.beyond: set[str] = set()
 
     def result(self) -> Inhaul:
@@ -139,7 +139,7 @@ class _Run:
             "haulback_power": "W",
             "time": "s",
         }
-        return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(Happening._fields)))
+        return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(CarriageEvent._fields)))
 
     def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
@@ -204,7 +204,9 @@ class _Run:
                 return eq
             self.record(at, eq, speed)
             self.payload = self.changes.pop(0)[1]
-            self.events.append(Happening(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"]))
+            self.events.append(
+                CarriageEvent(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"])
+            )
             point = eq.point.copy()
             at.load(point, self.payload)
             newton_of(at.model).solve(point)
@@ -322,7 +324,7 @@ class _Run:
         need = self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
-            self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
+            self.events.append(CarriageEvent(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
         if wait >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
             self.time += wait
         else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
@@ -332,7 +334,7 @@ class _Run:
             newton_of(beyond.model).solve(point)
             beyond.check.require(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
-            self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
+            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
         return beyond.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
@@ -350,10 +352,10 @@ class _Run:
         outputs = outputs_of(at.model)(*eq.point.arguments)[0].copy()
         solved = Solved(at, eq.point, outputs, "mainline")
         name = self.rig.carriage.name
-        values = row(solved, solved[f"{name}.x"])
-        beyond = {limit for limit, margin in self.margins.items() if margin(values, solved) < 0.0}
+        values = station_row(solved, solved[f"{name}.x"])
+        beyond = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
         for limit in sorted(beyond - self.beyond):
-            self.events.append(Happening(now, f"beyond {limit}", solved[f"{name}.x"]))
+            self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
         self.beyond = beyond
         point = eq.point.copy()
         point.u[:] = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Buffered, Newton, Point, outputs_of
 from ropeway.systems.studies.skyline.log_check import LogCheck
 
@@ -48,7 +48,7 @@ class RigCheck:
         self._across, self._ends, self._tensions = across, np.array([down, up]), np.array([a, b])
         self._most = ABSURD * np.array([span.rope.breaking_load for span, _ in spans])
         self._roles = [role for _, role in spans]
-        self._pushing = model.p.index["haulback.tension"] if rig.kind is RigKind.RUNNING and by_height else None
+        self._pushing = None if rig.kind.keeps_length or not by_height else model.p.index[f"{rig.skyline_drum}.tension"]
         self._leans = [
             (y[f"{spar.name}.lean"], LEAN * (spar.height or 0.0))
             for spar in (rig.headspar, rig.tailspar)
@@ -88,7 +88,7 @@ class RigCheck:
                 f"Rope {name!r} would carry {ABSURD * float(excess[k]):.0f} times its minimum breaking load",
                 "Give it more length, or the carriage more sag",
                 name,
-                f"{'haulback' if self.rig.kind is RigKind.RUNNING and role == 'skyline' else role} tension",
+                f"{self.rig.kind.carrying_rope if role == 'skyline' else role} tension",
             )
         if self._pushing is not None and point.p[self._pushing] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")

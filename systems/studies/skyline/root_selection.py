@@ -17,6 +17,7 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.studies.skyline.carriage_model import SpanModel
+from ropeway.systems.studies.skyline.starting_points import from_geometry
 
 BESIDE = 1.0
 """Before a refusal is believed, the stations so far to either side [m] are solved, and followed from there."""
@@ -125,7 +126,7 @@ def settled(
 
 
 def _from_geometry(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    start = at.cold(asked.station, asked.payload, asked.height)
+    start = from_geometry(at, *asked)
     if at.log is None or at.check.log is None:
         return settled(at, start, asked, iterations=80)
     hanging, _ = settled(at, start, asked, lower=DEEP, iterations=80)
