@@ -227,11 +227,11 @@ class Profile:
         return Clearance(float(height[k]), float(x[k]))
 
 
-Ground = Profile | table.Source
+ProfileSource = Profile | table.Source
 """A profile, or the table of one with station and elevation [m]: its path or a DataFrame."""
 
 
-def profile_of(ground: Ground | None) -> Profile | None:
+def profile_of(ground: ProfileSource | None) -> Profile | None:
     """The profile that an argument stands for. Raises RefusedError, InputError."""
     return None if ground is None else Profile._from_given(ground)
 

@@ -11,7 +11,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import Block, HeadSpar, TailSpar
-from ropeway.components.terrain import Ground, profile_of
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.rigs import rig_kind
 from ropeway.systems.rigs.rig_builder import build_rig
@@ -22,7 +22,7 @@ from ropeway.systems.rigs.turn import Turn
 
 @checked
 def live_skyline(
-    terrain: Ground | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
@@ -128,7 +128,7 @@ def live_skyline(
 
 @checked
 def gravity_skyline(
-    terrain: Ground | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,

@@ -10,7 +10,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import HeadSpar, TailSpar
-from ropeway.components.terrain import Ground, profile_of
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.rigs.rig_builder import build_rig
 from ropeway.systems.rigs.rig_kind import RUNNING
@@ -20,7 +20,7 @@ from ropeway.systems.rigs.skyline_rig import SkylineRig
 
 @checked
 def running_skyline(
-    terrain: Ground | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,

@@ -11,7 +11,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import Block, HeadSpar, TailSpar
-from ropeway.components.terrain import Ground, profile_of
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.rigs.rig_builder import build_rig
 from ropeway.systems.rigs.rig_kind import STANDING
@@ -22,7 +22,7 @@ from ropeway.systems.rigs.turn import Turn
 
 @checked
 def standing_skyline(
-    terrain: Ground | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
