@@ -120,9 +120,8 @@ class _Block:
 
 def _pivots(stiffness: np.ndarray) -> np.ndarray:
     """Pivots of a small matrix, in place."""
-    pivots = np.empty(len(stiffness))
-    for k in range(len(stiffness)):
-        pivots[k] = stiffness[k, k]
-        if pivots[k] != 0.0:
-            stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
-    return pivots
+    for k in range(len(stiffness) - 1):
+        below = stiffness[k + 1 :, k, None]
+        if stiffness[k, k] != 0.0:
+            stiffness[k + 1 :, k + 1 :] -= below / stiffness[k, k] * stiffness[k, k + 1 :]
+    return np.diagonal(stiffness)

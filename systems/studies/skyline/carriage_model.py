@@ -58,7 +58,7 @@ class SpanModel:
             given.append(self.axes[2])
             freed.append(self.slot(f"{rig.skyline_drum}.{rig.kind.drum_variable}"))
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
-        self._outputs = outputs_of(m)
+        self._outputs, self.output_index = outputs_of(m), m.y.index
         declared = LineState.declared(m)
         self._declared, self._passed = declared.point, declared.passed
         self.roles = tuple(_role(rig, run) for run in m.runs)
@@ -186,12 +186,12 @@ class Solved:
             owner, _, quantity = name.rpartition(".")
             if owner == self.at.rig.supports[on].name:  # the carriage on it speaks for both
                 name = f"{self.at.rig.carriage.name}.{quantity}"
-        k = self.at.model.y.index.get(name)
+        k = self.at.output_index.get(name)
         return self.at.read(self.point, self.at.slot(name)) if k is None else float(self.outputs[k])
 
     def has(self, output: str) -> bool:
         """Whether the model has an output."""
-        return output in self.at.model.y.index
+        return output in self.at.output_index
 
     def start(self, r: int, k: int) -> np.ndarray:
         """Where span k of run r starts, (x, y, z) [m]."""
