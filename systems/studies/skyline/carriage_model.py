@@ -36,6 +36,14 @@ class Place(NamedTuple):
     rollers: int | None = None
 
 
+class Question(NamedTuple):
+    """The carriage at a station [m] with a payload [kg], and at a height z [m] where the yarder sets it."""
+
+    station: float
+    payload: float
+    height: float | None = None
+
+
 class SpanModel:
     """A rig's model with the carriage at a place; `by_height`: the yarder sets the carriage's height too. `check`
     refuses solved points that no rig has."""
@@ -166,13 +174,13 @@ def _role(rig: SkylineRig, run: Run) -> str:
 @dataclass(frozen=True, eq=False)
 class Solved:
     """A rig at a station: the model of its span, the point, all outputs (ny,), what holds the carriage ("mainline",
-    "clamp" or "holding"), and where it was asked for: station [m], payload [kg], and height z [m] or None."""
+    "clamp" or "holding"), and the question that it answers."""
 
     at: SpanModel
     point: Point
     outputs: np.ndarray
     held_by: str
-    asked: tuple[float, float, float | None] | None = None
+    asked: Question | None = None
 
     @property
     def off_shoe(self) -> float:

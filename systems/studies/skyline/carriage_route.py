@@ -11,8 +11,8 @@ from scipy.optimize import brentq, newton
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
-from ropeway.systems.studies.skyline.root_selection import Question, meant
+from ropeway.systems.studies.skyline.carriage_model import Place, Question, Solved, SpanModel, span_model
+from ropeway.systems.studies.skyline.root_selection import meant
 from ropeway.systems.studies.skyline.starting_points import off_shoe
 from ropeway.systems.studies.skyline.station_solver import SIDE, Stations
 

@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import IntEnum
-from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import SpanModel
+from ropeway.systems.studies.skyline.carriage_model import Question, SpanModel
 from ropeway.systems.studies.skyline.starting_points import from_geometry
 
 BESIDE = 1.0
@@ -33,14 +32,6 @@ FARTHEST = 2.0
 
 DEEP = 1e3
 """A ground so far below a log [m] is out of its reach."""
-
-
-class Question(NamedTuple):
-    """The carriage at a station [m] with a payload [kg], and at a height z [m] where the yarder sets it."""
-
-    station: float
-    payload: float
-    height: float | None = None
 
 
 class Effort(IntEnum):

@@ -9,8 +9,8 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, span_model
-from ropeway.systems.studies.skyline.root_selection import Effort, Question, meant
+from ropeway.systems.studies.skyline.carriage_model import Place, Question, Solved, span_model
+from ropeway.systems.studies.skyline.root_selection import Effort, meant
 from ropeway.systems.studies.skyline.starting_points import off_shoe, on_mainline
 
 SIDE = 0.02

@@ -27,10 +27,16 @@ _ALIKE = 1e-9
 _ZERO = 1e-10
 """A margin so small is none: the search ends there, without a try to close its bracket."""
 
+_EXACT = 1e-7
+"""A margin that is continuous ends within this of zero."""
+
 _GAPS = (0.2, 0.5, 1.0, 2.0, 4.0, 0.05, 5e-3, 5e-4)
 """Depths below the chord [m] at which an empty carriage is tried first."""
 _LOWEST = 1e-6
 """How exactly the lowest height of an empty carriage is found, in parts of the gap below the chord."""
+
+_RAISED = tuple(0.05 * 2.0**k for k in range(12))
+"""Heights [m] by which a carriage is raised for the skyline to clear the ground."""
 
 _FIRST = 1000.0
 """The first payload tried [kg]: the same at each station, so that no answer depends on another."""
@@ -56,15 +62,22 @@ class Trial(NamedTuple):
 
 
 class PayloadSearch:
-    """The largest payload at each station by itself, within limits."""
+    """The largest payload at each station by itself, within limits. strict: each state that is tried is certified."""
 
-    def __init__(self, rig: SkylineRig, limits: LoadLimits) -> None:
-        self.rig, self.limits, self.margins = rig, limits, margins_of(rig, limits)
+    def __init__(self, rig: SkylineRig, limits: LoadLimits, *, strict: bool = False) -> None:
+        self.rig, self.limits, self.margins, self.strict = rig, limits, margins_of(rig, limits), strict
         self.lowered = limits.clearance is not None and is_lowered(rig)
         self.solver = Stations(rig, by_height=self.lowered)
 
     def at(self, station: float) -> StationRow:
-        """The row of a station."""
+        """The row of a station. Where the state that is found fails its certificate, each one that is tried is
+        certified: beyond the last that holds there is no equilibrium."""
+        try:
+            return self._largest_row(station)
+        except EquilibriumError:
+            return PayloadSearch(self.rig, self.limits, strict=True)._largest_row(station)
+
+    def _largest_row(self, station: float) -> StationRow:
         if self.limits.clearance is None or not self.lowered:
             return self._row(station, *self._largest(station, None))
         height = carriage_height(self.rig, station, self.limits.clearance)
@@ -103,7 +116,7 @@ class PayloadSearch:
         and where the rope paid out hangs in other spans, it does not come down further. The height itself where it
         does not hang anywhere."""
         room = self._room(station, height)
-        alone = PayloadSearch(self.rig, self.limits)  # that it counts on nothing else
+        alone = PayloadSearch(self.rig, self.limits, strict=self.strict)  # independent of other stations
         last = Trial(NO_EQUILIBRIUM)
 
         def hangs(gap: float, effort: Effort) -> bool:
@@ -143,9 +156,12 @@ class PayloadSearch:
             return -np.inf if trial.solved is None else self._rope_clearance(trial) - self.limits.rope_clearance
 
         top = self._room(station, height) - 0.05
-        if top <= 0.0 or not short(top) >= 0.0:
+        # By steps from below: near the chord another limit can leave no payload, or there is no equilibrium.
+        steps = [0.0, *(step for step in _RAISED if step < top), max(top, 0.0)]
+        enough = next((k for k, step in enumerate(steps) if k > 0 and short(step) >= 0.0), None)
+        if enough is None:
             return 0.0, self._try(station, 0.0, height)._replace(limit=ROPE_CLEARANCE)
-        extra = float(brentq(lambda e: max(short(e), -1e3), 0.0, top, xtol=1e-6))
+        extra = float(brentq(lambda e: max(short(e), -1e3), steps[enough - 1], steps[enough], xtol=1e-6))
         mass, trial = self._largest(station, height + extra)
         return mass, trial._replace(limit=ROPE_CLEARANCE) if mass > 0.0 else trial
 
@@ -192,9 +208,12 @@ class PayloadSearch:
             return value if abs(value) > _ZERO else 0.0
 
         mass = float(brentq(ordinate, low, high, xtol=1e-7, rtol=1e-11))
-        if trial(mass).solved is None:
-            mass = max(m for m, known in tried.items() if known.within and m <= mass)
-        return mass, tried[mass]
+        if abs(trial(mass).ordinate) <= _EXACT:
+            return mass, tried[mass]
+        # The margin jumps, as where the mainline takes over from the clamp: the payload stays on the inner side.
+        inner = max(m for m, known in tried.items() if known.within and m <= mass)
+        outer = tried[min(m for m in tried if m > inner)]
+        return inner, tried[inner]._replace(limit=outer.limit)
 
     def _end_of_states(self, limit: str, height: float | None) -> str:
         """What limits a payload above which there is no state: of a running skyline at a given tension the haulback,
@@ -206,6 +225,8 @@ class PayloadSearch:
     def _try(self, station: float, mass: float, height: float | None, effort: Effort = Effort.FULL) -> Trial:
         try:
             solved = self.solver.solve(station, mass, height, effort=effort)
+            if self.strict:
+                (solved,) = certified([solved])
         except OutOfReachError as error:
             return Trial(error.limit)
         except EquilibriumError:
