@@ -60,12 +60,14 @@ def endless(
     drive : Drive, optional
         Of the first control sheave and of all others; an ideal one otherwise.
     name : str, default "endless line"
+        Of the line, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
 
     Returns
     -------
     System
+        The line, its rope full of loads.
 
     Raises
     ------

@@ -25,6 +25,7 @@ def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
     system : System
         The guylines are added to it.
     spar : GuyedSpar
+        The mast; its guylines have names of their own.
 
     Returns
     -------

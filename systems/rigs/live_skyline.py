@@ -77,12 +77,14 @@ def live_skyline(
     turn : Turn, optional
         A log on a dropline, which drags on the ground or hangs free; the payload is its mass.
     name : str, default "live skyline"
+        Of the rig, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
 
     Returns
     -------
     SkylineRig
+        With its parts at their places.
 
     Raises
     ------
@@ -150,7 +152,9 @@ def gravity_skyline(
     terrain : Profile, str, Path, DataFrame or None
         The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
     headspar : HeadSpar
+        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
     tailspar : TailSpar or GuyedSpar
+        With a tailhold the skyline runs over its top to that.
     skyline : Rope or str
         Or the name of one in `rw.ropes()`; so for every rope.
     tension : float, optional
@@ -158,15 +162,18 @@ def gravity_skyline(
     length : float, optional
         Unstretched, from the headspar to the skyline's end [m], before it is lowered.
     carriage : Carriage
+        Rolling, or clamped to the skyline.
     mainline : Rope or str
         From the headspar to the carriage.
     name : str, default "gravity skyline"
+        Of the rig, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
 
     Returns
     -------
     SkylineRig
+        With its parts at their places.
 
     Raises
     ------

@@ -67,6 +67,7 @@ def monocable(
     load_spacing : float, optional
         Distance of the loads along the rope [m].
     name : str, default "mono-cable line"
+        Of the line, in results and messages.
     drive : Drive or mapping of str to Drive, optional
         Of the control sheaves: one for all, or one for each name; ideal drives otherwise.
     response : Response or mapping of str to Response, optional
@@ -79,6 +80,7 @@ def monocable(
     Returns
     -------
     System
+        The line, its rope full of loads.
 
     Raises
     ------

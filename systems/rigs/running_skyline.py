@@ -40,6 +40,7 @@ def running_skyline(
     terrain : Profile, str, Path, DataFrame or None
         The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
     headspar : HeadSpar
+        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
     tailspar : TailSpar or GuyedSpar
         Without a tailhold.
     haulback : Rope or str
@@ -51,12 +52,14 @@ def running_skyline(
     carriage : Carriage
         Rolling.
     name : str, default "running skyline"
+        Of the rig, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
 
     Returns
     -------
     SkylineRig
+        With its parts at their places.
 
     Raises
     ------

@@ -25,34 +25,44 @@ STEEPEST = 0.98
 @checked
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SkylineRig(RigParts):
-    """A skyline with its carriage, as `rw.standing_skyline`, `rw.live_skyline`, `rw.gravity_skyline` and
-    `rw.running_skyline` make it.
+    """A skyline with its carriage.
+
+    `rw.standing_skyline`, `rw.live_skyline`, `rw.gravity_skyline` and `rw.running_skyline` make one.
 
     Parameters
     ----------
-    kind : RigKind
-        What differs between standing, live, gravity and running skylines.
     terrain : Profile or None
         The ground, None where spars and supports are placed by position.
     headspar : HeadSpar
         At its place on the terrain, as all supports.
     supports : tuple of IntermediateSupport
+        In the order of their stations.
     tailspar : TailSpar or GuyedSpar
+        The far end of the last span.
     skyline : Rope
         That carries the carriage: of a running skyline the haulback.
     length : float or None
         Unstretched, from the headspar to where the skyline is tied [m]; None for a running skyline.
     tension : float or None
         Of the bare skyline at the headspar, or at the drum of a running skyline [N].
-    mainline, haulback : Rope or None
+    mainline : Rope or None
+        From the headspar to the carriage.
+    haulback : Rope or None
+        Besides the skyline; None for a running skyline.
     haulback_tension : float or None
         At the haulback's drum [N].
     haulback_block : Block or None
+        By the tailspar.
     carriage : Carriage
+        With the ideal holding force, where nothing else holds it.
     turn : Turn or None
+        A log on a dropline.
     name : str
+        In results and messages.
     gravity : float
         [m/s2].
+    kind : RigKind
+        What differs between standing, live, gravity and running skylines.
 
     Examples
     --------
@@ -64,7 +74,7 @@ class SkylineRig(RigParts):
     >>> rig
     <SkylineRig 'standing skyline': head at 0 m, tail at 200 m>
     >>> round(rw.equilibrium(rig.system(station=120.0, payload=2000.0))["carriage.z"], 2)
-    -31.51
+    -36.84
     """
 
     kind: RigKind
@@ -240,6 +250,7 @@ class SkylineRig(RigParts):
         Returns
         -------
         System
+            All ropes of the rig, with guylines and log.
 
         Raises
         ------

@@ -80,12 +80,14 @@ def standing_skyline(
     turn : Turn, optional
         A log on a dropline, which drags on the ground or hangs free; the payload is its mass.
     name : str, default "standing skyline"
+        Of the rig, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
 
     Returns
     -------
     SkylineRig
+        With its parts at their places.
 
     Raises
     ------
@@ -109,7 +111,7 @@ def standing_skyline(
     ...     carriage=Carriage("carriage", mass=450.0),
     ... )
     >>> round(rig.length, 2)
-    302.03
+    301.32
     """
     parts = RigParts(
         terrain=profile_of(terrain),

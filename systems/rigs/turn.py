@@ -26,6 +26,7 @@ class Turn:
     Parameters
     ----------
     log : Log
+        Its mass is replaced by the payload.
     dropline : Rope
         Or the name of one in `rw.ropes()`.
     length : float
@@ -65,6 +66,7 @@ class Turn:
         Returns
         -------
         Log
+            With its rear on the ground, or free.
         """
         lag = 0.2 * self.length * (-self.log.moving or 1.0)
         log = replace(self.log, at=(x + lag, y, z - 0.98 * self.length), mass=max(mass, LEAST_MASS))

@@ -22,8 +22,11 @@ from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LongestRope:
-    """A bare rope that just touches the clearance line: its `length` [m], its `curve` as seen from the left
-    support, the station x [m] where it `touches`, and its left support `start` (x, z)."""
+    """A bare rope that just touches the clearance line, as `rw.longest_rope` returns it.
+
+    `length` [m]; `curve`: as seen from the left support; `touches`: the station where it touches [m]; `start`: the left
+    support (x, z) [m].
+    """
 
     curve: CatenaryCurve
     start: tuple[float, float]
@@ -52,11 +55,36 @@ def longest_rope(
     *,
     clearance: float = 0.0,
 ) -> LongestRope:
-    """The longest inextensible rope between two support points (x, z) that stays `clearance` [m] or more above
-    the terrain, measured vertically.
+    """The longest inextensible rope between two supports that clears a terrain.
 
-    stations, elevations: the terrain [m], piecewise linear, stations rising, over the whole span. Raises
-    InputError for a profile that is none or does not reach, and SlackRopeError where no rope clears it.
+    Parameters
+    ----------
+    stations : array_like
+        Of the terrain [m], increasing, over the whole span; straight between.
+    elevations : array_like
+        Of the terrain at these stations [m].
+    headspar, tailspar : tuple of float
+        Supports (x, z) [m].
+    clearance : float, default 0.0
+        Of the rope over the terrain, measured vertically [m].
+
+    Returns
+    -------
+    LongestRope
+        Its length, curve and where it touches the clearance line.
+
+    Raises
+    ------
+    InputError
+        The profile is invalid, or does not reach over the span.
+    SlackRopeError
+        No rope clears the terrain.
+
+    Examples
+    --------
+    >>> rope = longest_rope([0.0, 100.0, 200.0], [0.0, -20.0, 0.0], (0.0, 10.0), (200.0, 10.0), clearance=2.0)
+    >>> round(rope.length, 2), round(rope.touches, 2)
+    (207.32, 142.64)
     """
     terrain = Profile(stations, elevations)
     x, z = terrain.station, terrain.elevation

@@ -46,11 +46,20 @@ FASTEST = Range(0.0, 100.0, above=True)
 @checked
 @dataclass(frozen=True, eq=False)
 class Inhaul:
-    """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
-    saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
-    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station: supports
-    reached and left, changes of the payload, and at the rows "beyond" a limit of `payload`: a tension its safe working
-    load, a spar or support its capacity, lift-off."""
+    """A run of the carriage, as `rw.inhaul` returns it.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline.
+    frame : DataFrame
+        One row every interval (index time [s]), none while the carriage rests at a saddle: the columns of
+        `rw.load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W,
+        positive: the drum drives, negative: it brakes].
+    events : DataFrame
+        Columns time, event, station: supports reached and left, changes of the payload, and at the rows "beyond" a
+        limit of `rw.payload`: a tension its safe working load, a spar or support its capacity, lift-off.
+    """
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -60,7 +69,13 @@ class Inhaul:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
 
     def plot(self) -> Figure:
-        """Place, tensions and powers over time."""
+        """Station of the carriage, tensions and powers over time.
+
+        Returns
+        -------
+        Figure
+            The tensions against the safe working loads.
+        """
         from ropeway.systems.studies.skyline.inhaul_plot import inhaul_figure
 
         return inhaul_figure(self.rig, self.frame, self.events)
@@ -79,15 +94,50 @@ def inhaul(
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
 ) -> Inhaul:
-    """The carriage from station `start` to station `end` [m], the mainline's drum running at `speed` [m/s of
-    unstretched rope, above zero].
+    """The carriage pulled from one station to another by the mainline's drum.
 
-    payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
-    rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
-    the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
-    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long
-    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
-    SimulationError that holds what has run so far.
+    The rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops,
+    as the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long mainline
+    changes by more than the length of the shoe: then it runs over the shoe at once.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline, with a mainline.
+    payload : float
+        At the start [kg].
+    start, end : float
+        Stations of the carriage [m].
+    speed : float, default 3.0
+        Of the mainline at its drum, above zero [m/s of unstretched rope].
+    every : float, default 1.0
+        Interval of the rows [s].
+    changes : sequence of (float, float), default ()
+        Time [s], and payload from then on [kg]: a turn picked up, or lost.
+    tolerance : float, default 1e-8
+        Relative, of the integration.
+
+    Returns
+    -------
+    Inhaul
+        Rows and events.
+
+    Raises
+    ------
+    InputError
+        The rig has no mainline, or a value is out of its range.
+    SimulationError
+        The carriage stops on the way; `result` holds the run up to there.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 40.0)), tailspar=rw.TailSpar("tail", at=(200.0, 0.0)),
+    ...     skyline="RHOL-IWRC 29", tension=60e3, mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> inhaul(rig, payload=1500.0, start=100.0, end=91.0)
+    <Inhaul of 'standing skyline': 5 rows, 0 events>
     """
     check.number(speed, rig.name, "speed", "m/s", FASTEST)
     check.positive(every, rig.name, "every", "s")

@@ -32,6 +32,7 @@ def load_path(
     Parameters
     ----------
     rig : SkylineRig
+        The skyline.
     payload : float
         [kg].
     stations : sequence of float, shape (n,), optional

@@ -86,6 +86,7 @@ def set_up(
     Returns
     -------
     SetUp
+        Length, tension of the bare rope, and the loaded state.
 
     Raises
     ------

@@ -73,6 +73,7 @@ class Candidate:
         Returns
         -------
         IntermediateSupport
+            At the candidate's station.
         """
         return IntermediateSupport(self.name, station=self.station, height=height)
 
@@ -127,6 +128,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
     Returns
     -------
     tuple of Candidate
+        Named support_1, support_2, ...
 
     Raises
     ------
@@ -170,6 +172,7 @@ def optimise_supports(
     rig : SkylineRig
         A standing skyline given by its tension; its own supports are left out.
     candidates : sequence of Candidate
+        Places and heights to choose from.
     payload : float
         [kg].
     clearance : float, default 0.0
@@ -186,6 +189,7 @@ def optimise_supports(
     Returns
     -------
     SupportPlan
+        The supports, or what stops the payload.
 
     Raises
     ------

@@ -37,6 +37,7 @@ class PayloadStudy(PayloadData):
     Parameters
     ----------
     rig : SkylineRig
+        The skyline.
     frame : DataFrame
         One row a station: station [m], payload [kg], limited_by, and the columns of `rw.load_path` under that payload.
     safety_factor : float
@@ -103,6 +104,7 @@ def payload(
     Parameters
     ----------
     rig : SkylineRig
+        The skyline.
     safety_factor : float, default 3.0
         Minimum breaking load over highest tension of the skyline.
     clearance : float, optional
@@ -119,6 +121,7 @@ def payload(
     Returns
     -------
     PayloadStudy
+        The payloads, and what limits them.
 
     Raises
     ------
