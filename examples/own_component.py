@@ -1,4 +1,4 @@
-"""Components of your own: a counterweight with inertia, an anchor with spring and damper; simulated, swept, exported."""
+"""Own components: a counterweight with inertia and an anchor with spring and damper; simulated, swept, exported."""
 
 from __future__ import annotations
 
