@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
-from ropeway.systems.modelling.dae_model import Model, nearest
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Loads, Run, extended, loads_passed, rounded_up, rounds
 from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
@@ -355,7 +354,7 @@ def support_points(model: Model, r: int, point: Point) -> np.ndarray:
     return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def _coordinates(model: Model, r: int) -> np.ndarray:
     """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
     names = [name for kind in VECTORS for name in model.tables[kind].names]

@@ -4,13 +4,12 @@ it."""
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.node import Node
-from ropeway.systems.modelling.dae_model import Balance, Model, component_of
+from ropeway.systems.modelling.dae_model import Balance, Model, component_of, kept_with_model
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness
 from ropeway.systems.statics.line_state import LineState
@@ -86,7 +85,7 @@ def unstable(name: str) -> EquilibriumError:
     )
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def _travels(model: Model) -> np.ndarray:
     """Places of the travels on idlers in the algebraic variables; none where ropes hold a node, which moves far."""
     if has_free_nodes(model):
@@ -95,13 +94,13 @@ def _travels(model: Model) -> np.ndarray:
     return np.array([b.travel for b in model.balances if b.travel in travels], dtype=int)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def has_free_nodes(model: Model) -> bool:
     """Whether ropes alone hold a node in its place, as a carriage; a wheel on a slide is guided."""
     nodes = [c for c in model.system.components.values() if isinstance(c, Node)]
     return any(place in {"x", "y", "z"} for node in nodes for place, _ in node.free)
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def _condensed(model: Model, free: tuple[Balance, ...]) -> CondensedStiffness:
     return CondensedStiffness(newton_of(model), free)
