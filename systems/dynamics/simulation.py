@@ -28,6 +28,7 @@ from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
@@ -185,7 +186,7 @@ class _Simulation:
 
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
-        state.unpin()
+        unpin(state)
         self.recorder = Recorder()
         self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
         self.line = self.stepper.line
