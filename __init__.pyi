@@ -4,18 +4,7 @@ from . import fmu as fmu
 from .components.anchor import Anchor as Anchor, SpringAnchor as SpringAnchor
 from .components.carriage import Carriage as Carriage
 from .components.carriage_on_shoe import CarriageOnShoe as CarriageOnShoe
-from .components.component import (
-    Component as Component,
-    Energies as Energies,
-    Equations as Equations,
-    Kind as Kind,
-    Limit as Limit,
-    Node as Node,
-    RopeEnd as RopeEnd,
-    Seat as Seat,
-    Site as Site,
-    Variable as Variable,
-)
+from .components.component import Component as Component, RopeEnd as RopeEnd, Seat as Seat
 from .components.control_sheave import ControlSheave as ControlSheave
 from .components.diesel_unit import DieselHydraulicUnit as DieselHydraulicUnit
 from .components.drive import (
@@ -47,6 +36,7 @@ from .components.intermediate_support import IntermediateSupport as Intermediate
 from .components.joint import Joint as Joint
 from .components.load import Load as Load
 from .components.log import Log as Log
+from .components.node import Node as Node
 from .components.power_unit import HydraulicPowerUnit as HydraulicPowerUnit
 from .components.response import ProportionalResponse as ProportionalResponse, ThresholdResponse as ThresholdResponse
 from .components.return_wheel import TensionedReturn as TensionedReturn
@@ -61,6 +51,14 @@ from .components.sheave import Sheave as Sheave
 from .components.span import Span as Span
 from .components.spar import Block as Block, HeadSpar as HeadSpar, Tailhold as Tailhold, TailSpar as TailSpar
 from .components.terrain import Profile as Profile
+from .components.variable import (
+    Energies as Energies,
+    Equations as Equations,
+    Kind as Kind,
+    Limit as Limit,
+    Site as Site,
+    Variable as Variable,
+)
 from .systems.dynamics.result import Result as Result
 from .systems.dynamics.simulation import simulate as simulate
 from .systems.modelling.assembly import assemble as assemble

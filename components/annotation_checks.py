@@ -90,7 +90,7 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
     if extra == _INFINITE:
         return accepted_values.unbounded
     if extra == _UNDEFINED:
-        return accepted_values.instance_of((float, int), "a number")
+        return accepted_values.undefined
     inner = check_of(hint)
     if inner is None or not isinstance(extra, Range):
         return inner

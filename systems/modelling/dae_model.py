@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
-from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from ropeway.components.anchor import Anchor, SpringAnchor
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
+from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.modelling.system import System
 from ropeway.systems.statics.equilibrium_solver import equilibrium

@@ -12,11 +12,11 @@ from ropeway.components import check
 from ropeway.components.anchor import Anchor
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.response import Response
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave

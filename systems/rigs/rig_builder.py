@@ -10,10 +10,10 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.carriage import Holding
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.systems.modelling.empty_rope import lengths_for_tension
 from ropeway.systems.rigs.bare_skyline import length_over_shoes
 from ropeway.systems.rigs.rig_kind import RigKind

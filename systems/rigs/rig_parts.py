@@ -8,9 +8,9 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
-from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, HeadSpar, TailSpar
 from ropeway.components.terrain import Profile

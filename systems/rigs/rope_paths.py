@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from ropeway.components.carriage import Carriage
-from ropeway.components.component import Node, Seat
+from ropeway.components.component import Seat
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block

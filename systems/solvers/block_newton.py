@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
 

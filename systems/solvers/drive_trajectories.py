@@ -13,8 +13,8 @@ from functools import cached_property, lru_cache
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model, component_of
 

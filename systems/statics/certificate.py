@@ -16,8 +16,8 @@ import casadi as ca
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Buffered, Point, dense, outputs_of

@@ -9,8 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ropeway.components.component import Component, Node, Seat, Site
+from ropeway.components.component import Component, Seat
 from ropeway.components.laws import tension
+from ropeway.components.node import Node
+from ropeway.components.variable import Site
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.solvers.newton import VECTORS

@@ -11,8 +11,9 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.csgraph import structural_rank
 
-from ropeway.components.component import Component, Equations, Kind, Site, Variable
+from ropeway.components.component import Component
 from ropeway.components.errors import UnbalancedSystemError
+from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.solvers.newton import VECTORS

@@ -8,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness

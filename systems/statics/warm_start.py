@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropeway.components.component import Component, Kind
+from ropeway.components.component import Component
 from ropeway.components.errors import InputError
 from ropeway.components.response import Response
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.intervention import SWITCHED

@@ -1,4 +1,4 @@
-"""What is wrong with the answers for a random rig: a verdict names each fault by station and kind."""
+"""Faults in the results of a random rig, by station and kind."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ Row = dict[str, Any]
 
 @dataclass
 class Verdict:
-    """Load path rows asked for, refused, refused although the oracle has a state; payloads asked for; `faults`."""
+    """Numbers of load path rows and payloads of a random rig, and its faults.
+
+    Rows requested, rejected, and rejected although the oracle has a state; payloads requested; `faults`.
+    """
 
     asked: int = 0
     refused: int = 0

@@ -334,8 +334,10 @@ def _brown(equations: _Equations, u: Array, damped: bool) -> Array:
 
 
 def _limited(u: Array, move: Array, damped: bool) -> Array:
-    """A step; damped, one that changes the tension by no more than half of itself. (Halving until the miss
-    shrinks would stall Brown's method: its steps need not bring the end nearer.)"""
+    """A step; a damped one changes the tension by at most half of it.
+
+    Halving until the residual decreases would stall Brown's method, whose steps need not reduce it.
+    """
     return move * min(1.0, 0.5 * abs(u[0]) / abs(move[0])) if damped and move[0] != 0.0 else move
 
 

@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ropeway.components import catenary
-from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.studies.skyline.carriage_model import Solved
 

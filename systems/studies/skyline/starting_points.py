@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ropeway.components import shoe
-from ropeway.components.component import Kind, Node, Seat
+from ropeway.components.component import Seat
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
+from ropeway.components.variable import Kind
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.turn import Turn
 from ropeway.systems.solvers.newton import Point
