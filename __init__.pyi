@@ -71,8 +71,9 @@ from .systems.rigs.guylines import string_guylines as string_guylines
 from .systems.rigs.live_skyline import gravity_skyline as gravity_skyline, live_skyline as live_skyline
 from .systems.rigs.monocable import monocable as monocable
 from .systems.rigs.running_skyline import running_skyline as running_skyline
-from .systems.rigs.skyline_rig import SkylineRig as SkylineRig, Turn as Turn
+from .systems.rigs.skyline_rig import SkylineRig as SkylineRig
 from .systems.rigs.standing_skyline import standing_skyline as standing_skyline
+from .systems.rigs.turn import Turn as Turn
 from .systems.statics.equilibrium import Equilibrium as Equilibrium
 from .systems.statics.equilibrium_solver import equilibrium as equilibrium
 from .systems.studies.control.objectives import objectives as objectives
@@ -116,7 +117,7 @@ from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, s
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
 from .systems.studies.skyline.inhaul import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
-from .systems.studies.skyline.payload import PayloadStudy as PayloadStudy, payload as payload
+from .systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history
 from .systems.studies.skyline.support_layout import (
     Candidate as Candidate,

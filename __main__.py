@@ -152,12 +152,12 @@ def payload(
 ) -> None:
     """Calculate the largest payload at stations along a standing skyline, and its limits."""
     import ropeway as rw
-    from ropeway.systems.studies.skyline.payload_command import payload_command
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
 
     with errors_on_one_line():
         folder_for(out)
-        study, paths = payload_command(
-            corridor,
+        request = CorridorRequest(
+            corridor=corridor,
             skyline=rw.Rope.named(rig.skyline),
             mainline=None if rig.mainline is None else rw.Rope.named(rig.mainline),
             tension=rig.tension,
@@ -167,8 +167,8 @@ def payload(
             tail_height=rig.tail_height,
             supports=tuple(rig.support or ()),
             **asdict(limits),
-            out=out,
         )
+        study, paths = payload_command(request, out)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)

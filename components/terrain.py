@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from ropeway.components import check, table
+from ropeway.components.accepted_values import RefusedError
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import segment
 from ropeway.components.errors import InputError
@@ -68,6 +70,15 @@ class Profile:
 
     def __repr__(self) -> str:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
+
+    @classmethod
+    def _from_given(cls, value: object) -> Profile:
+        """A profile as users give it: itself, or what `from_csv` reads. Raises RefusedError, InputError."""
+        if isinstance(value, Profile):
+            return value
+        if isinstance(value, (str, Path, pd.DataFrame)):
+            return cls.from_csv(value)
+        raise RefusedError(value, "a Profile, or its table as a path or a DataFrame")
 
     @classmethod
     def from_csv(cls, path: table.Source) -> Profile:
@@ -338,6 +349,15 @@ class Profile:
             return Clearance(math.inf, math.nan)
         k = int(np.nanargmin(height))
         return Clearance(float(height[k]), float(x[k]))
+
+
+ProfileSource = Profile | table.Source
+"""A profile, or the table of one with station and elevation [m]: its path or a DataFrame."""
+
+
+def profile_of(ground: ProfileSource | None) -> Profile | None:
+    """The profile that an argument stands for. Raises RefusedError, InputError."""
+    return None if ground is None else Profile._from_given(ground)
 
 
 def least_height(ground: Profile, piece: Piece) -> Clearance:

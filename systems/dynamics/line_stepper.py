@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.load_crossings import Crossing
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.idas import Idas
 from ropeway.systems.solvers.newton import Buffered, dense, newton_of
@@ -162,13 +161,13 @@ class LineStepper:
         return motion
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def idas_of(model: Model, tolerance: float) -> Idas:
     """The integrator of a model: made once, as its functions take a while to build."""
     return Idas(model, tolerance)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
     return dense(model, model.dae)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of, nearest
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
 from ropeway.systems.modelling.intervention import Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
@@ -29,6 +28,7 @@ from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
@@ -186,7 +186,7 @@ class _Simulation:
 
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
-        state.unpin()
+        unpin(state)
         self.recorder = Recorder()
         self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
         self.line = self.stepper.line
@@ -338,7 +338,7 @@ class _Simulation:
         return True
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def update_of(model: Model, clock: Clock) -> Buffered:
     """The update of a clock, on arrays."""
     return dense(model, clock.update)

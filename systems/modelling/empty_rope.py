@@ -15,8 +15,7 @@ import numpy as np
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError
-
-_STEP = 1e-30  # complex-step derivatives, exact to rounding
+from ropeway.systems.modelling.complex_newton import solve_side_by_side
 
 
 class _Taut(NamedTuple):
@@ -168,27 +167,14 @@ def _solve(
             axis=-1,
         )
 
-    before, error = unknown, np.full(len(names), np.inf)
-    probe = 1j * _STEP * np.eye(3)[:, None, :]
+    def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
+        return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
+
+    roots = solve_side_by_side(residual, unknown, relative_step, longest=0.3)
+    unknown, error = roots.unknowns, np.abs(residual(roots.unknowns)).max(axis=1)
     with np.errstate(all="ignore"):
-        for _ in range(60):
-            now = residual(unknown)
-            error = np.abs(now).max(axis=1)
-            jacobian = np.moveaxis(residual(unknown + probe).imag / _STEP, 0, -1)
-            if not np.all(np.isfinite(jacobian)) or np.any(np.linalg.det(jacobian) == 0.0):
-                break
-            move = -np.linalg.solve(jacobian, now[:, :, None])[:, :, 0]
-            size = np.maximum(np.abs(move[:, 2]) / unknown[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
-            last, before = before, unknown
-            unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
-            # Convergence is quadratic: after a step of 1e-10 only rounding errors are left. Or large steps alternate.
-            alternates = size.max() > 1e-3 and np.abs(unknown / last - 1.0).max() < 1e-5
-            if size.max() < 1e-10 or alternates:
-                error = np.abs(residual(unknown)).max(axis=1)
-                break
-        slope = np.linalg.solve(
-            jacobian, np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
-        )[:, 2, 0]
+        by_tension = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
+        slope = np.linalg.solve(roots.jacobians, by_tension)[:, 2, 0]
     bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
     if bad.any():
         k = int(np.argmax(bad))

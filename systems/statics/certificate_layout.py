@@ -4,7 +4,6 @@ them for what a model does not have."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from ropeway.components.component import Component, Seat
 from ropeway.components.laws import tension
 from ropeway.components.node import Node
 from ropeway.components.variable import Site
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.solvers.newton import VECTORS
 
@@ -118,7 +117,7 @@ class CertificateLayout:
     plain: bool
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def layout_of(model: Model) -> CertificateLayout:
     """The places of a model: found once."""
     places = _Places(model)

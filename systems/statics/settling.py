@@ -14,6 +14,7 @@ from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.continuation import solve_algebraic
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.stability import slack
 
 _STEP = 1.0 / 40.0
@@ -49,8 +50,8 @@ def settle(state: LineState, *, quick: bool = False) -> None:
         else:
             solve_algebraic(state)
         before = [p.copy() for p in state.passed]
-        if state.settle():
-            state.require_pinned()
+        if assign_loads(state):
+            require_pinned(state)
             return
         if state.model is not models[-1]:
             models.append(state.model)

@@ -1,9 +1,10 @@
-"""Unstretched length of a hanging rope by Lyons' three methods.
+"""How long a rope was before it hung where it hangs: Lyons' three methods.
 
-Lyons, C.K. (2008): Considering cable stretch in logging applications. International Journal of Forest Engineering
-19(1): 29-35; equation numbers are his, corrected. Given are the stretched length and the force at support A: horizontal
-tension H and V_A, the upward force of the support on the rope. The weight W = w L0 depends on the unknown unstretched
-length, so each method solves an implicit equation. Numbers or arrays. The dimensionless forms are in `lyons_cases`.
+Lyons, C.K. (2008): Considering cable stretch in logging applications. International Journal of Forest
+Engineering 19(1): 29-35; equation numbers are his, corrected. Given are the stretched length and the force at
+support A: horizontal tension H and V_A, the upward force of the support on the rope. The weight W = w L0 belongs
+to the unstretched length that is asked for, so each method is an implicit equation; it is solved here.
+Numbers or arrays alike. The dimensionless forms are in `lyons_cases`.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
-from ropeway.components.rope import ConstructionStretch, Elastic, Rope
+from ropeway.components.rope import ConstructionStretch, Elastic, Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_checks import alike, finite, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
@@ -31,24 +32,28 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
-    """An unstretched length, with the stretch, weight and end forces of the rope.
-
-    `float()` returns the length.
+    """An unstretched length and what goes with it, as `rw.unstretched_length` returns it. `float()` gives the length.
 
     Parameters
     ----------
-    length : ndarray
-        Unstretched length [m].
-    stretch : ndarray
-        Stretch [m].
-    weight : ndarray
-        Weight of the rope [N].
-    tension_a, tension_b : ndarray
-        Tensions at both ends [N].
-    vertical_a, vertical_b : ndarray
-        Upward forces of the supports at both ends [N].
-    method : str
-        The method.
+    length : array
+        Unstretched [m].
+    stretch : array
+        Stretched less unstretched length [m].
+    weight : array
+        Of the rope [N].
+    tension_a, tension_b : array
+        At both ends [N].
+    vertical_a, vertical_b : array
+        Upward forces of the supports on the rope [N].
+    method : {"average tension", "elastic", "elastic and construction"}
+        Lyons' method.
+
+    Examples
+    --------
+    >>> rope = Rope.named("6x19 EEIP 25")
+    >>> round(float(unstretched_length(rope, length=250.0, horizontal=40e3, vertical=12e3).stretch), 4)
+    0.4264
     """
 
     length: Array
@@ -73,7 +78,7 @@ class StretchFit(NamedTuple):
 
 @checked
 def unstretched_length(
-    rope: Rope,
+    rope: Rope | str,
     *,
     length: Numbers,
     horizontal: Numbers,
@@ -81,45 +86,43 @@ def unstretched_length(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> UnstretchedLength:
-    """Unstretched length of a rope at rest, from its stretched length.
-
-    "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. It is too short
-    by a relative W/EA times the smaller of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. Without
-    construction stretch it is 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq. 11): exact
-    for eps = T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the
-    highest tension of its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414.
+    """Unstretched length of a rope that hangs at rest, from its stretched length.
 
     Parameters
     ----------
-    rope : Rope
-        The rope.
-    length : float or array_like
-        Stretched length [m].
-    horizontal : float or array_like
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    length : float or array
+        Stretched [m].
+    horizontal : float or array
         Horizontal tension [N].
-    vertical : float or array_like
-        Upward force of support A on the rope [N]; negative if the rope rises from A.
+    vertical : float or array
+        Upward force of support A on the rope [N], negative where the rope leaves A upwards.
     method : {"average tension", "elastic", "elastic and construction"}, default "elastic"
-        The method.
+        "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. Too short,
+        by a relative W/EA times the less of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. No construction
+        stretch: 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq. 11): exact for eps =
+        T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the highest
+        tension of its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414 if it has none.
     gravity : float, default 9.80665
-        Gravity [m/s2].
+        [m/s2].
 
     Returns
     -------
     UnstretchedLength
-        The length, with stretch, weight and end forces.
+        The length, with weight, stretch and end forces.
 
     Raises
     ------
     InputError
-        An invalid value, or a rope that cannot hang like that.
+        A value is out of its range, or no unstretched length fits the force.
 
     Examples
     --------
-    >>> rope = rw.Rope.named("RHOL-IWRC 29")
-    >>> float(rw.unstretched_length(rope, length=250.0, horizontal=140e3, vertical=20e3))
-    248.9929164205878
+    >>> round(float(unstretched_length(Rope.named("6x19 EEIP 25"), length=250.0, horizontal=40e3, vertical=12e3)), 3)
+    249.574
     """
+    rope = rope_of(rope)
     alike(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     h, v = _force(horizontal, vertical)
@@ -149,7 +152,7 @@ def unstretched_length(
 
 @checked
 def stretched_position(
-    rope: Rope,
+    rope: Rope | str,
     *,
     stations: Numbers,
     horizontal: Numbers,
@@ -157,40 +160,42 @@ def stretched_position(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Distance along the stretched rope of points on the unstretched rope, from support A.
+    """Distance along the stretched rope of stations along the unstretched one.
 
-    Equation 10, and equation 18 with construction stretch.
+    Eq. 10, and eq. 18 with construction stretch.
 
     Parameters
     ----------
-    rope : Rope
-        The rope.
-    stations : float or array_like
-        Distances from support A along the unstretched rope [m].
-    horizontal : float or array_like
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    stations : float or array
+        Unstretched distances s from support A [m].
+    horizontal : float or array
         Horizontal tension [N].
-    vertical : float or array_like
+    vertical : float or array
         Upward force of support A on the rope [N].
     method : {"elastic", "elastic and construction"}, default "elastic"
-        The method.
+        As for `rw.unstretched_length`.
     gravity : float, default 9.80665
-        Gravity [m/s2].
+        [m/s2].
 
     Returns
     -------
-    ndarray
-        Distances along the stretched rope [m].
+    array
+        Distances p(s) along the stretched rope [m].
 
     Raises
     ------
     InputError
-        An invalid value, or the method "average tension".
+        A value is out of its range, or the method is "average tension".
 
     Examples
     --------
-    >>> float(rw.stretched_position(rope, stations=100.0, horizontal=140e3, vertical=20e3))
-    100.40529272270004
+    >>> rope = Rope.named("6x19 EEIP 25")
+    >>> round(float(stretched_position(rope, stations=100.0, horizontal=40e3, vertical=12e3)), 4)
+    100.1725
     """
+    rope = rope_of(rope)
     alike(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
@@ -209,7 +214,7 @@ def strain_law(rope: Rope, *, construction: bool) -> Strain:
 
 @checked
 def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) -> StretchFit:
-    """Fit eps = coefficient * (T/MBL)^2 to measured elongations by least squares.
+    """Fit eps = coefficient * (T/MBL)^2 by least squares to measured elongations.
 
     Lyons' Table 1 (8, 5, 3 and "heavily loaded", a safety factor of 2, at 0.125, 0.25, 0.5 and 1 %) gives 0.0414 and R2
     0.9698 (eq. 13); the fit is 48 % low at a factor of 8, 34 % at 5. Use it as `ConstructionStretch(fit.coefficient)`.
@@ -217,23 +222,23 @@ def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) 
     Parameters
     ----------
     safety_factors : array_like
-        Safety factors MBL/T, two or more.
+        MBL/T of each measurement, two or more.
     elongations : array_like
-        Elongations at these factors, relative (0.005 for 0.5 %).
+        Share of the length, 0.005 for 0.5 %.
 
     Returns
     -------
     StretchFit
-        `coefficient` and `r_squared` about the mean.
+        Coefficient and R2.
 
     Raises
     ------
     InputError
-        Invalid values, or equal elongations.
+        Values are missing, out of range or all the same.
 
     Examples
     --------
-    >>> round(rw.fit_construction_stretch([8, 5, 3, 2], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
+    >>> round(fit_construction_stretch([8.0, 5.0, 3.0, 2.0], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
     0.0414
     """
     factor, y = np.atleast_1d(np.asarray(safety_factors, float)), np.atleast_1d(np.asarray(elongations, float))

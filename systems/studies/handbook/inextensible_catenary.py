@@ -23,8 +23,10 @@ from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex
 
 
 class EndForces(NamedTuple):
-    """What the rope does at its ends, in the unit of weight times metres. Vertical: upward force of the
-    support on the rope, negative where the rope leaves its support upwards."""
+    """What the rope does at its ends, in the unit of weight times metres.
+
+    Vertical: upward force of the support on the rope, negative where the rope leaves its support upwards.
+    """
 
     horizontal: Array
     vertical_start: Array
@@ -36,21 +38,26 @@ class EndForces(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class CatenaryCurve:
-    """An inextensible catenary from (0, 0) to (span, rise), z up; numbers or arrays.
+    """The catenary from (0, 0) to (span, rise), z up.
 
     Parameters
     ----------
-    span : float or array_like
-        Horizontal distance of the ends [m].
-    rise : float or array_like
-        Height of the end above the start [m].
-    parameter : float or array_like
-        Catenary parameter a = H/w [m].
+    span : float or array
+        Horizontal distance of the ends, above zero [m].
+    rise : float or array
+        Height of the end over the start [m].
+    parameter : float or array
+        Catenary parameter a = H/w, above zero [m].
 
     Raises
     ------
     InputError
-        A span or parameter that is not positive.
+        A value is out of its range, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> round(float(CatenaryCurve(100.0, 0.0, 250.0).length), 3)
+    100.668
     """
 
     span: Numbers
@@ -84,17 +91,17 @@ class CatenaryCurve:
         return np.asarray(self.span) / 2.0 - np.asarray(self.parameter) * self._beta
 
     def height(self, x: Numbers) -> Array:
-        """Height of the rope.
+        """Height of the rope over its start.
 
         Parameters
         ----------
-        x : float or array_like
+        x : float or array
             Horizontal distance from the start [m].
 
         Returns
         -------
-        ndarray
-            Height above the start [m].
+        array
+            z over the start [m].
         """
         return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
@@ -103,58 +110,58 @@ class CatenaryCurve:
 
         Parameters
         ----------
-        x : float or array_like
+        x : float or array
             Horizontal distance from the start [m].
 
         Returns
         -------
-        ndarray
+        array
             Rise over run.
         """
         return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
-        """Point with a slope; it may be outside the span.
+        """Where the rope has a slope.
 
         Parameters
         ----------
-        slope : float or array_like
+        slope : float or array
             Rise over run.
 
         Returns
         -------
-        ndarray
-            Horizontal distance from the start [m].
+        array
+            Horizontal distance from the start [m]; it may lie outside the span.
         """
         return finite(self.lowest + self.parameter * np.arcsinh(slope), "station")
 
     def sag(self, x: Numbers) -> Array:
-        """Sag of the rope.
+        """Vertical distance from the chord down to the rope.
 
         Parameters
         ----------
-        x : float or array_like
+        x : float or array
             Horizontal distance from the start [m].
 
         Returns
         -------
-        ndarray
-            Vertical distance from the chord down to the rope [m].
+        array
+            Sag [m].
         """
         return np.asarray(self.rise) * np.asarray(x) / np.asarray(self.span) - self.height(x)
 
     def forces(self, weight: Numbers) -> EndForces:
-        """End forces of the rope; Harvey's T = V/sin, H = V/tan of the end tangents.
+        """End forces of the rope. Harvey's T = V/sin, H = V/tan of the end tangents.
 
         Parameters
         ----------
-        weight : float or array_like
-            Weight per metre [N/m].
+        weight : float or array
+            Per metre, in any unit of force.
 
         Returns
         -------
         EndForces
-            Horizontal tension, vertical forces and tensions at both ends, in the unit of the weight.
+            Horizontal tension, vertical forces of the supports and tensions at both ends.
         """
         horizontal = np.asarray(self.parameter) * np.asarray(weight)
         start, end = self.slope(0.0), self.slope(self.span)
@@ -173,29 +180,29 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
 
     Parameters
     ----------
-    span : float or array_like
+    span : float or array
         Horizontal distance of the ends [m].
-    rise : float or array_like
-        Height of the end above the start [m].
-    horizontal : float or array_like
-        Horizontal tension [N].
-    weight : float or array_like
-        Weight per metre [N/m].
+    rise : float or array
+        Height of the end over the start [m].
+    horizontal : float or array
+        Horizontal tension, in any unit of force.
+    weight : float or array
+        Per metre, in the same unit.
 
     Returns
     -------
     CatenaryCurve
-        The curve.
+        Of parameter horizontal/weight.
 
     Raises
     ------
     InputError
-        A value that is not positive.
+        A value is not above zero, or arrays do not broadcast.
 
     Examples
     --------
-    >>> float(rw.catenary_for_horizontal(200.0, 10.0, horizontal=40e3, weight=34.1).length)
-    200.49188207956817
+    >>> float(catenary_for_horizontal(100.0, 0.0, 5000.0, 20.0).parameter)
+    250.0
     """
     alike(span, rise, horizontal, weight)
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
@@ -205,33 +212,31 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
 
 @checked
 def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> CatenaryCurve:
-    """The catenary for a rope length.
-
-    Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2).
+    """The catenary for a rope length (Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2)).
 
     Parameters
     ----------
-    span : float or array_like
+    span : float or array
         Horizontal distance of the ends [m].
-    rise : float or array_like
-        Height of the end above the start [m].
-    length : float or array_like
-        Length of the rope [m].
+    rise : float or array
+        Height of the end over the start [m].
+    length : float or array
+        Of the rope [m].
 
     Returns
     -------
     CatenaryCurve
-        The curve.
+        With that length.
 
     Raises
     ------
     InputError
-        The rope is not longer than its chord (Harvey's code then returns the chord).
+        The rope is not longer than its chord; Harvey's code returns the chord then.
 
     Examples
     --------
-    >>> float(rw.catenary_for_length(200.0, 10.0, length=201.0).parameter)
-    666.5578457261455
+    >>> round(float(catenary_for_length(100.0, 0.0, 101.0).parameter), 2)
+    204.43
     """
     alike(span, rise, length)
     d, h, s = (np.asarray(v, dtype=float) for v in (span, rise, length))
@@ -248,33 +253,33 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 
 @checked
 def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0.5) -> CatenaryCurve:
-    """The catenary for a sag.
+    """The catenary for a sag below its chord.
 
     Parameters
     ----------
-    span : float or array_like
+    span : float or array
         Horizontal distance of the ends [m].
-    rise : float or array_like
-        Height of the end above the start [m].
-    sag : float or array_like
-        Vertical distance from the chord down to the rope [m].
-    at : float or array_like, default 0.5
-        Station of the sag over the span, between 0 and 1.
+    rise : float or array
+        Height of the end over the start [m].
+    sag : float or array
+        Below the chord [m].
+    at : float or array, default 0.5
+        Share of the span at which the sag is given, between 0 and 1.
 
     Returns
     -------
     CatenaryCurve
-        The curve.
+        With that sag.
 
     Raises
     ------
     InputError
-        A value that is not positive, or a station outside the span.
+        A value is out of its range, or arrays do not broadcast.
 
     Examples
     --------
-    >>> float(rw.catenary_for_sag(200.0, 10.0, sag=5.0).length)
-    200.58154903586677
+    >>> round(float(catenary_for_sag(100.0, 0.0, 5.0).parameter), 2)
+    250.83
     """
     alike(span, rise, sag, at)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
@@ -290,35 +295,35 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
 
 @checked
 def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers) -> CatenaryCurve:
-    """The taut catenary for a tension at its start.
+    """The catenary for the tension at its start: the taut one of two.
 
     Parameters
     ----------
-    span : float or array_like
+    span : float or array
         Horizontal distance of the ends [m].
-    rise : float or array_like
-        Height of the end above the start [m].
-    tension : float or array_like
-        Tension at the start [N].
-    weight : float or array_like
-        Weight per metre [N/m].
+    rise : float or array
+        Height of the end over the start [m].
+    tension : float or array
+        At the start, in any unit of force.
+    weight : float or array
+        Per metre, in the same unit.
 
     Returns
     -------
     CatenaryCurve
-        The curve.
+        The taut one.
 
     Raises
     ------
     InputError
-        A value that is not positive.
+        A value is not above zero, or arrays do not broadcast.
     SlackRopeError
-        The tension is too low for the weight of the rope.
+        The tension is less than the rope's own weight needs.
 
     Examples
     --------
-    >>> float(rw.catenary_for_tension(200.0, 10.0, tension=40e3, weight=34.1).length)
-    200.49218536716396
+    >>> round(float(catenary_for_tension(100.0, 0.0, 5000.0, 20.0).parameter), 2)
+    244.88
     """
     alike(span, rise, tension, weight)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")

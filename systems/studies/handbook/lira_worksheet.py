@@ -25,8 +25,10 @@ from ropeway.systems.studies.handbook.payload_methods import cable_factor, load_
 
 
 class Readings(NamedTuple):
-    """What a user read from the nomographs: Fig. A.1, Fig. A.2/A.3, Fig. A.4-A.17 (share of the span), and the
-    remaining tension as rounded for the load factor."""
+    """What a user read from the nomographs.
+
+    Fig. A.1, Fig. A.2/A.3, Fig. A.4-A.17 (share of the span), and the remaining tension as rounded for the load factor.
+    """
 
     cable_factor: float
     tension_per_load: float
@@ -58,25 +60,25 @@ def lira_worksheet(
     strain: Strain | None = None,
     readings: Readings | None = None,
 ) -> Worksheet:
-    """The LIRA worksheet for a tension at the upper support, in any unit of force.
+    """Fill in the worksheet for one or many spans, in any one unit of force.
 
-    The error of the payload is about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded
-    deflection; here it is read at the unloaded one, as the worksheet requires.
+    Error of the payload about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded deflection; here
+    it is the unloaded one, for which it asks.
 
     Parameters
     ----------
     line : LoadedSpan
         The span with its carriage.
-    weight : float or array_like
-        Weight of the rope per metre.
-    tension : float or array_like
+    weight : float or array
+        Of the rope per metre.
+    tension : float or array
         Safe working load at the upper support.
-    carriage_weight : float or array_like, default 0
-        Weight of the carriage.
+    carriage_weight : float or array, default 0.0
+        Taken off the gross load.
     strain : Strain, optional
-        Strain of the rope, for the unloaded deflection; by default inextensible.
+        Of the rope, for the unloaded deflection; None for an inextensible rope.
     readings : Readings, optional
-        Values read from the nomographs; by default they are computed.
+        Read from the nomographs, instead of computed.
 
     Returns
     -------
@@ -86,14 +88,15 @@ def lira_worksheet(
     Raises
     ------
     InputError
-        An invalid value.
+        A value is out of its range, or arrays do not broadcast.
     SlackRopeError
-        The tension is too low for the weight of the rope.
+        The tension is less than the rope's own weight needs.
 
     Examples
     --------
-    >>> float(rw.lira_worksheet(rw.LoadedSpan(200.0, 25.0), weight=3.48, tension=19600.0).gross)
-    9120.773319232427
+    >>> sheet = lira_worksheet(LoadedSpan(200.0, 25.0, 0.1), weight=34.0, tension=190e3)
+    >>> round(float(sheet.gross))
+    85801
     """
     alike(*line.parts, weight, tension, carriage_weight)
     if readings is None:

@@ -1,4 +1,4 @@
-"""The geometry of all payload methods: a span with a carriage."""
+"""The geometry that every payload method starts from: one span with a carriage somewhere in it."""
 
 from __future__ import annotations
 
@@ -19,20 +19,25 @@ class LoadedSpan:
 
     Parameters
     ----------
-    span : float or array_like
+    span : float or array
         Horizontal distance of the supports [m].
-    deflection : float or array_like
+    deflection : float or array
         Vertical distance from the chord down to the carriage [m].
-    chord_slope : float or array_like, default 0
-        Fall of the chord over the span, from the upper support, where the tension is given, to the lower one (0.2 for
-        20 %).
-    carriage : float or array_like, default 0.5
-        Horizontal distance of the carriage from the upper support, over the span.
+    chord_slope : float or array, default 0.0
+        Fall of the chord over the span, from the upper support, where the tension is given, to the lower one: 0.2 for
+        20 %, never negative.
+    carriage : float or array, default 0.5
+        Horizontal distance of the carriage from the upper support, as a share of the span.
 
     Raises
     ------
     InputError
-        A value out of its range, or a negative slope.
+        A value is out of its range, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> float(LoadedSpan(200.0, 25.0, 0.1).drop_upper)
+    35.0
     """
 
     span: Numbers

@@ -21,7 +21,7 @@ import numpy as np
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import SlackRopeError
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_checks import alike, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, rising
@@ -154,47 +154,48 @@ METHODS: Mapping[str, Method] = MappingProxyType(
 def payload_for_tension(
     method: Method,
     line: LoadedSpan,
-    rope: Rope,
+    rope: Rope | str,
     tension: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Payload for a tension at the upper support, by one of the methods.
+    """Payload for a tension at the upper support, after one of the methods.
 
     Parameters
     ----------
     method : callable
-        One of `ropeway.systems.studies.handbook.payload_methods.METHODS`, such as `METHODS["rigid link"]`.
+        One of `METHODS`, as `METHODS["rigid link"]`.
     line : LoadedSpan
         The span with its carriage.
-    rope : Rope
-        The skyline.
-    tension : float or array_like
-        Tension at the upper support [N].
-    carriage_mass : float or array_like, default 0
-        Mass of the carriage [kg].
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    tension : float or array
+        At the upper support [N].
+    carriage_mass : float or array, default 0.0
+        [kg].
     gravity : float, default 9.80665
-        Gravity [m/s2].
+        [m/s2].
 
     Returns
     -------
-    ndarray
-        Payload [kg]; negative if the rope cannot carry the carriage.
+    array
+        Payload [kg]; negative where the rope cannot even carry the carriage.
 
     Raises
     ------
     InputError
-        An invalid value.
+        A value is out of its range, or arrays do not broadcast.
     SlackRopeError
-        The tension is too low for the weight of the rope.
+        The tension is less than the rope's own weight needs.
 
     Examples
     --------
-    >>> from ropeway.systems.studies.handbook.payload_methods import METHODS
-    >>> float(rw.payload_for_tension(METHODS["rigid link"], rw.LoadedSpan(200.0, 25.0), rope, 192e3))
-    9116.806498514929
+    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
+    >>> round(float(payload_for_tension(METHODS["rigid link"], line, rope, 190e3)))
+    8754
     """
+    rope = rope_of(rope)
     alike(*line.parts, tension, carriage_mass)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
@@ -209,46 +210,48 @@ def payload_for_tension(
 def tension_for_payload(
     method: Method,
     line: LoadedSpan,
-    rope: Rope,
+    rope: Rope | str,
     payload: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Tension of the taut rope at the upper support for a payload, by one of the methods.
+    """Tension at the upper support for a payload, after one of the methods; of the taut rope.
 
     Parameters
     ----------
     method : callable
-        One of `ropeway.systems.studies.handbook.payload_methods.METHODS`, such as `METHODS["rigid link"]`.
+        One of `METHODS`, as `METHODS["rigid link"]`.
     line : LoadedSpan
         The span with its carriage.
-    rope : Rope
-        The skyline.
-    payload : float or array_like
-        Payload [kg].
-    carriage_mass : float or array_like, default 0
-        Mass of the carriage [kg].
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    payload : float or array
+        [kg].
+    carriage_mass : float or array, default 0.0
+        [kg].
     gravity : float, default 9.80665
-        Gravity [m/s2].
+        [m/s2].
 
     Returns
     -------
-    ndarray
+    array
         Tension at the upper support [N].
 
     Raises
     ------
     InputError
-        An invalid value.
+        A value is out of its range, or arrays do not broadcast.
     SlackRopeError
-        No taut rope has such a small payload at this deflection.
+        No taut rope through the carriage's place is loaded so little.
 
     Examples
     --------
-    >>> float(rw.tension_for_payload(METHODS["rigid link"], rw.LoadedSpan(200.0, 25.0), rope, 9000.0))
-    189638.6259809267
+    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
+    >>> round(float(tension_for_payload(METHODS["rigid link"], line, rope, 8000.0)) / 1e3, 1)
+    174.3
     """
+    rope = rope_of(rope)
     alike(*line.parts, payload, carriage_mass)
     require(payload, "payload [kg]", lambda v: v >= 0.0, "zero or more")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")

@@ -37,29 +37,34 @@ _DIFFERENCE = 1e-7  # forward difference, relative
 @checked
 @dataclass(frozen=True)
 class SpanProblem:
-    """A span with loads, in any unit of force and length.
+    """A span with loads, in any one unit of force and length.
 
     Parameters
     ----------
     span : float
-        Horizontal distance of the ends.
+        Horizontal distance from end a to end b.
     rise : float
-        Height of end b above end a.
+        Height of end b over end a.
     length : float
-        Unstretched length of the rope.
+        Unstretched, of the rope.
     weight : float
-        Weight per unstretched length.
+        Of the rope per unstretched length.
     axial_stiffness : float
-        EA.
-    distances : sequence of float, default ()
-        Unstretched distances of the loads from a, in order.
-    loads : sequence of float, default ()
-        Loads, downward.
+        Of the rope.
+    distances : tuple of float, default ()
+        Unstretched, of the loads from end a, in order.
+    loads : tuple of float, default ()
+        Downward forces.
 
     Raises
     ------
     InputError
-        A value that is not positive, or loads outside the span.
+        A value is not positive, or distances are not in order inside the span.
+
+    Examples
+    --------
+    >>> round(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7).chord, 3)
+    100.499
     """
 
     span: float
@@ -91,7 +96,7 @@ class SpanProblem:
         return float(np.hypot(self.span, self.rise))
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """Position of end b for a force at a.
+        """Where end b of the rope is for a force at end a.
 
         Parameters
         ----------
@@ -103,13 +108,13 @@ class SpanProblem:
         Returns
         -------
         x, z : float
-            Position from a, z up.
+            Horizontal and upward distance from end a.
         """
         x, z = finite(self._end(horizontal, vertical), "reach")
         return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
-        """Stretched length for a force at a.
+        """Stretched length of the rope for a force at end a.
 
         Parameters
         ----------
@@ -161,9 +166,12 @@ class SpanProblem:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """How an iteration went. `frame`: one row for each iterate, the start first; columns horizontal, vertical,
-    tension, angle (at end a [rad], rise over run downwards positive), miss (distance of the rope's end from b),
-    evaluations (of one of the two equations, so far)."""
+    """The iterates of a solution, as `rw.solve_span` returns them.
+
+    `frame`: one row for each iterate, the start first; columns horizontal, vertical, tension, angle (at end a [rad],
+    rise over run downwards positive), miss (distance of the rope's end from b), evaluations (of one of the two
+    equations, so far). `converged`: whether the end is within the tolerance.
+    """
 
     problem: SpanProblem
     method: SpanMethod
@@ -188,43 +196,40 @@ def solve_span(
     tolerance: float = 1e-9,
     limit: int = 60,
 ) -> History:
-    """Solve the two equations of a span iteratively, and record the iteration.
-
-    The iteration ends when the end of the rope is within tolerance times the span, or at the limit. A round takes 6
-    evaluations of one equation with Newton-Raphson (forward differences), 5 with Brown's method.
+    """Iterate on a span's two equations until its end is within a tolerance.
 
     Parameters
     ----------
     problem : SpanProblem
         The span.
-    method : {"Newton-Raphson", "Brown", "successive substitution"}, default "Newton-Raphson"
-        The method.
+    method : {"successive substitution", "Newton-Raphson", "Brown"}, default "Newton-Raphson"
+        Newton takes 6 evaluations of one equation a round (forward differences), Brown 5.
     start : tuple of float, optional
-        Initial guess of the horizontal and vertical force at a; by default those of the parabola.
+        Horizontal tension and upward force at end a; by default those of the parabola.
     damped : bool, default True
-        Whether a step of Newton or Brown changes the tension by at most half of it, and a substitution takes half of
-        each step (in 1/H).
+        Whether a step of Newton or Brown changes the tension by half of itself at most, and the substitution goes half
+        of each step (in 1/H).
     unknowns : {"horizontal and vertical", "tension and angle"}, default "horizontal and vertical"
-        Unknowns of Newton and Brown.
+        Of Newton and Brown.
     tolerance : float, default 1e-9
         Distance of the rope's end from b over the span.
     limit : int, default 60
-        Largest number of iterations.
+        Most iterates.
 
     Returns
     -------
     History
-        The iterates, and whether they converged.
+        All iterates, and whether they converged.
 
     Raises
     ------
     InputError
-        An invalid value.
+        A value is out of its range.
 
     Examples
     --------
-    >>> rw.solve_span(rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)).iterations
-    3
+    >>> solve_span(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7)).converged
+    True
     """
     check.count(limit, "solve_span", "iterates", 1_000)
     check.positive(tolerance, "solve_span", "tolerance")
