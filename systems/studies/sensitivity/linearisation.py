@@ -81,7 +81,7 @@ class Tangent:
 
 @lru_cache(maxsize=16)
 def tangent_of(model: Model) -> Tangent:
-    """The derivatives of a model: made once, as their functions take a while to build."""
+    """The derivatives of a model, made once."""
     return Tangent(model)
 
 

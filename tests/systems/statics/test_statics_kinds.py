@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 import ropeway as rw
-from ropeway.systems.solvers.newton import damped
+from ropeway.systems.solvers.damped_newton import damped
 from ropeway.systems.statics import settling
 from ropeway.systems.statics.line_state import LineState
 from support.oracle import Material, by_quadrature
