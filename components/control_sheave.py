@@ -12,11 +12,12 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Variable, form_of
+from ropeway.components.component import form_of
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
+from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
 
 Speed = float | Schedule | None
 """A constant [m/s], a schedule, or None: an input of the model."""

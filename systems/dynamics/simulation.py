@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal
@@ -19,7 +18,7 @@ from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of, nearest
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
 from ropeway.systems.modelling.intervention import Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
@@ -339,7 +338,7 @@ class _Simulation:
         return True
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def update_of(model: Model, clock: Clock) -> Buffered:
     """The update of a clock, on arrays."""
     return dense(model, clock.update)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -13,9 +13,9 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
 
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.damped_newton import damped
 
 Slot = tuple[Kind, int]
@@ -274,7 +274,7 @@ def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any,
     return ca.Function(name, symbols, [value, solve_sparse(system, right)])
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def expanded(model: Model) -> ca.Function:
     """The model's equations for numerical work."""
     return scalar(model, model.dae)
@@ -293,7 +293,7 @@ def dense(model: Model, function: ca.Function) -> Buffered:
     return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def outputs_of(model: Model) -> Buffered:
     """The model's outputs as a function of a point's arguments, as arrays."""
     return dense(model, model.outputs)
@@ -324,7 +324,7 @@ def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
     return nearer
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def newton_of(model: Model) -> Newton:
     """The solver of a model without freed quantities, made once."""
     return Newton(model)

@@ -11,11 +11,11 @@ import pandas as pd
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import (
     InputError,
     UnknownNameError,
 )
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of

@@ -9,12 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
+from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.system import System, caller
+from ropeway.systems.modelling.system import System
+from ropeway.systems.modelling.user_code import caller
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium

@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
-from ropeway.systems.modelling.dae_model import Model, nearest
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
 from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
@@ -227,7 +226,7 @@ def support_points(model: Model, r: int, point: Point) -> np.ndarray:
     return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def _coordinates(model: Model, r: int) -> np.ndarray:
     """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
     names = [name for kind in VECTORS for name in model.tables[kind].names]

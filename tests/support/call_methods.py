@@ -29,7 +29,7 @@ from support.call_objects import (
 
 
 class Call(NamedTuple):
-    """A callable with arguments that it takes, by name; those of `self` are left alone."""
+    """A callable with valid arguments by name, without `self`."""
 
     function: Callable[..., Any]
     arguments: dict[str, Any]

@@ -92,7 +92,7 @@ def corridor(make: Any = rw.standing_skyline, **how: Any) -> rw.SkylineRig:
 
 
 def valley(speed: float, at: float) -> rw.System:
-    """A hold-down sheave in a valley: a load is pushed back there from either side."""
+    """A hold-down sheave in a valley: a load is pushed back there from both sides."""
     s = rw.System("valley")
     h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
     ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
@@ -105,7 +105,7 @@ HYDRAULIC = hydraulic_drive(displacement=1e-4, relief_pressure=350e5, pump_flow=
 
 
 def open_line() -> rw.System:
-    """The short line with a drive whose pressure and flow are left open."""
+    """The short line with a drive whose pressure and flow are open inputs."""
     return short_line(drive=replace(HYDRAULIC, relief_pressure=None, pump_flow=None, brake_force=1e5))
 
 
@@ -181,7 +181,7 @@ class Opened:
             self.fmu.setupExperiment(startTime=start)
 
     def initialize(self) -> None:
-        """Through initialisation."""
+        """Initialises."""
         if self.three:
             self.fmu.enterInitializationMode(startTime=self._start)
         else:
@@ -221,11 +221,11 @@ class Opened:
         return self.fmu.getFMUState() if self.three else self.fmu.getFMUstate()
 
     def restore(self, state: Any) -> None:
-        """Back to a state."""
+        """Restores a state."""
         (self.fmu.setFMUState if self.three else self.fmu.setFMUstate)(state)
 
     def close(self) -> None:
-        """Ends it."""
+        """Closes it."""
         self.fmu.freeInstance()
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.empty_rope import pretension
 from ropeway.systems.modelling.rope_path import Run

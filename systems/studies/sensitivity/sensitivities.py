@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
+from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model

@@ -100,6 +100,9 @@ def table_of(
     elif isinstance(parameters, pd.DataFrame):
         cases = parameters.reset_index(drop=True)
     else:
+        for name, values in parameters.items():
+            if isinstance(values, np.ndarray) and values.ndim != 1:
+                raise InputError(f"Parameter {name!r} has an array of {values.ndim} dimensions", "Give a row of values")
         cases = pd.DataFrame(list(product(*parameters.values())), columns=list(parameters))
     if cases.empty or cases.columns.has_duplicates:
         raise InputError("The sweep has no cases, or two parameters of one name", "Give each parameter its values")
@@ -115,6 +118,8 @@ def _in_unit(column: pd.Series, unit_of: Units) -> pd.Series:
     """A column under its parameter's name, its values in the parameter's unit. Brackets in the name of an element
     (`v[2]`), and in that of a column of other things than numbers, are no unit. Raises InputError."""
     name, unit = name_and_unit(str(column.name))
+    if any(isinstance(value, complex | np.complexfloating) for value in column):
+        raise InputError(f"Parameter {column.name!r} has complex values", "Give real numbers")
     values = pd.to_numeric(column, errors="coerce")
     if not unit or _INDEX.fullmatch(unit) or (values.isna() & column.notna()).any():
         return column.rename(str(column.name))

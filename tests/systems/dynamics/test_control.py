@@ -60,7 +60,7 @@ def test_limits_hold_in_random_runs(seed: int) -> None:
         assert frame["c.hydraulic_power"].min() >= -1.001 * drive.engine_power
 
 
-def test_a_sheave_asked_for_too_much_slips_and_says_so() -> None:
+def test_an_overloaded_sheave_slips_and_is_reported() -> None:
     weak = hydraulic_drive(relief_pressure=8e5, drag=200.0)
     held = rw.simulate(small(drive=hydraulic_drive()), until=30.0)
     assert held.frame["c.rope_speed"].to_numpy() == pytest.approx(1.0, abs=1e-6)
@@ -290,7 +290,7 @@ def test_bad_endless_lines() -> None:
         line(precedence="loudest first")
 
 
-def test_summary_names_what_went_wrong() -> None:
+def test_summary_names_exceeded_limits() -> None:
     weak = hydraulic_drive(relief_pressure=8e5, drag=200.0)
     heavy = small(drive=weak, load_mass=(900.0, 700.0), load_spacing=25.0, response={"c": RULE})
     summary = rw.simulate(heavy, until=30.0).summary()
@@ -326,7 +326,7 @@ def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
 
 
 @pytest.mark.parametrize("every", [1.0, 0.004])
-def test_a_load_that_a_slipping_drive_throws_over_its_sheave(every: float) -> None:
+def test_a_load_beyond_the_sheave_of_a_slipping_drive(every: float) -> None:
     """The sheave swings at 4 Hz: it has turned again when the load is found beyond it."""
     s = rw.System("flung")
     drive = hydraulic_drive(displacement=1e-4, relief_pressure=100e5, pump_flow=0.02, inertia=300.0)

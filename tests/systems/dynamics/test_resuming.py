@@ -98,7 +98,7 @@ def test_brakes_and_an_emergency_stop_go_on() -> None:
     assert again.events["event"].eq("response").any()
 
 
-def test_what_a_run_leaves_does_not_leak() -> None:
+def test_memory_of_results_is_released() -> None:
     result = whole("threshold that waits")
     here = result.at(13.3)
     assert here["c1.correction"] != 0.0

@@ -29,7 +29,7 @@ def line(mass: float, *, spans: int = 6, precedence: str = "worst first", **how:
     return s
 
 
-def test_two_lines_in_one_are_what_they_are_apart() -> None:
+def test_two_lines_in_one_system_are_independent() -> None:
     apart = {"p": line(300.0), "q": line(420.0)}
     outer = rw.System("yard")
     for name, inner in apart.items():
@@ -92,7 +92,7 @@ def test_parts_are_swept_and_summed_up() -> None:
     assert "p.c3" in summary.supports.index
 
 
-def test_what_is_refused() -> None:
+def test_rejected_input() -> None:
     outer, inner = rw.System("outer"), line(300.0, spans=4)
     for name, words in ((None, "needs a name"), ("a.b", "identifier"), ("", "identifier")):
         with pytest.raises(rw.InputError, match=words):

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)

@@ -74,7 +74,7 @@ def test_a_line_at_rest_has_a_certificate() -> None:
         ({"s__z": 1e-5}, checks.SPANS_END, "rough_s"),
         ({"rough_s__slot_at[1]": 1e-3}, checks.ON_ROPE, "rough_s"),
         ({"rough_s__slot_mass[1]": 1.0}, checks.ON_ROPE, "rough_s"),
-        ({"d__tension": 0.1}, "Drum: the drum keeps its tension", "d"),
+        ({"d__tension": 0.1}, "Drum: the drum holds its tension", "d"),
         ({"rough__friction": 1e-4}, "Sheave: tensions on both sides", "rough"),
         ({"e__stiffness": 1.0}, "SpringAnchor: forces, x", "e"),
     ],
@@ -158,12 +158,12 @@ def test_a_guyed_spar_and_a_carriage_are_checked() -> None:
         ({"carriage__payload": 0.01}, "Carriage: forces on the carriage, z"),
         ({"head__axial": 1.0}, "GuyedSpar: forces at the top, z"),
         ({"head__mass": 0.1}, "GuyedSpar: forces at the top, z"),
-        ({"head__height": 1e-5}, "GuyedSpar: the mast keeps its length"),
+        ({"head__height": 1e-5}, "GuyedSpar: length of the mast"),
     ):
         assert text in [c.name for c in again(eq, **change).checks if not c.holds], change
 
 
-def test_a_log_on_its_head_has_no_certificate() -> None:
+def test_an_inverted_log_has_no_certificate() -> None:
     s = rw.System("log")
     log = s.add(rw.Log("log", at=(0.0, 0.0, -6.0), mass=700.0, length=9.0, friction=0.0, moving=0.0))
     top = s.add(rw.Anchor("top", at=(0.0, 0.0)))
@@ -196,7 +196,7 @@ class Cam(rw.Sheave):
         return {"tension_law": ratio(v.a.force, v.b.force, self.gain)}
 
 
-def test_a_users_component_says_what_holds() -> None:
+def test_laws_of_a_users_component() -> None:
     s = rw.System("own")
     s.string(
         ROPE, rw.Anchor("a", at=(0.0, 0.0)), Cam("cam", at=(60.0, 4.0)), rw.Anchor("b", at=(130.0, 0.0)), length=131.0

@@ -229,7 +229,7 @@ def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_too_heavy_loads_are_called_that() -> None:
+def test_loads_that_are_too_heavy_are_named() -> None:
     """A line of ten spans whose rope is held by a drum's tension: with such loads it would run out for ever."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
     line = rw.monocable(ROPE, table, tension=45e3, load_mass=18e3, load_spacing=50.0)

@@ -72,7 +72,6 @@ class SchedulePlan(PlanData):
 
         Feed-forward plus trim is `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`.
         """
-
         return trimmed_line(self, self.trim)
 
     def robustness(
@@ -97,7 +96,6 @@ class SchedulePlan(PlanData):
         ------
         InputError, UnknownNameError
         """
-
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:

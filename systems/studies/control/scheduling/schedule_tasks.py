@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.studies.control.scheduling.limits import HYDRAULIC, ScheduleLimits
 from ropeway.systems.studies.control.scheduling.line_runs import TENSIONS, Baseline, LineRuns

@@ -10,9 +10,9 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import grip_margin
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.solvers.newton import Point, expanded
 from ropeway.systems.studies.control.scheduling.nonlinear_program import Term
