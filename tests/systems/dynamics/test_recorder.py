@@ -14,7 +14,7 @@ def test_a_recorder_returns_to_its_checkpoint() -> None:
     recorder.record(state, on_grid=True)
     recorder.note(state, Crossing(0.0, 0.0, 0, 1, 2, True), "crossing forward")
     checkpoint = recorder.checkpoint()
-    state.point.x += 1.0
+    state.point.x[:] += 1.0
     recorder.record(state, exact=False)
     recorder.note(state, Crossing(0.0, 0.0, 0, 2, 1, True), "crossing forward")
     assert (recorder.on_grid.tolist(), recorder.exact.tolist()) == ([True, False], [True, False])
