@@ -1,4 +1,4 @@
-"""A system at rest: solved, checked to be physical, and ready to ask."""
+"""The equilibrium of a system, and its values by name."""
 
 from __future__ import annotations
 
