@@ -1,5 +1,5 @@
 """A skyline rig in time: the carriage pulled by the mainline's drum, over its supports, with payloads picked up,
-hoisted on or lost on the way."""
+hoisted on or lost."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def inhaul(
     InputError
         The rig has no mainline, or a value is out of its range.
     SimulationError
-        The carriage stops on the way; `result` holds the run up to there.
+        The carriage stops before its end; `result` holds the run up to there.
 
     Examples
     --------
@@ -193,7 +193,7 @@ class _Run:
 
     def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
-        way = -1 if speed > 0.0 else 1
+        direction = -1 if speed > 0.0 else 1
         first = self.places.placed(start)
         at, eq = first.at, first.at.rest(first.point)
         self.record(at, eq, speed)
@@ -202,10 +202,10 @@ class _Run:
         except EquilibriumError:  # with this payload; it may be another by then
             last = Place(self.rig.span_of(end))
         while at.place != last:
-            eq = self.through(at, eq, partial(self.border, at, last, way), speed)
-            beyond = self.next(at, last, way)
+            eq = self.through(at, eq, partial(self.border, at, last, direction), speed)
+            beyond = self.next(at, last, direction)
             try:
-                at, eq = beyond, self.over(at, beyond, eq, way, speed)
+                at, eq = beyond, self.over(at, beyond, eq, direction, speed)
             except EquilibriumError as error:
                 self.record(at, eq, speed)
                 raise self.stopped(eq, speed, error) from error
@@ -217,29 +217,29 @@ class _Run:
         """The places of the carriage with its present payload."""
         return Places(self.rig, self.payload)
 
-    def next(self, at: SpanModel, last: Place, way: int) -> SpanModel:
-        """The next place that the carriage comes through."""
+    def next(self, at: SpanModel, last: Place, direction: int) -> SpanModel:
+        """The next place that the carriage passes."""
         places = self.places
         order = places.in_order()
-        beyond = span_model(self.rig, order[order.index(at.place) + way])
+        beyond = span_model(self.rig, order[order.index(at.place) + direction])
         while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or self.rolls(beyond.on))):
-            beyond = span_model(self.rig, order[order.index(beyond.place) + way])
+            beyond = span_model(self.rig, order[order.index(beyond.place) + direction])
         return beyond
 
     def rolls(self, k: int) -> bool:
-        """Whether the carriage rolls over the shoe of support k, or on to it until the mainline holds it no more."""
+        """Whether the carriage rolls over the shoe of support k, or onto it until the mainline no longer holds it."""
         try:
             return self.places.rolls(k)
         except EquilibriumError:
             return True
 
-    def border(self, at: SpanModel, last: Place, way: int) -> float:
-        """Where the carriage goes over to the next place with the payload that it has by then [m]."""
-        return self.places.border(at, self.next(at, last, way), way)
+    def border(self, at: SpanModel, last: Place, direction: int) -> float:
+        """Station at which the carriage changes to the next place, with its payload there [m]."""
+        return self.places.border(at, self.next(at, last, direction), direction)
 
     def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
-        """On to a station of the same place, stopping where the payload changes. Raises EquilibriumError where the
-        carriage comes no further."""
+        """Integrates to a station of the same place, stopping where the payload changes. Raises EquilibriumError where the
+        carriage cannot go on."""
         while True:
             reached, stop = self.towards(at, eq, target, speed)
             needed = self.places.paid_out(at, eq.point) - self.places.paid_out(at, reached)
@@ -266,7 +266,7 @@ class _Run:
     def towards(
         self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float
     ) -> tuple[Point, EquilibriumError | None]:
-        """The equilibrium at a station of the same place; or as far on the way there as there is one, and what stops
+        """The equilibrium at a station of the same place; or as far towards it as one exists, and what stops
         the carriage."""
         try:
             return self.places.solve(at, target(), eq.point), None
@@ -288,14 +288,14 @@ class _Run:
         return reached, stop
 
     def stopped(self, eq: Equilibrium, speed: float, why: RopewayError) -> EquilibriumError:
-        """What is said of a carriage that comes no further: that the mainline would have to push a little beyond,
+        """The error for a carriage that stops: that the mainline would have to push a little beyond,
         where it is that."""
-        x, way = eq[f"{self.rig.carriage.name}.x"], -1 if speed > 0.0 else 1
+        x, direction = eq[f"{self.rig.carriage.name}.x"], -1 if speed > 0.0 else 1
         first, last = self.rig.points[[0, self.rig.spans], 0]
         for ahead in (NEAR, 1.0, 3.0):
-            if first < x + way * ahead < last:
+            if first < x + direction * ahead < last:
                 try:
-                    self.places.placed(x + way * ahead)
+                    self.places.placed(x + direction * ahead)
                 except EquilibriumError as error:
                     why = error
                     break
@@ -303,7 +303,7 @@ class _Run:
         return EquilibriumError(cause, why.remedy)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
-        """Some seconds on; a log takes the ground under it in pieces, each before it comes to the next vertex."""
+        """Integrates over a duration [s]; a log gets the ground under it in pieces, each before the next vertex."""
         ground = self.rig.terrain
         if at.log is None or ground is None:
             return self.integrate_smooth(at, eq, duration, speed)
@@ -317,7 +317,7 @@ class _Run:
         return eq
 
     def integrate_smooth(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
-        """Some seconds on equations that do not change; rows on the grid of the whole run."""
+        """Integrates over a duration [s] in which the equations do not change; rows on the grid of the whole run."""
         if duration < 1e-9:
             return eq
         try:
@@ -347,7 +347,7 @@ class _Run:
         return at.rest(result.at(duration).point)
 
     def record_all(self, at: SpanModel, result: Result, speed: float) -> None:
-        """Rows of a stretch that begins now, on the grid of the whole run."""
+        """Rows of a section that begins now, on the grid of the whole run."""
         last = float(result.times[-1])
         first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
         for t in np.arange(first, self.time + last + 1e-9, self.every):
@@ -359,18 +359,18 @@ class _Run:
             return 0.1 / abs(speed)
         return duration / 40.0 if at.on is not None else duration
 
-    def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, way: int, speed: float) -> Equilibrium:
-        """Over to the next place: at once where the mainline is long or short enough for it, else after the drum has
+    def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
+        """Changes to the next place: at once where the mainline is long or short enough for it, else after the drum has
         run on while the carriage rests on a point saddle."""
         name = self.rig.carriage.name
         support = self.rig.supports[min(at.span, beyond.span)]
         x = eq[f"{name}.x"]
         if support.radius == 0.0:
-            x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + way * SIDE
+            x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + direction * SIDE
         elif at.on is None and beyond.on is None and at.span != beyond.span:
-            x = self.places.edge(min(at.span, beyond.span), way)
+            x = self.places.edge(min(at.span, beyond.span), direction)
         have = self.places.paid_out(at, eq.point)
-        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, way, have)
+        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, direction, have)
         need = self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
@@ -388,7 +388,7 @@ class _Run:
         return beyond.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
-        """Writes a row down, once for each time and payload. Raises EquilibriumError where the mainline hangs
+        """Appends a row, one for each time and payload. Raises EquilibriumError where the mainline hangs
         slack."""
         at.check.require(eq.point)
         now = self.time if time is None else time
