@@ -1,4 +1,4 @@
-"""Picture of a skyline's payloads: the corridor to scale, payloads and tensions below. matplotlib is imported when it is drawn."""
+"""Picture of a skyline's payloads: corridor to scale, payloads and tensions. matplotlib is imported on use."""
 
 from __future__ import annotations
 
