@@ -115,7 +115,7 @@ from .systems.studies.handbook.payload_methods import (
 )
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
-from .systems.studies.skyline.inhaul import Inhaul as Inhaul, inhaul as inhaul
+from .systems.studies.skyline.inhaul.study import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
 from .systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history
