@@ -150,6 +150,7 @@ if TYPE_CHECKING:
     from ropeway.components.errors import (
         WriteError as WriteError,
     )
+    from ropeway.components.map_frame import MapFrame as MapFrame
     from ropeway.components.rope import ropes as ropes
     from ropeway.components.terrain import Profile as Profile
     from ropeway.systems.dynamics.result import Result as Result
@@ -233,6 +234,7 @@ _HOMES = {
         "RopewayWarning ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError "
         "WorkerError WriteError"
     ),
+    "ropeway.components.map_frame": "MapFrame",
     "ropeway.components.rope": "ropes",
     "ropeway.components.terrain": "Profile",
     "ropeway.systems.dynamics.result": "Result",

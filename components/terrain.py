@@ -11,15 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ropeway.components import check, table
+from ropeway.components import check, profile_points, table
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain, Vector, segment
 from ropeway.components.errors import InputError
+from ropeway.components.map_frame import MapFrame
 
 _STATIONS = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
-_COORDINATES = table.TableLayout(
-    dict.fromkeys("xyz", "m"), "x,y,z\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1"
-)
 
 
 class Clearance(NamedTuple):
@@ -45,13 +43,14 @@ class Piece(NamedTuple):
 class Profile:
     """The ground along a corridor: `station` [m], increasing, and `elevation` [m] there, straight between.
 
-    Raises InputError.
+    `map_frame`: where it lies on a map, None where that is unknown. Raises InputError.
     """
 
     station: np.ndarray
     elevation: np.ndarray
+    map_frame: MapFrame | None
 
-    def __init__(self, station: ArrayLike, elevation: ArrayLike) -> None:
+    def __init__(self, station: ArrayLike, elevation: ArrayLike, map_frame: MapFrame | None = None) -> None:
         x, z = np.array(station, dtype=float), np.array(elevation, dtype=float)
         if x.ndim != 1 or x.shape != z.shape or len(x) < 2:
             raise InputError(
@@ -65,6 +64,7 @@ class Profile:
             raise InputError(f"Profile stations do not increase: {x[k + 1]:g} m after {x[k]:g} m", "Sort them")
         object.__setattr__(self, "station", x)
         object.__setattr__(self, "elevation", z)
+        object.__setattr__(self, "map_frame", map_frame)
 
     def __repr__(self) -> str:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
@@ -76,29 +76,58 @@ class Profile:
         Parameters
         ----------
         path : str, Path or DataFrame
-            With columns station and elevation [m]; or with columns x, y, z [m] of a broken line in map coordinates,
-            whose station is the horizontal length along it. Other columns are left alone.
+            With columns station and elevation [m]; or with those of `from_points`. Other columns are left alone.
 
         Raises
         ------
         InputError
             With file, line and column.
         """
-        read = table.read(path, _STATIONS, _COORDINATES)
-        if read.layout is _STATIONS:
-            station, elevation = read.numbers("station", "elevation").T
-        else:
-            x, y, elevation = read.numbers("x", "y", "z").T
-            station = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-            in_degrees = np.abs(x).max() <= 180.0 and np.abs(y).max() <= 90.0
-            if in_degrees and np.ptp(elevation) > 20.0 * station[-1]:
-                raise read.error(
-                    f"{station[-1]:g} m long and {np.ptp(elevation):g} m high", "Are x and y in degrees? Give metres"
-                )
+        read = table.read(path, _STATIONS, *profile_points.LAYOUTS)
+        if read.layout is not _STATIONS:
+            return cls(*profile_points.of_table(read, "").profile())
+        station, elevation = read.numbers("station", "elevation").T
         read.require_increase(station, "station", "m")
         if len(read) < 2:
             raise read.error("it has 1 point", "Give at least two")
         return cls(station, elevation)
+
+    @classmethod
+    def from_points(
+        cls,
+        points: table.Source | Sequence[Sequence[float]] | np.ndarray,
+        crs: str | None = None,
+        *,
+        straight: bool = False,
+    ) -> Profile:
+        """Along surveyed points, see `docs/gis.md`.
+
+        Parameters
+        ----------
+        points : str, Path, DataFrame or array, shape (n, 3)
+            Easting, northing and elevation [m] of points along the corridor: an array, a table with columns easting,
+            northing, elevation or x, y, z, or a GPX file with a track, a route or waypoints (extra `gis`).
+        crs : str, optional
+            Projected coordinate system of the points, such as "EPSG:2056"; of a GPX file the one that it is brought
+            to, by default its UTM zone. Without one nothing can be exported to a map.
+        straight : bool, default False
+            Stations are along the straight line from the first to the last point, and points beside it are projected
+            onto it; otherwise they are along the broken line through all points.
+
+        Raises
+        ------
+        InputError
+            With file, line and column; for a geographic coordinate system.
+
+        Warns
+        -----
+        RopewayWarning
+            The broken line is more than 1 % longer than the straight one: a rope hangs in one plane.
+        """
+        found = profile_points.read(points, crs)
+        if not straight:
+            found.warn_crooked()
+        return cls(*found.profile(straight=straight))
 
     @classmethod
     def from_dem(
@@ -112,6 +141,7 @@ class Profile:
         unit: str | None = None,
         nodata: float | None = None,
         largest_jump: float | None = None,
+        crs: str | None = None,
     ) -> Profile:
         """From a raster of elevations, see `docs/files.md`; needs the extra `gis`.
 
@@ -131,6 +161,8 @@ class Profile:
             A value that stands for no data, besides the one that the raster declares.
         largest_jump : float, optional
             Between neighbouring cells [m], above which they are no ground; by default 50 m and three cells.
+        crs : str, optional
+            Coordinate system of a raster that does not say its own, such as "EPSG:2056".
 
         Raises
         ------
@@ -143,7 +175,7 @@ class Profile:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
         from ropeway.components.elevation_raster import Reading, along
 
-        reading = Reading(spacing, band, unit, nodata, largest_jump)
+        reading = Reading(spacing, band, unit, nodata, largest_jump, crs)
         start, end = check.pair(start, "from_dem", "start"), check.pair(end, "from_dem", "end")
         try:
             raster = rasterio.open(path)
@@ -151,6 +183,29 @@ class Profile:
             raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
         with raster:
             return cls(*along(raster, str(path), start, end, reading))
+
+    @property
+    def crs(self) -> str:
+        """Coordinate system of the map that it lies on, "" where it is unknown."""
+        return "" if self.map_frame is None else self.map_frame.crs
+
+    @property
+    def azimuth(self) -> float:
+        """Direction of the corridor from grid north [degrees clockwise]. Raises InputError without a map."""
+        return self.require_map().azimuth
+
+    @property
+    def coordinates(self) -> np.ndarray:
+        """Easting, northing and elevation of every station, shape (n, 3). Raises InputError without a map."""
+        return np.column_stack([*self.require_map().to_map(self.station), self.elevation])
+
+    def require_map(self) -> MapFrame:
+        """Where it lies on a map. Raises InputError where that is unknown."""
+        if self.map_frame is None:
+            raise InputError(
+                f"{self!r} has no map coordinates", "Make it with from_dem or from_points, or give it a map_frame"
+            )
+        return self.map_frame
 
     def elevation_at(self, station: float) -> float:
         """Elevation [m] at a station [m]. Raises InputError outside the profile."""
@@ -194,7 +249,7 @@ class Profile:
         check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations", 1_000_000)
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
         stations = np.linspace(self.station[0], self.station[-1], count)
-        return Profile(stations, self.elevations(stations))
+        return Profile(stations, self.elevations(stations), self.map_frame)
 
     def clearance(self, piece: Piece) -> Clearance:
         """Least height of a rope piece over the ground, exact: at the ends, over the ground's vertices, and

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ropeway.components.component import Component
+from ropeway.components.ground import Ground
 from ropeway.components.load import Load
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.span import Span
 
 
@@ -35,7 +37,8 @@ class Feed:
 class Declarations:
     """What `System` holds. `connections`: the seat of each rope end; `supplies`: the power unit of each drive; `links`:
     the source of each driven input; `precedences`: who acts first among the control sheaves of each subsystem, ""
-    being those of the system itself."""
+    being those of the system itself. `ground`: what lies under it, `map_frame`: where its axes lie on a map; None where
+    that is unknown."""
 
     def __init__(self, name: str, gravity: float, precedence: str) -> None:
         self.name = name
@@ -49,3 +52,5 @@ class Declarations:
         self.feeds: list[Feed] = []
         self.origins: dict[str, str] = {}
         self.seated: set[tuple[str, str]] = set()  # the seats in `connections`
+        self.ground: Ground | None = None
+        self.map_frame: MapFrame | None = None

@@ -23,10 +23,12 @@ from ropeway.components.component import (
     Supply,
 )
 from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.ground import Ground
 from ropeway.components.load import Load
 from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
+from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.declarations import Declarations, Feed, Hung
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.modelling.subsystem import Subsystem, include
@@ -46,12 +48,22 @@ _PACKAGE = str(Path(__file__).parents[2])
 class System(Declarations):
     """Components and their connections. Declarations only: nothing is solved here."""
 
-    def __init__(self, name: str = "system", *, gravity: float = GRAVITY, precedence: str = "all at once") -> None:
+    def __init__(
+        self,
+        name: str = "system",
+        *,
+        gravity: float = GRAVITY,
+        precedence: str = "all at once",
+        terrain: Profile | None = None,
+    ) -> None:
         """gravity [m/s2]; precedence: who acts first when several control sheaves respond, one of
-        `ropeway.components.response.PRECEDENCES`. Raises InputError."""
+        `ropeway.components.response.PRECEDENCES`; terrain: the ground under it, whose stations are x, and whose map is
+        that of the system. Raises InputError."""
         check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
         super().__init__(name, gravity, precedence)
+        if terrain is not None:
+            self.ground, self.map_frame = Ground(terrain), terrain.map_frame
 
     def __repr__(self) -> str:
         spans = sum(isinstance(c, Span) for c in self.components.values())
@@ -311,6 +323,7 @@ class System(Declarations):
         other.supplies, other.links = dict(self.supplies), dict(self.links)
         other.hung, other.feeds, other.origins = list(self.hung), list(self.feeds), dict(self.origins)
         other.seated = set(self.seated)
+        other.ground, other.map_frame = self.ground, self.map_frame
         return other
 
     def _require_part(self, component: Component) -> None:

@@ -20,7 +20,9 @@ from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
 from ropeway.components.table import Source
+from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -38,6 +40,9 @@ def endless(
     drive: Drive | None = None,
     name: str = "endless line",
     gravity: Positive = GRAVITY,
+    crs: str | None = None,
+    terrain: Profile | None = None,
+    clearance: float | None = None,
 ) -> System:
     """An endless line with loads both ways.
 
@@ -46,9 +51,10 @@ def endless(
     take_up: constant force on the return wheel [N], by default what the empty rope draws with. speed [m/s or
     Schedule], drive: of the drive; any further controls follow the same speed. load_mass [kg, a number or a
     sequence used in order and repeated; 0 is a missing load; they go round either way] and load_spacing [m],
-    rounded so that the loads are evenly spread around. Raises InputError, SlackRopeError.
+    rounded so that the loads are evenly spread around. crs, terrain, clearance: as for `monocable`; the terrain
+    from the drive to the return lies under the rope's way back too. Raises InputError, SlackRopeError.
     """
-    table = read_supports(supports, endless=True)
+    table, map_frame = read_supports(supports, endless=True, crs=crs)
     check.positive(tension, "endless", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("endless has one of load_mass and load_spacing", "Give both, or none for an empty rope")
@@ -60,6 +66,7 @@ def endless(
         empty, _ = _line(rope, bare, tension, 0.0, None, None, name, gravity)
         take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
     line, spans = _line(rope, table, tension, speed, drive, take_up, name, gravity)
+    line.map_frame, line.ground = map_frame, ground_under(table, terrain, map_frame, clearance)
     if load_mass is not None and load_spacing is not None:
         line.feed(spans, spacing=load_spacing, masses=load_mass)
     return line

@@ -19,8 +19,10 @@ from ropeway.components.response import Response
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
+from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.empty_rope import support_tensions
 from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 
 _Part = TypeVar("_Part", Drive, Response)
@@ -40,6 +42,9 @@ def monocable(
     response: Response | Mapping[str, Response] | None = None,
     precedence: str = "all at once",
     gravity: Positive = GRAVITY,
+    crs: str | None = None,
+    terrain: Profile | None = None,
+    clearance: float | None = None,
 ) -> System:
     """A mono-cable line, from drum to drum.
 
@@ -54,9 +59,12 @@ def monocable(
     there, and beyond where the run started the rope comes in empty. drive and response: of the
     control sheaves, one for all or one for each name (ideal drives and no response otherwise); columns of
     the table such as drive.relief_pressure or response.increment change single values for a support;
-    precedence: who acts first when several respond. Raises InputError, SlackRopeError.
+    precedence: who acts first when several respond. crs: projected coordinate system of a table in map coordinates, see
+    `docs/gis.md`. terrain: the ground under it, over the horizontal distance along the line, or, where both are on one
+    map, over that of the terrain; clearance: least height over it of rope and loads [m], which `Result.events` then
+    hold the line to. Raises InputError, SlackRopeError.
     """
-    table = read_supports(supports)
+    table, map_frame = read_supports(supports, crs=crs)
     check.positive(tension, "monocable", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("monocable has one of load_mass and load_spacing", "Give both, or none for an empty rope")
@@ -88,6 +96,7 @@ def monocable(
         if isinstance(each, Mapping) and (unknown := set(each) - {*controls["name"], *controls["label"]}):
             raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
     line = System(name, gravity=gravity, precedence=precedence)
+    line.map_frame, line.ground = map_frame, ground_under(table, terrain, map_frame, clearance)
     spans = line.string(rope, *nodes, tension=tension)
     if load_mass is not None and load_spacing is not None:
         line.feed(spans, spacing=load_spacing, masses=load_mass)

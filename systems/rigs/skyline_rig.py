@@ -219,7 +219,7 @@ class SkylineRig:
         mass = self.carriage.payload if payload is None else payload
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
-        system = System(self.name, gravity=self.gravity)
+        system = System(self.name, gravity=self.gravity, terrain=self.terrain)
         for spar in (self.headspar, self.tailspar):
             if isinstance(spar, GuyedSpar):
                 string_guylines(system, spar)
