@@ -7,12 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropeway.components.annotation_checks import Numbers
-from ropeway.components.argument_checks import checked
 from ropeway.components.plan_axis import PlanAxis
-from ropeway.components.terrain import Clearance, Profile
+from ropeway.components.terrain import Clearance, Profile, under_line
 
 
-@checked
 @dataclass(frozen=True, eq=False)
 class Ground:
     """A terrain `profile`, level across, along an `axis` in the plan of a line; without one its stations are x.
@@ -35,4 +33,4 @@ class Ground:
     def under(self, points: np.ndarray) -> Clearance:
         """Least height over the ground of a broken line through points (n, 3), and the station where it is [m]; exact
         over the vertices of the ground too. (inf, nan) where there is no ground below."""
-        return self.profile.clearance_of_line(np.column_stack([self.stations(*points[:, :2].T), points[:, 2]]))
+        return under_line(self.profile, np.column_stack([self.stations(*points[:, :2].T), points[:, 2]]))

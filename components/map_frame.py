@@ -16,7 +16,7 @@ from ropeway.components.map_lengths import as_pyproj, ground_steps, horizontal
 from ropeway.components.plan_axis import PlanAxis
 
 _PIECE = 50.0
-"""Length of the pieces of a line within which a map has one scale [m]: Web Mercator at 60 degrees is 0.1 mm off then."""
+"""Length of the pieces of a line within which a map has one scale [m]: 0.1 mm off in Web Mercator at 60 degrees."""
 _NO_CRS = 'Give the coordinate system of the map as crs=, such as "EPSG:2056"'
 WGS84 = "EPSG:4326"
 """Longitude and latitude [degrees], as in KML and GPX files."""

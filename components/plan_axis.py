@@ -7,11 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropeway.components.annotation_checks import Numbers
-from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 
 
-@checked
 @dataclass(frozen=True)
 class PlanAxis:
     """A broken line in plan through points `x`, `y`, at increasing stations `station` [m on the ground].

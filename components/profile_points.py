@@ -18,7 +18,9 @@ from ropeway.components.errors import InputError, RopewayWarning
 from ropeway.components.map_frame import WGS84, MapFrame, require_projected, transformed, utm_of
 
 LAYOUTS = tuple(
-    table.TableLayout(dict.fromkeys(keys, "m"), f"{','.join(keys)}\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1")
+    table.TableLayout(
+        dict.fromkeys(keys, "m"), f"{','.join(keys)}\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1"
+    )
     for keys in (("x", "y", "z"), ("easting", "northing", "elevation"))
 )
 """Tables of points."""
@@ -62,7 +64,8 @@ class Points:
         if np.hypot(*np.ptp(self.at[ends, :2], axis=0)) == 0.0:
             raise InputError(f"{self.name}: its first and its last point are one", "Give points along a corridor")
         if straight:
-            frame = MapFrame.straight(self.crs, *((float(east[k]), float(north[k])) for k in ends))
+            start, end = ((float(east[k]), float(north[k])) for k in ends)
+            frame = MapFrame.straight(self.crs, start, end)
             station = np.asarray(frame.to_local(east, north)[0])
         else:
             frame = MapFrame.through(self.crs, east, north)

@@ -262,13 +262,18 @@ class Profile:
         line = np.asarray(points, dtype=float).reshape(-1, 2)
         if not len(line):
             raise InputError("The line has no points", "Give one or more (x, z)")
-        line = line[np.argsort(line[:, 0], kind="stable")]
-        x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
-        height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)
-        if np.all(np.isnan(height)):
-            return Clearance(math.inf, math.nan)
-        k = int(np.nanargmin(height))
-        return Clearance(float(height[k]), float(x[k]))
+        return under_line(self, line)
+
+
+def under_line(ground: Profile, line: np.ndarray) -> Clearance:
+    """`Profile.clearance_of_line` without its check of arguments: of a line through points (n, 2)."""
+    line = line[np.argsort(line[:, 0], kind="stable")]
+    x = np.union1d(line[:, 0], ground.station[(ground.station > line[0, 0]) & (ground.station < line[-1, 0])])
+    height = np.interp(x, line[:, 0], line[:, 1]) - ground.elevations(x)
+    if np.all(np.isnan(height)):
+        return Clearance(math.inf, math.nan)
+    k = int(np.nanargmin(height))
+    return Clearance(float(height[k]), float(x[k]))
 
 
 def least_height(ground: Profile, piece: Piece) -> Clearance:

@@ -16,8 +16,8 @@ from ropeway.components.terrain import Profile
 def ground_under(
     table: pd.DataFrame, terrain: Profile | None, map_frame: MapFrame | None, clearance: float | None
 ) -> Ground | None:
-    """The terrain under the supports of a table, along the line [of an endless one as far as its return]; or, where both
-    lie on one map, where the terrain lies there. Raises InputError for supports beyond or below it."""
+    """The terrain under the supports of a table, along the line [of an endless one as far as its return]; or, where
+    both lie on one map, where the terrain lies there. Raises InputError for supports beyond or below it."""
     if clearance is not None:
         check.number(clearance, "The line", "clearance", "m")
         if terrain is None:

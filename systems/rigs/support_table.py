@@ -111,7 +111,8 @@ def _in_own_axes(read: table.Table, found: pd.DataFrame, crs: str) -> MapFrame:
     far = int(np.argmax(np.hypot(east - east[0], north - north[0])))
     if (east[far], north[far]) == (east[0], north[0]):
         raise read.error("all its supports stand at one point of the map", "Give eastings and northings")
-    frame = MapFrame.straight(crs, *((float(east[k]), float(north[k])) for k in (0, far)))
+    start, end = ((float(east[k]), float(north[k])) for k in (0, far))
+    frame = MapFrame.straight(crs, start, end)
     found["x"], found["y"] = frame.to_local(east, north)
     return frame
 

@@ -39,11 +39,17 @@ def test_a_profile_from_a_raster_knows_its_map(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("crs", "longitude", "latitude"),
-    [("EPSG:3857", 11.3, 60.0), ("EPSG:3395", 11.3, 60.0), ("EPSG:32633", 18.2, 47.6), ("EPSG:2992", -120.5, 44.1), ("EPSG:2056", 7.8, 46.5)],
+    [
+        ("EPSG:3857", 11.3, 60.0),
+        ("EPSG:3395", 11.3, 60.0),
+        ("EPSG:32633", 18.2, 47.6),
+        ("EPSG:2992", -120.5, 44.1),
+        ("EPSG:2056", 7.8, 46.5),
+    ],
 )
 def test_stations_are_on_the_map_where_the_ground_is(crs: str, longitude: float, latitude: float) -> None:
-    """A station on the ground, by the geodesic from the start, has the map coordinates of that point to 1 mm, also where
-    the scale of the map changes along the line and its unit is the foot."""
+    """A station on the ground, by the geodesic from the start, has the map coordinates of that point to 1 mm, also
+    where the scale of the map changes along the line and its unit is the foot."""
     system = pyproj.CRS(crs)
     way = pyproj.Transformer.from_crs(system.geodetic_crs, system, always_xy=True)
     start, end = way.transform(longitude, latitude), way.transform(longitude + 0.004, latitude + 0.011)
@@ -98,7 +104,12 @@ GPX = """<?xml version="1.0"?><gpx version="1.1" creator="x" xmlns="http://www.t
 
 def test_a_track_of_a_receiver(tmp_path: Path) -> None:
     """Its stations are geodesics, its points those of the file; a point that repeats counts once."""
-    points = [(11.2501, 47.2003, 1204.0), (11.2505, 47.2010, 1190.0), (11.2505, 47.2010, 1191.0), (11.2509, 47.2017, 1188.0)]
+    points = [
+        (11.2501, 47.2003, 1204.0),
+        (11.2505, 47.2010, 1190.0),
+        (11.2505, 47.2010, 1191.0),
+        (11.2509, 47.2017, 1188.0),
+    ]
     file = tmp_path / "track.gpx"
     file.write_text(GPX.format("".join(f'<trkpt lon="{x}" lat="{y}"><ele>{z}</ele></trkpt>' for x, y, z in points)))
     ground = rw.Profile.from_points(file)
@@ -146,7 +157,10 @@ def test_rasters_that_do_not_say_their_system(tmp_path: Path) -> None:
         (lambda: rw.MapFrame.straight("EPSG:2056", START, START), "one point"),
         (lambda: rw.Profile.from_points([[0.0, 0.0, 1.0]], "EPSG:2056"), "at least two"),
         (lambda: rw.Profile.from_points([[0.0, 0.0], [9.0, 1.0]], "EPSG:2056"), "easting, northing and elevation"),
-        (lambda: rw.Profile.from_points([[*START, 0.0], [*END, 1.0], [*START, 0.0]], "EPSG:2056", straight=True), "one"),
+        (
+            lambda: rw.Profile.from_points([[*START, 0.0], [*END, 1.0], [*START, 0.0]], "EPSG:2056", straight=True),
+            "one",
+        ),
         (lambda: rw.Profile([0.0, 9.0], [1.0, 2.0]).azimuth, "no map coordinates"),
         (lambda: PlanAxis((0.0, 9.0), (1.0, 1.0), (2.0, 2.0)), "does not go on"),
     ],
