@@ -155,6 +155,8 @@ if TYPE_CHECKING:
     from ropeway.components.terrain import Profile as Profile
     from ropeway.systems.dynamics.result import Result as Result
     from ropeway.systems.dynamics.simulation import simulate as simulate
+    from ropeway.systems.exchange.gis import export_gis as export_gis
+    from ropeway.systems.exchange.places import places as places
     from ropeway.systems.modelling.assembly import assemble as assemble
     from ropeway.systems.modelling.component_functions import check_component as check_component
     from ropeway.systems.modelling.dae_model import Model as Model
@@ -239,6 +241,8 @@ _HOMES = {
     "ropeway.components.terrain": "Profile",
     "ropeway.systems.dynamics.result": "Result",
     "ropeway.systems.dynamics.simulation": "simulate",
+    "ropeway.systems.exchange.gis": "export_gis",
+    "ropeway.systems.exchange.places": "places",
     "ropeway.systems.modelling.assembly": "assemble",
     "ropeway.systems.modelling.component_functions": "check_component",
     "ropeway.systems.modelling.dae_model": "Model",

@@ -19,6 +19,7 @@ from ropeway.components.errors import EquilibriumError, InputError, SlackRopeErr
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.log import Log
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.rope import Rope
 from ropeway.components.sheave import Sheave
 from ropeway.components.spar import Block, HeadSpar, TailSpar
@@ -110,6 +111,11 @@ class SkylineRig:
     def __repr__(self) -> str:
         places = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
         return f"<SkylineRig {self.name!r}: {places}>"
+
+    @property
+    def map_frame(self) -> MapFrame | None:
+        """Where it lies on a map: that of its terrain."""
+        return None if self.terrain is None else self.terrain.map_frame
 
     @property
     def stands(self) -> tuple[Node, ...]:

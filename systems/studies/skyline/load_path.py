@@ -25,6 +25,8 @@ UNITS = {
     "carriage_x": "m",
     "carriage_y": "m",
     "carriage_z": "m",
+    "carriage_easting": "",
+    "carriage_northing": "",
     "skyline_tension": "N",
     "highest_tension": "N",
     "headspar_tension": "N",
@@ -62,8 +64,9 @@ def load_path(
 ) -> pd.DataFrame:
     """The carriage with a payload [kg] at `stations` [m] (by default every 5 m of all spans).
 
-    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z; skyline_tension at the
-    carriage, highest_tension of the skyline anywhere, headspar_tension, tailspar_tension, anchor_tension (where
+    One row a station, in SI units (`attrs["units"]`): carriage_x, carriage_y, carriage_z, on a map carriage_easting
+    and carriage_northing in its unit; skyline_tension at the carriage, highest_tension of the skyline anywhere,
+    headspar_tension, tailspar_tension, anchor_tension (where
     the skyline is tied); mainline_pull at the carriage (or the ideal holding force, positive towards the
     headspar), mainline_tension at its drum and mainline_highest anywhere; haulback_pull at the carriage,
     haulback_tension at its drum and haulback_highest anywhere; sag below its span's chord and deflection in
@@ -195,6 +198,8 @@ def row(solved: Solved, station: float, *, lines: bool = True) -> dict[str, floa
         values["front_clearance"] = solved[f"{log}.z"] - float(rig.terrain.elevations(solved[f"{log}.x"]))
     elif rig.terrain is not None:
         values["clearance"] = z - rig.carriage.depth - float(rig.terrain.elevations(x))
+    if lines and rig.map_frame is not None:
+        values["carriage_easting"], values["carriage_northing"] = (float(v) for v in rig.map_frame.to_map(x, y))
     if lines and rig.terrain is not None:
         values["rope_clearance"] = rope_clearance(solved, rig.terrain)
         ropes = {"mainline": rig.mainline, "haulback": rig.haulback}
