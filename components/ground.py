@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropeway.components.annotation_checks import Numbers
+from ropeway.components.clearance import Clearance, under_line
 from ropeway.components.plan_axis import PlanAxis
-from ropeway.components.terrain import Clearance, Profile, under_line
+from ropeway.components.terrain import Profile
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,12 +11,12 @@ import pandas as pd
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
+from ropeway.components.clearance import Clearance
 from ropeway.components.component import Kind
 from ropeway.components.errors import (
     InputError,
     UnknownNameError,
 )
-from ropeway.components.terrain import Clearance
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of

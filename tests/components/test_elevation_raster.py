@@ -59,7 +59,7 @@ def test_bad_lines_are_refused(tmp_path: Path) -> None:
         rw.Profile.from_dem(path, (1010.0, 1990.0), (1010.0, 1990.0))
     with pytest.raises(rw.InputError, match="in degrees"):
         rw.Profile.from_dem(write(tmp_path / "wgs.tif", plane(), "EPSG:4326"), (1010.0, 1990.0), (1020.0, 1980.0))
-    with pytest.raises(rw.InputError, match="no raster"):
+    with pytest.raises(rw.InputError, match="not a raster"):
         rw.Profile.from_dem(tmp_path / "none.tif", (1010.0, 1990.0), (1020.0, 1980.0))
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pyproj
 import pytest
 import rasterio
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.plan_axis import PlanAxis

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.catenary import Strain, profile
-from ropeway.components.terrain import Piece
+from ropeway.components.clearance import Piece
 
 GROUND = rw.Profile([0.0, 50.0, 120.0, 200.0], [10.0, -5.0, 0.0, -20.0])
 

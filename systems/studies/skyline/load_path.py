@@ -10,10 +10,11 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.clearance import Piece, above_tangents, deflection, least_height
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.span import Span
-from ropeway.components.terrain import Piece, Profile, above_tangents, deflection, least_height
+from ropeway.components.terrain import Profile
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
