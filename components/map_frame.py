@@ -72,6 +72,8 @@ class MapFrame:
     @classmethod
     def through(cls, crs: str, easting: np.ndarray, northing: np.ndarray, heights: str = "") -> MapFrame:
         """Of a broken line through points of the map; stations are lengths on the ground along it."""
+        if crs:
+            require_projected(crs)
         known = as_pyproj("MapFrame", crs) if crs else None
         steps = ground_steps("MapFrame", known, np.asarray(easting), np.asarray(northing))
         station = np.concatenate([[0.0], np.cumsum(steps)])

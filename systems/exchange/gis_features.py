@@ -82,7 +82,8 @@ def attributes(row: pd.Series) -> dict[str, float | str]:
     found: dict[str, float | str] = {}
     for key, value in row.items():
         if isinstance(value, str):
-            found[str(key)] = value
+            if value:
+                found[str(key)] = value
         elif isinstance(value, bool | np.bool_):
             found[str(key)] = str(bool(value)).lower()
         elif pd.notna(value):

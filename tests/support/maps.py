@@ -32,7 +32,7 @@ def rig() -> rw.SkylineRig:
         ground(),
         headspar=rw.GuyedSpar("head", station=10.0, height=15.0, mass=900.0, guylines=guys),
         supports=[rw.IntermediateSupport("jack", station=250.0, height=11.0, label="Stütze 1")],
-        tailspar=rw.TailSpar("tail", station=465.0, height=9.0, tailhold=rw.Tailhold("stump", at=(478.0, 6.0, 706.0))),
+        tailspar=rw.TailSpar("tail", station=465.0, height=9.0, tailhold=rw.Tailhold("stump", at=(478.0, 6.0, 717.0))),
         skyline=ROPE,
         tension=80e3,
         mainline=MAINLINE,
