@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ropeway.components.catenary import Strain, Vector, segment
 
-if TYPE_CHECKING:
-    from ropeway.components.terrain import Profile
+
+class GroundLine(Protocol):
+    """Ground that is straight between stations: a `Profile`."""
+
+    @property
+    def station(self) -> np.ndarray:
+        """Stations [m], increasing."""
+
+    @property
+    def elevation(self) -> np.ndarray:
+        """Elevations there [m]."""
+
+    def elevations(self, stations: float | np.ndarray) -> np.ndarray:
+        """Elevations at stations [m], NaN outside."""
 
 
 class Clearance(NamedTuple):
@@ -33,7 +45,7 @@ class Piece(NamedTuple):
     strain: Strain
 
 
-def under_line(ground: Profile, line: np.ndarray) -> Clearance:
+def under_line(ground: GroundLine, line: np.ndarray) -> Clearance:
     """`Profile.clearance_of_line` without its check of arguments: of a line through points (n, 2)."""
     line = line[np.argsort(line[:, 0], kind="stable")]
     x = np.union1d(line[:, 0], ground.station[(ground.station > line[0, 0]) & (ground.station < line[-1, 0])])
@@ -44,7 +56,7 @@ def under_line(ground: Profile, line: np.ndarray) -> Clearance:
     return Clearance(float(height[k]), float(x[k]))
 
 
-def least_height(ground: Profile, piece: Piece) -> Clearance:
+def least_height(ground: GroundLine, piece: Piece) -> Clearance:
     """`Profile.clearance` without its check of arguments, for repeated calls."""
     fx, fy, v0 = piece.force
     total, _, _ = segment(piece.force, piece.weight, piece.length, piece.strain).reach
@@ -64,7 +76,7 @@ def least_height(ground: Profile, piece: Piece) -> Clearance:
     return Clearance(float(height[k]), float(x[k]))
 
 
-def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> float:
+def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -> float:
     """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
 
     The rope is above both tangents. inf if there is no ground below.

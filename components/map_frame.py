@@ -72,6 +72,11 @@ class MapFrame:
     @classmethod
     def through(cls, crs: str, easting: np.ndarray, northing: np.ndarray, heights: str = "") -> MapFrame:
         """Of a broken line through points of the map; stations are lengths on the ground along it."""
+        if np.ndim(easting) != 1 or np.shape(easting) != np.shape(northing):
+            raise InputError(
+                f"MapFrame has eastings of shape {np.shape(easting)} and northings of shape {np.shape(northing)}",
+                "Give as many of each, in a row",
+            )
         if crs:
             require_projected(crs)
         known = as_pyproj("MapFrame", crs) if crs else None
@@ -87,11 +92,11 @@ class MapFrame:
 
     def to_map(self, x: Numbers, y: Numbers = 0.0) -> tuple[Numbers, Numbers]:
         """Easting and northing of places at stations `x` and offsets `y` to the left [m]."""
-        return self.axis.place(x, y)
+        return self.axis.place(*_together(x, y))
 
     def to_local(self, easting: Numbers, northing: Numbers) -> tuple[Numbers, Numbers]:
         """Station and offset to the left [m] of points of the map."""
-        return self.axis.locate(easting, northing)
+        return self.axis.locate(*_together(easting, northing))
 
     def to_degrees(self, x: Numbers, y: Numbers = 0.0) -> tuple[Numbers, Numbers]:
         """Longitude and latitude (WGS 84) [degrees] of places. Raises InputError where the map's system is unknown."""
@@ -103,6 +108,16 @@ class MapFrame:
         if not self.crs:
             raise InputError("The coordinate system of the map is unknown", _NO_CRS)
         return self.crs
+
+
+def _together(one: Numbers, other: Numbers) -> tuple[Numbers, Numbers]:
+    """Both with one shape. Raises InputError."""
+    try:
+        np.broadcast_shapes(np.shape(one), np.shape(other))
+    except ValueError as error:
+        cause = f"MapFrame has coordinates of shapes {np.shape(one)} and {np.shape(other)}"
+        raise InputError(cause, "Give as many of each, or one number") from error
+    return one, other
 
 
 def require_projected(crs: str) -> None:

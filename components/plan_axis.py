@@ -49,7 +49,8 @@ class PlanAxis:
         s, ax, ay = (np.array(v) for v in (self.station, self.x, self.y))
         run, dx, dy = np.diff(s), np.diff(ax), np.diff(ay)
         square = dx**2 + dy**2
-        rx, ry = np.asarray(x)[..., None] - ax[:-1], np.asarray(y)[..., None] - ay[:-1]
+        px, py = np.broadcast_arrays(x, y)
+        rx, ry = px[..., None] - ax[:-1], py[..., None] - ay[:-1]
         share = (rx * dx + ry * dy) / square
         low, high = np.zeros(len(run)), np.ones(len(run))
         low[0], high[-1] = -np.inf, np.inf

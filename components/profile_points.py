@@ -89,7 +89,10 @@ def read(source: table.Source | Sequence[Sequence[float]] | np.ndarray, crs: str
         return _of_gpx(Path(source), crs)
     if isinstance(source, str | Path | pd.DataFrame):
         return of_table(table.read(source, *LAYOUTS), crs or "")
-    at = np.array(source, dtype=float)
+    try:
+        at = np.array(source, dtype=float)
+    except ValueError:
+        at = np.empty(0)
     if at.ndim != 2 or at.shape[1] != 3 or not np.all(np.isfinite(at)):
         raise InputError(
             f"Points have the shape {at.shape}, or values that are not finite", "Give easting, northing and elevation"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_numeric_dtype
 
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
@@ -33,6 +34,8 @@ def drawing_of_rig(rig: SkylineRig, frame: pd.DataFrame | None) -> Drawing:
             raise InputError(
                 f"The frame of {rig.name} has no column {', '.join(missing)}", "Give a load path, or a study of the rig"
             )
+        if not all(is_numeric_dtype(frame[c]) for c in _CARRIAGE):
+            raise InputError(f"The frame of {rig.name} has carriage positions that are no numbers", "Give metres")
     if rig.kind is RigKind.RUNNING:  # the rope is its haulback, which hangs with the carriage only
         line = equilibrium(rig.system())
         which = {span.name for span in line.runs[_haulback(line)].spans}
@@ -117,7 +120,7 @@ def _load_lows(rig: SkylineRig, frame: pd.DataFrame | None) -> Iterator[Feature]
     if frame is None or "clearance" not in frame:
         return
     known = frame[frame["clearance"].notna()]
-    for span, rows in known.groupby("span"):
+    for span, rows in known.groupby(known["span"] if "span" in known else np.ones(len(known), dtype=int)):
         row = rows.loc[rows["clearance"].idxmin()]
         point = row[list(_CARRIAGE)].to_numpy(dtype=float)
         point[2] -= rig.carriage.depth

@@ -66,7 +66,7 @@ class RunData:
         which = range(len(self.records))
 
         def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-            for i, (point, passed) in enumerate(self.solved_points(which)):
+            for i, (point, passed) in enumerate(self._points(which)):
                 y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
                 yield point, passed
 
@@ -77,7 +77,7 @@ class RunData:
     def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
         which = range(len(self.records))
-        return self._certified(which, self.solved_points(which))
+        return self._certified(which, self._points(which))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -89,9 +89,9 @@ class RunData:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
         solved: list[int] = np.flatnonzero(self.exact).tolist()
-        self._certified(solved, self.solved_points(solved))
+        self._certified(solved, self._points(solved))
 
-    def solved_points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+    def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
         """The solved points of records `which`, and the loads passed."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
@@ -172,14 +172,15 @@ class RunData:
     def heights(self) -> np.ndarray:
         """Least height of each span with its loads over the ground at all records, shape (records, spans) [m]. Raises
         InputError where the system has no ground."""
-        return line_clearance.heights(self)
+        return line_clearance.heights(self.model, self.runs, self._points(range(len(self.records))))
 
     @cached_property
     def clearance(self) -> pd.DataFrame:
         """Height over the ground, each span when it is lowest: index span; columns rope_clearance, the least of the
         rope and its loads, the station of the ground there, load_clearance, that of the lowest load [m], time [s].
         Raises InputError where the system has no ground."""
-        return line_clearance.clearance(self)
+        names = [span.name for run in self.runs for span in run.spans]
+        return line_clearance.clearance(names, self.heights, self.record, self.times)
 
     @cached_property
     def events(self) -> pd.DataFrame:
