@@ -59,8 +59,27 @@ class MapFrame:
 
     @classmethod
     def straight(cls, crs: str, start: tuple[float, float], end: tuple[float, float], heights: str = "") -> MapFrame:
-        """Of a line that is straight on the map, from `start` to `end` (easting, northing); stations count from
-        `start`."""
+        """The frame of a line that is straight on the map.
+
+        Parameters
+        ----------
+        crs : str
+            Projected coordinate system, "" if it is unknown.
+        start, end : tuple of float
+            Easting and northing; stations count from `start`.
+        heights : str, optional
+            Name of the vertical coordinate system.
+
+        Returns
+        -------
+        MapFrame
+            The frame.
+
+        Raises
+        ------
+        InputError
+            Both points are the same, or the coordinate system is geographic or unknown to pyproj.
+        """
         start, end = check.pair(start, "MapFrame", "start"), check.pair(end, "MapFrame", "end")
         if start == end:
             raise InputError("MapFrame: start and end are one point", "Give two different points")
@@ -71,7 +90,27 @@ class MapFrame:
 
     @classmethod
     def through(cls, crs: str, easting: np.ndarray, northing: np.ndarray, heights: str = "") -> MapFrame:
-        """Of a broken line through points of the map; stations are lengths on the ground along it."""
+        """The frame of a broken line through points of the map.
+
+        Parameters
+        ----------
+        crs : str
+            Projected coordinate system, "" if it is unknown.
+        easting, northing : ndarray, shape (n,)
+            The points; stations are lengths on the ground from the first one along the line.
+        heights : str, optional
+            Name of the vertical coordinate system.
+
+        Returns
+        -------
+        MapFrame
+            The frame.
+
+        Raises
+        ------
+        InputError
+            Points that repeat, or a coordinate system that is geographic or unknown to pyproj.
+        """
         if np.ndim(easting) != 1 or np.shape(easting) != np.shape(northing):
             raise InputError(
                 f"MapFrame has eastings of shape {np.shape(easting)} and northings of shape {np.shape(northing)}",
@@ -91,15 +130,53 @@ class MapFrame:
         return math.degrees(math.atan2(east, north)) % 360.0
 
     def to_map(self, x: Numbers, y: Numbers = 0.0) -> tuple[Numbers, Numbers]:
-        """Easting and northing of places at stations `x` and offsets `y` to the left [m]."""
+        """Map coordinates of places.
+
+        Parameters
+        ----------
+        x, y : float or ndarray
+            Stations, and offsets to the left of the line [m].
+
+        Returns
+        -------
+        easting, northing : float or ndarray
+            In the unit of the map.
+        """
         return self.axis.place(*_together(x, y))
 
     def to_local(self, easting: Numbers, northing: Numbers) -> tuple[Numbers, Numbers]:
-        """Station and offset to the left [m] of points of the map."""
+        """Places of points of the map.
+
+        Parameters
+        ----------
+        easting, northing : float or ndarray
+            In the unit of the map.
+
+        Returns
+        -------
+        x, y : float or ndarray
+            Station, and offset to the left of the line [m].
+        """
         return self.axis.locate(*_together(easting, northing))
 
     def to_degrees(self, x: Numbers, y: Numbers = 0.0) -> tuple[Numbers, Numbers]:
-        """Longitude and latitude (WGS 84) [degrees] of places. Raises InputError where the map's system is unknown."""
+        """Longitude and latitude (WGS 84) of places.
+
+        Parameters
+        ----------
+        x, y : float or ndarray
+            Stations, and offsets to the left of the line [m].
+
+        Returns
+        -------
+        longitude, latitude : float or ndarray
+            Degrees.
+
+        Raises
+        ------
+        InputError
+            The coordinate system of the map is unknown.
+        """
         easting, northing = self.to_map(x, y)
         return transformed(self.require_crs(), WGS84, easting, northing)
 

@@ -172,7 +172,18 @@ class RunData:
     def heights(self) -> np.ndarray:
         """Least height of each span with its loads over the ground at all records, shape (records, spans) [m]. Raises
         InputError where the system has no ground."""
-        return line_clearance.heights(self.model, self.runs, self._points(range(len(self.records))))
+        return line_clearance.heights(self.model, self._column)
+
+    def _column(self, name: str) -> np.ndarray:
+        """A variable at all records."""
+        m = self.model
+        if name in m.y.index:
+            return self.outputs[:, m.y.index[name]]
+        if name in m.z.index:
+            return self.algebraic[:, m.z.index[name]]
+        if name in m.x.index:
+            return np.array([record.x[m.x.index[name]] for record in self.records])
+        return np.full(len(self.records), self.parameters[m.p.index[name]])
 
     @cached_property
     def clearance(self) -> pd.DataFrame:

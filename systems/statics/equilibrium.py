@@ -136,8 +136,23 @@ class Equilibrium:
         )
 
     def heights_over_ground(self, points: int = 101) -> list[Clearance]:
-        """Least height of each span with its loads over the ground, and its station there [m], by so many `points`
-        of a span. Raises InputError where the system has no ground."""
+        """Smallest height of each span with its loads above the ground.
+
+        Parameters
+        ----------
+        points : int, default 101
+            Points of a span that are measured, besides its loads and the vertices of the ground.
+
+        Returns
+        -------
+        list of Clearance
+            Height and station of the ground there [m], span by span.
+
+        Raises
+        ------
+        InputError
+            The system has no ground.
+        """
         ground = self.model.system.ground
         if ground is None:
             raise InputError(f"{self.model.name!r} has no ground", "Give its system a terrain")
@@ -147,9 +162,11 @@ class Equilibrium:
 
     @cached_property
     def clearance(self) -> pd.DataFrame:
-        """Height over the ground: index span; columns rope_clearance, the least of the rope and its loads, the station
-        of the ground there, and load_clearance, that of the lowest load [m], NaN where there is none. Raises InputError
-        where the system has no ground."""
+        """Smallest height of each span above the ground.
+
+        Index span; columns rope_clearance (of the rope with its loads), the station of the ground there, load_clearance
+        (of the loads; NaN if there are none) [m]. Raises InputError if the system has no ground.
+        """
         names = [span.name for run in self.runs for span in run.spans]
         rows = {name: (*found, np.nan) for name, found in zip(names, self.heights_over_ground(), strict=True)}
         frame = pd.DataFrame.from_dict(rows, "index", columns=["rope_clearance", "station", "load_clearance"])

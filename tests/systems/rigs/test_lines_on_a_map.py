@@ -82,16 +82,18 @@ ENDLESS = [
 
 
 def test_the_ground_lies_under_both_ways_of_an_endless_line() -> None:
-    line = rw.endless(
-        maps.ROPE, pd.DataFrame(ENDLESS, columns=["name", "x", "y", "z", "kind"]), tension=45e3, terrain=maps.ground()
-    )
+    supports = pd.DataFrame(ENDLESS, columns=["name", "x", "y", "z", "kind"])
+    line = rw.endless(maps.ROPE, supports, tension=45e3, load_mass=150.0, load_spacing=60.0, terrain=maps.ground())
     table = rw.places(line)
     assert table.loc["back", "ground"] == pytest.approx(table.loc["out", "ground"], abs=0.02)
-    eq = rw.equilibrium(line)
+    run = rw.simulate(line, 3.0, every=3.0, progress=False)
+    eq = run.record(len(run.records) - 1)
     for span in ("r_back", "out_r"):
         curve = eq.profile(span, 2001)
         over = curve["z"].to_numpy() - maps.ground().elevations(np.hypot(curve["x"], curve["y"]).to_numpy())
         assert eq.clearance.loc[span, "rope_clearance"] == pytest.approx(over.min(), abs=0.05)
+    exact = [low.height for low in eq.heights_over_ground(801)]
+    np.testing.assert_allclose(run.heights[-1], exact, atol=2e-3)
 
 
 @pytest.mark.parametrize(
