@@ -7,7 +7,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ropeway.components.catenary import Strain, Vector, segment
+from ropeway.components.catenary import segment
+from ropeway.components.rope_piece import Piece
 
 
 class GroundLine(Protocol):
@@ -32,19 +33,6 @@ class Clearance(NamedTuple):
     station: float
 
 
-class Piece(NamedTuple):
-    """A load-free piece of rope in a corridor, towards increasing x.
-
-    Its start (x, z) [m], tension vector there [N], weight [N/m], unstretched length [m] and strain law.
-    """
-
-    start: tuple[float, float]
-    force: Vector
-    weight: float
-    length: float
-    strain: Strain
-
-
 def under_line(ground: GroundLine, line: np.ndarray) -> Clearance:
     """`Profile.clearance_of_line` without its check of arguments: of a line through points (n, 2)."""
     line = line[np.argsort(line[:, 0], kind="stable")]
@@ -67,7 +55,7 @@ def least_height(ground: GroundLine, piece: Piece) -> Clearance:
     slopes = np.diff(ground.elevation) / np.diff(ground.station)
     parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
     inside = ground.station[(ground.station > low) & (ground.station < high)]
-    along = np.concatenate([parallel, _distances(piece, np.array([low, *inside, high]), float(total))])
+    along = np.concatenate([parallel, piece.distances(np.array([low, *inside, high]), float(total))])
     reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
     x = x0 + reach[0]
     height = z0 + reach[2] - np.interp(x, ground.station, ground.elevation)
@@ -91,29 +79,6 @@ def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -
     x = np.array([low, min(max(crossing, low), high), high, *inside])
     line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
     return float((line - np.interp(x, ground.station, ground.elevation)).min())
-
-
-def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
-    """Unstretched distances from the start of a piece at which it passes x; `total` is the reach of the piece.
-
-    Newton's method, limited to the piece.
-    """
-    fx, fy, v0 = piece.force
-    flat, wanted = math.hypot(fx, fy), x - piece.start[0]
-    # The initial guess is exact without stretch: linear in asinh(v / h).
-    first, last = (math.asinh(v / flat) for v in (v0, v0 + piece.weight * piece.length))
-    share = np.clip(wanted / total, 0.0, 1.0)
-    d = np.clip((flat * np.sinh(first + share * (last - first)) - v0) / piece.weight, 0.0, piece.length)
-    for _ in range(50):
-        reach = segment((fx, fy, v0), piece.weight, d, piece.strain).reach[0]
-        tension = np.hypot(flat, v0 + piece.weight * d)
-        rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
-        move = (wanted - reach) / rate
-        d = np.clip(d + move, 0.0, piece.length)
-        # Convergence is quadratic: after a step of 1e-8 only rounding errors are left.
-        if np.abs(move).max(initial=0.0) <= 1e-8 * (1.0 + abs(total)):
-            break
-    return d
 
 
 def deflection(sag: float, span: float) -> float:

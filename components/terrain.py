@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from ropeway.components import check, profile_points, table
+from ropeway.components.accepted_values import RefusedError
 from ropeway.components.argument_checks import checked
-from ropeway.components.clearance import Clearance, Piece, least_height, under_line
+from ropeway.components.clearance import Clearance, least_height, under_line
 from ropeway.components.errors import InputError
 from ropeway.components.map_frame import MapFrame
+from ropeway.components.rope_piece import Piece
 
 _STATIONS = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
 
@@ -60,6 +63,15 @@ class Profile:
 
     def __repr__(self) -> str:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
+
+    @classmethod
+    def _from_given(cls, value: object) -> Profile:
+        """A profile as users give it: itself, or what `from_csv` reads. Raises RefusedError, InputError."""
+        if isinstance(value, Profile):
+            return value
+        if isinstance(value, (str, Path, pd.DataFrame)):
+            return cls.from_csv(value)
+        raise RefusedError(value, "a Profile, or its table as a path or a DataFrame")
 
     @classmethod
     def from_csv(cls, path: table.Source) -> Profile:
@@ -380,3 +392,12 @@ class Profile:
         if not len(line):
             raise InputError("The line has no points", "Give one or more (x, z)")
         return under_line(self, line)
+
+
+ProfileSource = Profile | table.Source
+"""A profile, or the table of one with station and elevation [m]: its path or a DataFrame."""
+
+
+def profile_of(ground: ProfileSource | None) -> Profile | None:
+    """The profile that an argument stands for. Raises RefusedError, InputError."""
+    return None if ground is None else Profile._from_given(ground)

@@ -13,7 +13,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.exchange.gis_features import Drawing, Feature, attributes, ground_line, lows, ropes
 from ropeway.systems.exchange.places import places
 from ropeway.systems.rigs.bare_skyline import bare_equilibrium
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -36,14 +36,14 @@ def drawing_of_rig(rig: SkylineRig, frame: pd.DataFrame | None) -> Drawing:
             )
         if not all(is_numeric_dtype(frame[c]) for c in _CARRIAGE):
             raise InputError(f"The frame of {rig.name} has carriage positions that are no numbers", "Give metres")
-    if rig.kind is RigKind.RUNNING:  # the rope is its haulback, which hangs with the carriage only
+    if rig.length is None:  # the rope is its haulback, which hangs with the carriage only
         line = equilibrium(rig.system())
         which = {span.name for span in line.runs[_haulback(line)].spans}
     else:
         line, spans = bare_equilibrium(rig)
         which = {span.name for span in spans}
     features = [
-        *ropes(line, which if rig.kind is RigKind.RUNNING else None),
+        *ropes(line, which if rig.length is None else None),
         *_guylines(rig),
         *_stands(rig, line, frame),
         *_positions(rig, frame),

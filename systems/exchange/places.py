@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError
 from ropeway.components.ground import Ground
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.map_frame import MapFrame
+from ropeway.components.node import Node
 from ropeway.components.spar import HeadSpar, TailSpar
 from ropeway.systems.modelling.system import System
 from ropeway.systems.results.run_data import RunData
