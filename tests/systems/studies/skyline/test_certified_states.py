@@ -56,10 +56,10 @@ def test_states_beside_and_on_a_shoe_hold_their_laws(how: dict[str, object], sta
     [
         (ON, {"car__z": 1e-6}, "CarriageOnShoe: the carriage is on the shoe"),
         (ON, {"car__payload": 0.01}, "CarriageOnShoe: forces on the carriage along the shoe"),
-        (ON, {"car__b_x": 1e-6}, "CarriageOnShoe: the rope leaves the shoe along it, z"),
+        (ON, {"car__b_x": 1e-6}, "CarriageOnShoe: tangency of the rope, z"),
         (ON, {"car__b_rope": 1e-6}, "CarriageOnShoe: rope on the shoe"),
-        (220.0, {"jack__a_z": 1e-5}, "IntermediateSupport: the rope leaves the shoe along it, x"),
-        (220.0, {"jack__a_x": 1e-6}, "IntermediateSupport: the rope leaves the shoe along it, z"),
+        (220.0, {"jack__a_z": 1e-5}, "IntermediateSupport: tangency of the rope, x"),
+        (220.0, {"jack__a_x": 1e-6}, "IntermediateSupport: tangency of the rope, z"),
         (220.0, {"jack__b_rope": 1e-6}, "IntermediateSupport: rope on the shoe"),
         (220.0, {"jack_mainline__a_rope": 1e-6}, "IntermediateSupport: rope on the shoe"),
         (60.0, {"car__payload": 0.01}, "Carriage: forces on the carriage, z"),
