@@ -217,6 +217,29 @@ def certify_records(
     return Certificate.worst(found)
 
 
+def certified_variants(
+    model: Model,
+    runs: Sequence[Run],
+    points: Sequence[Point],
+    passed: Sequence[np.ndarray],
+    masses: Sequence[np.ndarray],
+) -> np.ndarray:
+    """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
+    also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
+    values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+    good, left = np.zeros(len(points), dtype=bool), [np.arange(len(points))] if points else []
+    while left:
+        which = left.pop()
+        beyond = [np.repeat(p[None], len(which), axis=0) for p in passed]
+        own = [mass[which] for mass in masses]
+        checks = _checks(model, values[which], [points[i] for i in which], runs, beyond, (), (), own)
+        if all(check.holds for check in checks):
+            good[which] = True
+        elif len(which) > 1:
+            left += np.array_split(which, 2)
+    return good
+
+
 def _stacked(*vectors: np.ndarray) -> np.ndarray:
     """All vectors, and the zero behind them that a layout counts on."""
     return np.concatenate((*vectors, (0.0,)))
@@ -230,6 +253,7 @@ def _checks(
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
     held: Collection[str] | None,
+    masses: Sequence[np.ndarray] | None = None,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
@@ -237,7 +261,7 @@ def _checks(
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
             spans = read_spans(places, values, gravity)
-            loads = hung(places, values, spans, runs, passed)
+            loads = hung(places, values, spans, runs, passed, masses)
             found = shape(spans, loads, gravity)
             checks += _span_checks(layout, values, spans, loads, found, rope)
             pull = pulls(spans, found)

@@ -1,4 +1,7 @@
-"""The equilibrium of a line as a function of its parameters, fast enough for thousands of variants."""
+"""The equilibrium of a line as a function of its parameters, fast enough for thousands of variants.
+
+Variants whose loads stay in their spans are solved many at once (`statics.variants`), the others one by one.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
+
+from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -16,6 +23,8 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.stability import slack
+from ropeway.systems.statics.variants import LineVariants, line_variants, outputs_of_cases, vector_of
+from ropeway.systems.studies.sweeps.found_rows import NumberRows
 
 
 @dataclass(frozen=True)
@@ -32,6 +41,28 @@ class LineStudy:
         found = _variant(model, start, parameters)
         place, values = found.model.y.index, found.outputs.tolist()
         return {name: values[place[name]] if name in place else found[name] for name in self.outputs}
+
+    def rows(self, names: Sequence[str], values: np.ndarray) -> NumberRows:
+        """Outputs of many variants, for values (cases, parameters) of the parameters `names`."""
+        found, failures = np.full((len(values), len(self.outputs)), np.nan), dict[int, tuple[str, str]]()
+        left = list(range(len(values)))
+        model, start = _prepared(self.declared)
+        many = _many(self.declared, tuple(names))
+        if many is not None and start is not None:
+            good, cases = many.solve(values)
+            y, rest = outputs_of_cases(model, cases), LineState(model, start.point, start.runs, start.passed)
+            for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
+                found[:, i] = y[k] if kind is Kind.OUTPUT else vector_of(cases, kind)[k]
+            left = np.flatnonzero(~good).tolist()
+        for i in left:
+            stop_if_interrupted()
+            try:
+                one = self(**dict(zip(names, values[i].tolist(), strict=True)))
+                found[i] = [one[name] for name in self.outputs]
+            except Exception as error:  # noqa: BLE001  # a case that fails is a row
+                found[i] = np.nan
+                failures[i] = (type(error).__name__, str(error))
+        return NumberRows(self.outputs, found, failures)
 
 
 def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] | None) -> LineStudy:
@@ -78,6 +109,15 @@ def _prepared(declared: bytes) -> tuple[Model, Equilibrium | None]:
     except EquilibriumError:
         return state.model, None
     return state.model, Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
+
+
+@lru_cache(maxsize=4)
+def _many(declared: bytes, names: tuple[str, ...]) -> LineVariants | None:
+    """The solver of many variants; None where they are solved one by one."""
+    model, start = _prepared(declared)
+    if start is None:
+        return None
+    return line_variants(LineState(model, start.point, start.runs, start.passed), names)
 
 
 def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float]) -> Equilibrium:

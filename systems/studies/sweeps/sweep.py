@@ -21,16 +21,14 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
-from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.studies.sweeps.cases import Units, any_unit, table_of
+from ropeway.systems.studies.sweeps.found_rows import FAILURE, FoundRows, NumberRows, Rows
 from ropeway.systems.studies.sweeps.journal import Journal, JournalRow
-from ropeway.systems.studies.sweeps.line_study import line_mark, line_study, line_unit, line_units
+from ropeway.systems.studies.sweeps.line_study import LineStudy, line_mark, line_study, line_unit, line_units
 from ropeway.systems.studies.sweeps.workers import Workers, crew
 
 Study = Callable[..., Mapping[str, Any] | float]
 """A function of the parameters of a case, by name."""
-
-_FAILURE = ("error", "message")
 
 
 @checked
@@ -81,10 +79,10 @@ def sweep(
         task, mark = _UsersStudy(study), _mark(study)
     if path is not None and Path(path).suffix != ".parquet":
         raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
-    rows: dict[int, JournalRow] = {}
+    rows = FoundRows()
 
     def so_far() -> pd.DataFrame:
-        return _table(cases, rows, units)
+        return rows.table(cases, units)
 
     with ExitStack() as stack:
         stack.enter_context(keeping(so_far))
@@ -105,43 +103,41 @@ def _cases(
 ) -> pd.DataFrame:
     """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
     cases = table_of(parameters, unit_of)
-    if taken := set(cases.columns) & set(_FAILURE):
+    if taken := set(cases.columns) & set(FAILURE):
         raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
     return cases
-
-
-def _table(cases: pd.DataFrame, rows: Mapping[int, JournalRow], units: Mapping[str, str]) -> pd.DataFrame:
-    """The cases that have been found, with what they came to."""
-    there = [i for i in cases.index if i in rows]
-    found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
-    table = pd.concat([cases.loc[there], found], axis=1)
-    table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
-    table.attrs["units"] = Labels(units)
-    return table
 
 
 def _run(
     study: Study,
     cases: pd.DataFrame,
-    rows: dict[int, JournalRow],
+    rows: FoundRows,
     workers: Workers,
     journal: Journal | None,
     progress: bool | None,
 ) -> None:
     """Finds the rows of all cases, by number."""
     if journal is not None:
-        rows.update(journal.rows())
-    every = cases.to_dict("records")
-    left = [i for i in range(len(every)) if i not in rows]
-    size = max(1, min(50, len(every) // 200))
+        known = journal.rows()
+        rows.add(list(known), list(known.values()))
+    left = [i for i in range(len(cases)) if i not in rows]
+    whole = isinstance(study, LineStudy)
+    size = max(1, min(1000, len(cases) // 8)) if whole else max(1, min(50, len(cases) // 200))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
+    if isinstance(study, LineStudy):
+        values = cases.to_numpy(dtype=float)
+        tasks: Iterable[Any] = (values[chunk] for chunk in chunks)
+        work: Callable[[Any], Rows] = partial(study.rows, tuple(cases.columns))
+    else:
+        every = cases.to_dict("records")
+        tasks, work = ([every[i] for i in chunk] for chunk in chunks), partial(rows_of, study)
+    with bar("sweep", len(cases), progress) as advance, crew(workers) as share_out:
         advance(len(rows))
-        for k, found in share_out(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
-            new = dict(zip(chunks[k], found, strict=True))
-            rows.update(new)
+        for k, found in share_out(work, tasks):
+            rows.add(chunks[k], found)
             if journal is not None:
-                journal.add(new)
+                named = found.named() if isinstance(found, NumberRows) else found
+                journal.add(dict(zip(chunks[k], named, strict=True)))
             advance(len(rows))
 
 
@@ -164,9 +160,9 @@ def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[JournalRow]:
 def _row(study: Study, case: dict[str, Any]) -> JournalRow:
     """What a case came to, or how it failed: whatever a user's function raises is an answer here."""
     try:
-        return {**_plain(study(**case), case), **dict.fromkeys(_FAILURE, "")}
+        return {**_plain(study(**case), case), **dict.fromkeys(FAILURE, "")}
     except Exception as error:  # noqa: BLE001
-        return dict(zip(_FAILURE, (type(error).__name__, str(error)), strict=True))
+        return dict(zip(FAILURE, (type(error).__name__, str(error)), strict=True))
 
 
 def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
@@ -177,7 +173,7 @@ def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
         value = each.item() if isinstance(each, np.generic) else each
         if not isinstance(value, (bool, int, float, str, type(None))):
             raise InputError(f"{name} of the study is a {type(value).__name__}", "Return numbers and text by name")
-        if name in case or name in _FAILURE:
+        if name in case or name in FAILURE:
             raise InputError(f"{name} of the study is the name of another column", "Give it another name")
         row[str(name)] = value
     return row
