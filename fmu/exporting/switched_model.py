@@ -120,7 +120,7 @@ class SwitchedModel:
         part = self.parts[i]
         p = np.array([part.value(name) for name in self._tables[Kind.PARAMETER].names], float)
         z = self.unknowns(part, part.point.z)
-        return Point(0.0, part.point.x.copy(), z, part.point.u.copy(), p, np.array([float(i)]))
+        return Point(part.point.x.copy(), z, part.point.u.copy(), p, np.array([float(i)]))
 
     def unknowns(self, part: SwitchedPart, z: np.ndarray) -> np.ndarray:
         """Unknowns of the whole from those of a part."""
