@@ -7,13 +7,13 @@ Each case is solved as if it were alone: the numbers do not depend on the others
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.line_sections import SPAN_RESULTS, SUPPORT_RESULTS, LineSections, SpanForm, SupportForm
+from ropeway.systems.solvers.newton import Vectors
 
 _ITERATIONS = 30
 _CLOSE = 1e-12
@@ -22,20 +22,12 @@ _BATCH = 12_000
 """Spans of all cases that are solved together, about: their arrays stay in the processor's cache."""
 
 
-@dataclass(frozen=True)
-class Cases:
-    """Points of a model as columns: states, algebraic variables, inputs, parameters, discrete variables, each of
-    shape (variables, cases)."""
-
-    x: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-    p: np.ndarray
-    d: np.ndarray
+class Cases(Vectors):
+    """Points of a model as columns: vectors of shape (variables, cases)."""
 
     def part(self, columns: slice) -> Cases:
         """Some of the cases; views."""
-        return Cases(*(v[:, columns] for v in (self.x, self.z, self.u, self.p, self.d)))
+        return Cases(*(v[:, columns] for v in self.vectors))
 
 
 class CondensedNewton:

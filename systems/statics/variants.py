@@ -18,7 +18,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.solvers.newton import VECTORS, Point, dense
+from ropeway.systems.solvers.newton import Point, dense
 from ropeway.systems.statics.certificate import certified_variants
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK
@@ -47,13 +47,13 @@ class LineVariants:
         counted from their rest."""
         model, state, count = self._state.model, self._state, len(values)
         q = state.point
-        cases = Cases(*(np.repeat(v[:, None], count, axis=1) for v in (q.x, q.z, q.u, q.p, q.d)))
+        cases = Cases(*(np.repeat(v[:, None], count, axis=1) for v in q.vectors))
         masses = [np.repeat(run.loads.mass[None], count, axis=0) for run in state.runs]
         good = self._set(values, cases, masses)
         self._write_slots(cases, masses)
         tried = np.flatnonzero(good)
         if len(tried) < count:
-            part = Cases(*(np.ascontiguousarray(v[:, tried]) for v in (cases.x, cases.z, cases.u, cases.p, cases.d)))
+            part = Cases(*(np.ascontiguousarray(v[:, tried]) for v in cases.vectors))
             good[tried] = self._solver.solve(part)
             cases.z[:, tried] = part.z
         else:
@@ -61,8 +61,8 @@ class LineVariants:
         for r in range(len(state.runs)):
             good &= self._settled(r, cases)
         which = np.flatnonzero(good)
-        rows = [np.ascontiguousarray(v[:, which].T) for v in (cases.x, cases.z, cases.u, cases.p, cases.d)]
-        points = [Point(0.0, *vectors) for vectors in zip(*rows, strict=True)]
+        rows = [np.ascontiguousarray(v[:, which].T) for v in cases.vectors]
+        points = [Point(*vectors) for vectors in zip(*rows, strict=True)]
         good[which] = certified_variants(model, state.runs, points, state.passed, [m[which] for m in masses])
         self._rezero(cases)
         return good, cases
@@ -190,11 +190,5 @@ def outputs_of_cases(model: Model, cases: Cases) -> np.ndarray:
     """Outputs of cases, (ny, cases)."""
     count = cases.z.shape[1]
     with np.errstate(all="ignore"):
-        arguments = [cases.x, cases.z, cases.u, cases.p, cases.d]
-        found = array_outputs(model)([np.zeros(1)], *arguments)
+        found = array_outputs(model)([np.zeros(1)], *cases.vectors)
     return np.array([np.broadcast_to(value, (count,)) for value in found]).reshape(len(model.y), count)
-
-
-def vector_of(cases: Cases, kind: Kind) -> np.ndarray:
-    """The vector of a kind, (variables, cases)."""
-    return (cases.x, cases.z, cases.u, cases.p, cases.d)[VECTORS.index(kind)]

@@ -23,7 +23,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.stability import slack
-from ropeway.systems.statics.variants import LineVariants, line_variants, outputs_of_cases, vector_of
+from ropeway.systems.statics.variants import LineVariants, line_variants, outputs_of_cases
 from ropeway.systems.studies.sweeps.found_rows import NumberRows
 
 
@@ -52,7 +52,7 @@ class LineStudy:
             good, cases = many.solve(values)
             y, rest = outputs_of_cases(model, cases), LineState(model, start.point, start.runs, start.passed)
             for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
-                found[:, i] = y[k] if kind is Kind.OUTPUT else vector_of(cases, kind)[k]
+                found[:, i] = y[k] if kind is Kind.OUTPUT else cases.vector(kind)[k]
             left = np.flatnonzero(~good).tolist()
         for i in left:
             stop_if_interrupted()
