@@ -112,6 +112,10 @@ class OutOfReachError(EquilibriumError):
         super().__init__(cause, remedy, component)
 
 
+class CompiledError(InputError):
+    """The compiled core cannot do what is asked of it."""
+
+
 class SimulationError(RopewayError):
     """A simulation stopped before its end. `result` holds everything up to `time` [s], None where there was no run."""
 

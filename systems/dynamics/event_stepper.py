@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
+from ropeway.systems.dynamics.compiled_sections import CompiledSections, CompiledStepper
 from ropeway.systems.dynamics.line_integrator import LineIntegrator
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.dynamics.load_events import LoadEvents
@@ -19,13 +20,22 @@ class EventStepper:
     """A line that moves: `line` has its state and signals; `recorder` gets both sides of each event."""
 
     def __init__(
-        self, state: LineState, signals: Sequence[Signal], tolerance: float, recorder: Recorder | None = None
+        self,
+        state: LineState,
+        signals: Sequence[Signal],
+        tolerance: float,
+        recorder: Recorder | None = None,
+        *,
+        compiled: bool = False,
     ) -> None:
-        self.line = LineStepper(state, signals, tolerance)
+        """compiled: sections are solved in the compiled core, which must fit the model (`require_compiled`)."""
+        self.line = (CompiledStepper if compiled else LineStepper)(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
         events = LoadEvents(self.line, self.guard, self.recorder)
-        self._by_sections = SectionIntegrator(self.line, events, self.guard, self.recorder)
+        self._by_sections = (CompiledSections if compiled else SectionIntegrator)(
+            self.line, events, self.guard, self.recorder
+        )
         self._as_whole = LineIntegrator(self.line, events, self.guard)
         self._motion: LineMotion | None = None
 

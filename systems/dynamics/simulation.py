@@ -13,6 +13,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.compiled_sections import require_compiled
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -46,6 +47,7 @@ def simulate(
     interventions: Sequence[Intervention] = (),
     stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> Result:
     """Simulate a system from its equilibrium.
 
@@ -55,9 +57,12 @@ def simulate(
     responses, brakes and an emergency stop go on, times again from 0 on (a speed given in inputs ends the stop of its
     drive); interventions: brakes, failures, an emergency stop;
     tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop; progress: show
-    a bar (by default only on a terminal).
+    a bar (by default only on a terminal); compiled: solve and follow the line in compiled code, which needs a C
+    compiler once: the same result, many times faster, for lines of spans over standing supports whose drives follow
+    their commanded speeds (`IdealDrive`, drums).
 
-    Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
+    Raises InputError before the run; CompiledError for a system that the compiled core cannot do, and CompilerError;
+    SimulationError, with the result so far, when it cannot go on.
     """
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
@@ -70,6 +75,8 @@ def simulate(
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
+    if compiled:
+        require_compiled(model)
     if start is None:
         rest = equilibrium(model)
     else:
@@ -77,7 +84,7 @@ def simulate(
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops))
+    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops, compiled))
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -147,6 +154,7 @@ class _Settings:
     interventions: Sequence[Intervention]
     tolerance: float
     stop_at: tuple[str, ...]
+    compiled: bool
 
 
 class _Simulation:
@@ -156,7 +164,9 @@ class _Simulation:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         state.unpin()
         self.recorder = Recorder()
-        self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
+        self.stepper = EventStepper(
+            state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
+        )
         self.line = self.stepper.line
         self.stop_at = settings.stop_at
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)

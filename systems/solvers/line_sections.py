@@ -7,7 +7,8 @@ no other unknowns: supports that stand, spans, idlers, drums that keep a tension
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -29,13 +30,14 @@ SUPPORT_RESULTS = 9
 out (3,), and by the driven speed."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SpanForm:
-    """Spans of one form: `first` stands for all; `parameters`: number of its parameters. Kernels are functions of one
+    """Spans of one form, `key`: `first` stands for all; `parameters`: number of its parameters. Kernels are functions of one
     vector (gravity, force (3,), parameters, then of each used slot mass, at and ride, place and travel at end a (4,),
     at end b (4,)) -> `SPAN_RESULTS`."""
 
-    first: Span
+    key: Hashable
+    first: Span = field(compare=False)
     parameters: int
 
     def kernel(self, slots: int) -> ca.Function:
@@ -43,15 +45,16 @@ class SpanForm:
         return _span_kernel(self, slots)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class SupportForm:
-    """Supports of one form, whose travel is an unknown. `comes`, `goes`: which port the rope comes in and goes out at,
+    """Supports of one form, `key`, whose travel is an unknown. `comes`, `goes`: which port the rope comes in and goes out at,
     -1 where it ends. `kernel`: a function of one vector (gravity, parameters, discrete variables, travel, forces in
     (3,), out (3,), driven speed) -> `SUPPORT_RESULTS`."""
 
+    key: Hashable
     parameters: int
     discrete: int
-    kernel: ca.Function
+    kernel: ca.Function = field(compare=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +158,7 @@ class _Finder:
         site = Site(1.0, 1.0)
         count = sum(v.kind is Kind.PARAMETER for v in span.variables(site))
         if span.form(site) not in self.forms:
-            made = SpanForm(span, count)
+            made = SpanForm(span.form(site), span, count)
             made.kernel(0)  # raises where it does not fit
             self.forms[span.form(site)] = (len(self.forms), made)
         number = self.forms[span.form(site)][0]
@@ -179,7 +182,7 @@ class _Finder:
         variables = node.variables(Site(1.0, 1.0))
         key = (node.form(Site(1.0, 1.0)), tuple(v.kind for v in variables), ends)
         if key not in self.support_forms:
-            self.support_forms[key] = (len(self.support_forms), _support_form(node, ends))
+            self.support_forms[key] = (len(self.support_forms), _support_form(_Node(key, node), ends))
         row = m.r.index[f"{node.name}.{balance}"]
         speed = self._speed(node, leaves or arrives)
         discrete = self.first.get((node.name, Kind.DISCRETE), 0)
@@ -260,7 +263,17 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
     return ca.Function(f"span_{slots}", [vector], [ca.densify(result)])
 
 
-def _support_form(node: Node, ends: tuple[int, ...]) -> SupportForm:
+@dataclass(frozen=True)
+class _Node:
+    """A node that stands for all of a form."""
+
+    key: Hashable
+    node: Node = field(compare=False)
+
+
+@lru_cache(maxsize=64)
+def _support_form(form: _Node, ends: tuple[int, ...]) -> SupportForm:
+    node = form.node
     variables = node.variables(Site(1.0, 1.0))
     function = component_function(node, variables)
     sizes = {kind: sum(v.size for v in variables if v.kind is kind) for kind in (*VECTORS, Kind.RESIDUAL)}
@@ -281,4 +294,4 @@ def _support_form(node: Node, ends: tuple[int, ...]) -> SupportForm:
     if ca.jacobian(residual, carried).nnz():
         raise _UnfitError(f"the balance of {node.name!r} reads the energy that its rope carries")
     result = ca.vertcat(*ca.cse([residual, ca.jacobian(residual, ca.vertcat(*rest)).T]))
-    return SupportForm(parameters, discrete, ca.Function("support", [vector], [ca.densify(result)]))
+    return SupportForm(form.key, parameters, discrete, ca.Function("support", [vector], [ca.densify(result)]))
