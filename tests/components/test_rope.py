@@ -7,7 +7,7 @@ import math
 import pytest
 
 import ropeway as rw
-from ropeway.components import CONSTRUCTIONS
+from ropeway.components.rope import CONSTRUCTIONS
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.0e6, breaking_load=450.3e3)
 
