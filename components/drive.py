@@ -306,7 +306,6 @@ class HydraulicDrive(Drive):
         power = self._control_force(v, demanded) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
         return {"flow": flow, "power": clip_above(namespace(power).fmax(power, 0.0), v.engine_power)}
 
-
     def _demanded_speed(self, v: Any) -> Any:
         """Speed that the pump is set to."""
         return v.command if self.command_lag > 0.0 else v.speed + v.correction

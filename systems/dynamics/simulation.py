@@ -13,7 +13,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.compiled_sections import require_compiled
+from ropeway.systems.dynamics.compiled_stepper import require_compiled
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -32,6 +32,9 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
+
+_TOGETHER = 100
+"""Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 
 @checked
@@ -168,7 +171,7 @@ class _Simulation:
             state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
         )
         self.line = self.stepper.line
-        self.stop_at = settings.stop_at
+        self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
         self.ticks = [0] * len(start.model.clocks)
@@ -209,7 +212,16 @@ class _Simulation:
             self.last_stop = self.recorder.checkpoint()
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
-            stop = min(grid, self.next_act(), bend)
+            quiet = min(self.next_act(), bend)
+            if self.settings.compiled and not self.stop_at:
+                stops = _grid(count, every, until, quiet)
+                if done := self.stepper.run_along(stops):
+                    advance(stops[done - 1])
+                    count, grid = count + done, min((count + done) * every, until)
+                    if stops[done - 1] >= until:
+                        return
+                    continue
+            stop = min(grid, quiet)
             self.stepper.run_to(stop)
             if stop == bend:  # inputs are linear between records
                 self.record()
@@ -314,6 +326,17 @@ class _Simulation:
             return False
         self.record()
         return True
+
+
+def _grid(count: int, every: float, until: float, before: float) -> list[float]:
+    """Times of the grid [s] from its number `count` on, some of them, those `before` a time."""
+    found = list[float]()
+    while len(found) < _TOGETHER and (not found or found[-1] < until):
+        time = min((count + len(found)) * every, until)
+        if time >= before - 1e-9:
+            break
+        found.append(time)
+    return found
 
 
 @lru_cache(maxsize=64)

@@ -6,6 +6,7 @@
 
 #define NEAR 1e-9      /* part of a mean span within which a load is on a support */
 #define FOLLOWED 0.02  /* part of a nominal by which an idler's travel may be elsewhere than its rate leads to */
+#define SLACK 1.02     /* rope over chord beyond which a rope on idlers can have several stable places */
 #define MOST 64        /* crossings at one time, and sections that they touch */
 #define PI 3.14159265358979323846
 
@@ -192,6 +193,7 @@ static int record(const rs_line *l, rs_point *q, rs_motion *m, const int *solved
     rs_point all = *q;
     int n = m->records++;
     m->record_time[n] = m->time;
+    m->record_grid[n] = 0;
     memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
     memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
     all.z = m->record_z + n * l->nz;
@@ -312,10 +314,23 @@ static int short_of_loads(const rs_line *l, const rs_motion *m)
     return 0;
 }
 
-/* The end of a window: all sections solved. */
-static int finish(const rs_line *l, rs_point *q, rs_motion *m)
+/* Whether each span has rope left, and none that could lie otherwise too. */
+static int taut(const rs_line *l, const rs_point *q, const rs_motion *m)
 {
-    follow(l, q, m, m->end);
+    for (int i = 0; i < l->spans; i++) {
+        int k = l->start[i];
+        const int *a = l->point + 3 * k, *b = a + 3;
+        double x = q->p[b[0]] - q->p[a[0]], y = q->p[b[1]] - q->p[a[1]], z = q->p[b[2]] - q->p[a[2]];
+        double length = rope_at(l, q, m, k + 1) - rope_at(l, q, m, k);
+        if (length <= 0.0 || (l->on_idlers[i] && length > SLACK * sqrt(x * x + y * y + z * z))) return 0;
+    }
+    return 1;
+}
+
+/* A stop: all sections solved, loads where rates have led them. */
+static int at_stop(const rs_line *l, rs_point *q, rs_motion *m)
+{
+    follow(l, q, m, m->stop[m->reached]);
     for (int s = 0; s < l->sections; s++) {
         int failed = correct(l, q, m, &s, 1, m->room);
         if (failed) return failed;
@@ -325,17 +340,31 @@ static int finish(const rs_line *l, rs_point *q, rs_motion *m)
         gaps(l, q, m, k, &ahead, &behind);
         if (ahead < -near || behind < -near) return RS_UNFORESEEN;
     }
+    if (!m->grid) return RS_REACHED;
+    if (!taut(l, q, m)) return RS_SLACK;
+    int n = m->records++;
+    m->record_time[n] = m->time;
+    m->record_grid[n] = 1;
+    memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
+    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
+    memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
     return RS_REACHED;
 }
 
 int rs_move(const rs_line *l, rs_point *q, rs_motion *m)
 {
     coming_load next;
-    for (;;) {
+    while (m->reached < m->stops) {
         int sections[3], count, failed;
+        double left = m->stop[m->reached] - m->time;
         if (short_of_loads(l, m)) return RS_LOADS;
-        if (m->records + 2 > m->most || m->events + MOST > 4 * m->most) return RS_FULL;
-        if (!next_load(l, q, m, &next) || next.time > m->end - m->time) return finish(l, q, m);
+        if (m->records + 3 > m->most || m->events + MOST > 4 * m->most) return RS_FULL;
+        if (!next_load(l, q, m, &next) || next.time > left) {
+            failed = at_stop(l, q, m);
+            if (failed) return failed;
+            m->reached++;
+            continue;
+        }
         follow(l, q, m, m->time + next.time);
         count = beside(l, next.k, sections, 0);
         failed = correct(l, q, m, sections, count, m->room);
@@ -343,7 +372,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m)
         look_again(l, q, m, &next);
         double near = NEAR * m->scale[l->run_of[next.k]];
         if (fabs(next.gap) > near) {
-            if (next.time > m->end - m->time) continue;
+            if (next.time > m->stop[m->reached] - m->time) continue;
             double h = next.time;
             follow(l, q, m, m->time + h);
             if (fabs(h) > m->short_step) {
@@ -358,4 +387,5 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m)
         failed = cross(l, q, m, &next);
         if (failed) return failed;
     }
+    return RS_REACHED;
 }

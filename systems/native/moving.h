@@ -4,16 +4,19 @@
 
 #include "sections.h"
 
-/* Why rs_move returns: the end is reached; a crossing that takes more than to pass; a load has crossed before the time
- * that rates predict; the list of loads ends; no room for records; Newton's method has failed. */
-enum { RS_REACHED, RS_CROSSING, RS_UNFORESEEN, RS_LOADS, RS_FULL, RS_FAILED };
+/* Why rs_move returns: the last stop is reached; a crossing that takes more than to pass; a load has crossed before the
+ * time that rates predict; the list of loads ends; no room for records; Newton's method has failed; a rope is slack or
+ * used up at a stop. */
+enum { RS_REACHED, RS_CROSSING, RS_UNFORESEEN, RS_LOADS, RS_FULL, RS_FAILED, RS_SLACK };
 
 typedef struct {
     int run, support, load, forward, record; /* of what crosses; the record that it leads to */
 } rs_event;
 
 typedef struct {
-    double time, end, begin, h; /* now, until when; the window of the drives' trajectories */
+    double time, begin, h; /* now; the window of the drives' trajectories */
+    const double *stop;    /* times at which all sections are solved, and written down where `grid` */
+    int stops, reached, grid;
     int strict, failure;
     const double *window;       /* (RS_NODES, nx) states at its Chebyshev points */
     const double *window_rates; /* their rates */
@@ -27,6 +30,7 @@ typedef struct {
     const int *mass_per_length; /* of each span */
     /* records and events */
     int records, most, events;
+    int *record_grid;
     double *record_time, *record_x, *record_z;
     long long *record_passed;
     rs_event *event;

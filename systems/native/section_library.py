@@ -14,7 +14,20 @@ FILES = ("sections.h", "sections.c", "moving.h", "moving.c")
 
 LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "runs")
 LINE_INTEGERS = (
-    *("form", "parameters", "force", "closure", "mass", "at", "ride", "start", "empty", "count", "length_start"),
+    *(
+        "form",
+        "parameters",
+        "force",
+        "closure",
+        "mass",
+        "at",
+        "ride",
+        "start",
+        "empty",
+        "count",
+        "length_start",
+        "on_idlers",
+    ),
     "form_parameters",
     *("point", "state", "travel", "balance", "support_form", "support_parameters", "support_discrete", "speed"),
     *("support_form_parameters", "support_form_discrete"),
@@ -53,20 +66,25 @@ class Motion(ctypes.Structure):
     """rs_motion."""
 
     _fields_ = (
-        *((name, ctypes.c_double) for name in ("time", "end", "begin", "h")),
+        *((name, ctypes.c_double) for name in ("time", "begin", "h")),
+        ("stop", ctypes.c_void_p),
+        *((name, ctypes.c_int) for name in ("stops", "reached", "grid")),
         *((name, ctypes.c_int) for name in ("strict", "failure")),
         *((name, ctypes.c_void_p) for name in ("window", "window_rates")),
         *((name, ctypes.c_double) for name in ("crossed", "short_step", "least_step")),
         *((name, ctypes.c_void_p) for name in ("load_first", "place", "mass", "rope", "scale", "passed")),
         ("mass_per_length", ctypes.c_void_p),
         *((name, ctypes.c_int) for name in ("records", "most", "events")),
-        *((name, ctypes.c_void_p) for name in ("record_time", "record_x", "record_z", "record_passed", "event")),
+        *(
+            (name, ctypes.c_void_p)
+            for name in ("record_grid", "record_time", "record_x", "record_z", "record_passed", "event")
+        ),
         ("coming", CrossingEvent),
         ("room", ctypes.c_void_p),
     )
 
 
-REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED = range(6)
+REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK = range(7)
 """Why `rs_move` returns."""
 
 FAILURES = {

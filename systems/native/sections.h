@@ -21,8 +21,9 @@ enum { RS_OK, RS_SINGULAR, RS_STUCK, RS_SLOW, RS_AWAY };
 /* Tables of a line. */
 typedef struct {
     int spans, supports, sections, slots, nx, nz, nu, runs;
-    /* of each span; of each form of spans the number of parameters */
-    const int *form, *parameters, *force, *closure, *mass, *at, *ride, *start, *empty, *count, *length_start;
+    /* of each span; `on_idlers`: whether a support of its run lets rope run; of each form of spans the number of
+     * parameters */
+    const int *form, *parameters, *force, *closure, *mass, *at, *ride, *start, *empty, *count, *length_start, *on_idlers;
     const int *form_parameters;
     /* of each support */
     const int *point, *state, *travel, *balance, *support_form, *support_parameters, *support_discrete, *speed;

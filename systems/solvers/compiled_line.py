@@ -140,6 +140,12 @@ def _by_span(sections: LineSections, counts: np.ndarray) -> dict[str, np.ndarray
         **{name: getattr(sections, name) for name in names},
         "empty": np.concatenate(empty),
         "count": counts,
+        "on_idlers": np.concatenate(
+            [
+                np.full(len(run.spans), any(node.balance is not None for node in run.nodes))
+                for run in sections.model.runs
+            ]
+        ),
         "length_start": np.concatenate([layout.length_start for layout in sections.model.layouts]),
         "form_parameters": np.array([form.parameters for form in sections.forms]),
     }
