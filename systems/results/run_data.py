@@ -17,7 +17,9 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.solvers.array_outputs import outputs_at
+from ropeway.systems.solvers.condensed_newton import solve_points
+from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState, Record, restored_points
@@ -65,11 +67,18 @@ class RunData:
         which = range(len(self.records))
 
         def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-            for i, (point, passed) in enumerate(self._points(which)):
-                y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
-                yield point, passed
+            done = 0
+            for points, passed in self._batches(which):
+                here = slice(done, done + len(points))
+                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
+                done = here.stop
+                yield from zip(points, passed, strict=True)
 
-        self.__dict__["checks"] = self._certified(which, states())
+        found = states()
+        if "checks" not in self.__dict__:
+            self.__dict__["checks"] = self._certified(which, found)
+        for _ in found:  # what a certificate made before has not asked for
+            pass
         return y, z
 
     @cached_property
@@ -88,18 +97,23 @@ class RunData:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
         solved: list[int] = np.flatnonzero(self.exact).tolist()
-        self._certified(solved, self._points(solved))
+        found = self._certified(solved, self._points(solved))
+        if len(solved) == len(self.records):
+            self.__dict__["checks"] = found
 
     def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
         """The solved points of records `which`, and the loads passed."""
+        for points, passed in self._batches(which):
+            yield from zip(points, passed, strict=True)
+
+    def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
+        """As `_points`, some records together."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part]
-            restored = restored_points(self.model, self.runs, self.parameters, records)
-            for i, point, passed in zip(part, *restored, strict=True):
-                if not self.exact[i]:
-                    newton_of(self.model).solve(point)
-                yield point, passed
+            points, passed = restored_points(self.model, self.runs, self.parameters, records)
+            solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
+            yield points, passed
 
     def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
         """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""

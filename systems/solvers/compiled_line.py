@@ -134,11 +134,9 @@ def compiled_line(model: Model) -> CompiledLine:
 
 
 def _by_span(sections: LineSections, counts: np.ndarray) -> dict[str, np.ndarray]:
-    empty = [layout.slots.empty for layout in sections.model.layouts]
-    names = ("form", "parameters", "force", "closure", "mass", "at", "ride", "start")
+    names = ("form", "parameters", "force", "closure", "mass", "at", "ride", "empty", "length_start", "start")
     return {
         **{name: getattr(sections, name) for name in names},
-        "empty": np.concatenate(empty),
         "count": counts,
         "on_idlers": np.concatenate(
             [
@@ -146,7 +144,6 @@ def _by_span(sections: LineSections, counts: np.ndarray) -> dict[str, np.ndarray
                 for run in sections.model.runs
             ]
         ),
-        "length_start": np.concatenate([layout.length_start for layout in sections.model.layouts]),
         "form_parameters": np.array([form.parameters for form in sections.forms]),
     }
 

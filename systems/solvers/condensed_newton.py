@@ -11,13 +11,23 @@ from functools import lru_cache
 
 import numpy as np
 
+from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.array_function import ArrayFunction
-from ropeway.systems.solvers.line_sections import SPAN_RESULTS, SUPPORT_RESULTS, LineSections, SpanForm, SupportForm
-from ropeway.systems.solvers.newton import Vectors
+from ropeway.systems.solvers.line_sections import (
+    SPAN_RESULTS,
+    SUPPORT_RESULTS,
+    LineSections,
+    SpanForm,
+    SupportForm,
+    line_sections,
+)
+from ropeway.systems.solvers.newton import Point, Vectors, newton_of
 
 _ITERATIONS = 30
 _CLOSE = 1e-12
 """Scaled step that the next iteration would make at a root."""
+_FEW = 8
+"""Points that are solved one by one."""
 _BATCH = 12_000
 """Spans of all cases that are solved together, about: their arrays stay in the processor's cache."""
 
@@ -31,7 +41,7 @@ class Cases(Vectors):
 
 
 class CondensedNewton:
-    """The solver of a line with `used` loads in each span (spans,)."""
+    """The solver of a line with at most `used` loads in each span (spans,), in its first slots."""
 
     def __init__(self, sections: LineSections, used: np.ndarray) -> None:
         self.sections = sections
@@ -153,6 +163,12 @@ class _Known:
         for group in solver._spans:
             which, form, slots = group
             loads = [_even(cases.d[first[which] + j]) for first in (s.mass, s.at, s.ride) for j in range(slots)]
+            for j in range(slots):
+                empty = _even(cases.d[s.empty[which] + j])
+                if empty.any():  # a point of the rope without mass: where it is, does not matter
+                    travel = self.travels(cases.z)
+                    length = cases.p[s.length_start[which]] + travel[s.start[which]] - travel[s.start[which] + 1]
+                    loads[slots + j] = loads[slots + j] + empty * length
             own = [_even(cases.p[s.parameters[which] + i]) for i in range(form.parameters)]
             ends = [[_even(cases.p[s.point[s.start[which] + e, axis]]) for axis in range(3)] for e in (0, 1)]
             kernel = _span_function(form, slots)
@@ -201,3 +217,20 @@ def _span_function(form: SpanForm, slots: int) -> ArrayFunction:
 @lru_cache(maxsize=64)
 def _support_function(form: SupportForm) -> ArrayFunction:
     return ArrayFunction(form.kernel)
+
+
+def solve_points(model: Model, points: Sequence[Point]) -> None:
+    """Solves many points of a model in place. Raises EquilibriumError."""
+    sections, left = line_sections(model), list(points)
+    if not isinstance(sections, str) and len(points) >= _FEW:
+        cases = Cases(*(np.array(rows).T for rows in zip(*(point.vectors for point in points), strict=True)))
+        counts = np.concatenate([layout.slots.count for layout in model.layouts])
+        slots = sections.empty[:, None] + np.minimum(np.arange(counts.max(initial=0)), counts[:, None] - 1)
+        full = (cases.d[slots] == 0.0) & (np.arange(slots.shape[1]) < counts[:, None])[:, :, None]
+        used = full.sum(axis=1).max(axis=1, initial=0)
+        good = CondensedNewton(sections, used).solve(cases)
+        for i in np.flatnonzero(good):
+            points[i].z[:] = cases.z[:, i]
+        left = [points[i] for i in np.flatnonzero(~good)]
+    for point in left:
+        newton_of(model).solve(point)

@@ -62,7 +62,7 @@ class LineSections:
     """Places in the vectors of a model. Spans and supports are numbered through, run after run.
 
     Of spans (spans,): `form`, first place of `parameters`, of the tension vector `force`, of the residuals `closure`,
-    of slots `mass`, `at`, `ride`, and supports `start`; the next one is where it ends. Of supports (supports,):
+    of slots `mass`, `at`, `ride`, `empty`, its `length_start`, and supports `start`; the next one is where it ends. Of supports (supports,):
     `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and algebraic variables, -1
     where it is not there; of a free one its `balance` in the residuals, `support_form`, first places of its parameters
     and discrete variables, and `speed`: that of the nearest drive in (states, inputs), -1 for none.
@@ -78,6 +78,8 @@ class LineSections:
     mass: np.ndarray
     at: np.ndarray
     ride: np.ndarray
+    empty: np.ndarray
+    length_start: np.ndarray
     start: np.ndarray
     point: np.ndarray
     state: np.ndarray
@@ -162,7 +164,8 @@ class _Finder:
             made.kernel(0)  # raises where it does not fit
             self.forms[span.form(site)] = (len(self.forms), made)
         number = self.forms[span.form(site)][0]
-        slots = [m.d.index.get(f"{span.name}.slot_{what}[1]", 0) for what in ("mass", "at", "ride")]
+        slots = [m.d.index.get(f"{span.name}.slot_{what}[1]", 0) for what in ("mass", "at", "ride", "empty")]
+        slots.append(m.p.index[f"{span.name}.length_start"])
         force, closure = m.z.index[f"{span.name}.force_x"], m.r.index[f"{span.name}.closure_x"]
         return (number, self.first[span.name, Kind.PARAMETER], force, closure, *slots)
 

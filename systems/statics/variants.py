@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components.check import Range
 from ropeway.components.component import Kind
-from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.solvers.newton import Point, dense
+from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.certificate import certified_variants
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK
@@ -177,18 +174,3 @@ def _entry(state: LineState, name: str) -> _Entry:
 def _starts(lengths: np.ndarray) -> np.ndarray:
     """The rope at each support at zero travel, (supports, cases) [m], from the lengths of the spans."""
     return np.concatenate([np.zeros((1, lengths.shape[1])), np.cumsum(lengths, axis=0)])
-
-
-@lru_cache(maxsize=16)
-def array_outputs(model: Model) -> ArrayFunction:
-    """The outputs of a model for many cases at once: a function of one sequence of arrays for each argument of the
-    model's functions."""
-    return ArrayFunction(dense(model, model.outputs).function)
-
-
-def outputs_of_cases(model: Model, cases: Cases) -> np.ndarray:
-    """Outputs of cases, (ny, cases)."""
-    count = cases.z.shape[1]
-    with np.errstate(all="ignore"):
-        found = array_outputs(model)([np.zeros(1)], *cases.vectors)
-    return np.array([np.broadcast_to(value, (count,)) for value in found]).reshape(len(model.y), count)

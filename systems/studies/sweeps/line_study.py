@@ -18,12 +18,13 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.stability import slack
-from ropeway.systems.statics.variants import LineVariants, line_variants, outputs_of_cases
+from ropeway.systems.statics.variants import LineVariants, line_variants
 from ropeway.systems.studies.sweeps.found_rows import NumberRows
 
 
@@ -50,7 +51,7 @@ class LineStudy:
         many = _many(self.declared, tuple(names))
         if many is not None and start is not None:
             good, cases = many.solve(values)
-            y, rest = outputs_of_cases(model, cases), LineState(model, start.point, start.runs, start.passed)
+            y, rest = outputs_of_columns(model, cases), LineState(model, start.point, start.runs, start.passed)
             for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
                 found[:, i] = y[k] if kind is Kind.OUTPUT else cases.vector(kind)[k]
             left = np.flatnonzero(~good).tolist()

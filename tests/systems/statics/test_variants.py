@@ -6,10 +6,11 @@ import pytest
 import ropeway as rw
 from ropeway.components.component import Kind
 from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
-from ropeway.systems.statics.variants import LineVariants, line_variants, outputs_of_cases
+from ropeway.systems.statics.variants import LineVariants, line_variants
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 
@@ -54,7 +55,7 @@ def test_a_variant_is_the_equilibrium_solved_alone(rope: rw.Rope) -> None:
     given = values(40)
     good, cases = many.solve(given)
     assert good.mean() > 0.9
-    outputs = outputs_of_cases(state.model, cases)
+    outputs = outputs_of_columns(state.model, cases)
     start = rw.Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), ())
     for i in np.flatnonzero(good)[:12]:
         alone = rw.equilibrium(state.model, start=start, parameters=dict(zip(NAMES, given[i], strict=True)))
