@@ -67,7 +67,7 @@ class CompiledSections(SectionIntegrator):
                 if state.resting:
                     return super().through(window, end, motion, stop, strict=strict)
             elif code != FULL:
-                raise core.line.failure(core.motion.failure, core.point.worst)
+                raise core.line.failure(core.motion.failure, core.solver.point.worst)
 
     def along(self, motion: LineMotion, stops: Sequence[float]) -> tuple[LineMotion, int]:
         """Advances through as many stops as the core can do alone, each with an entry on the grid; the line is then

@@ -189,16 +189,12 @@ def _by_section(sections: LineSections) -> dict[str, np.ndarray]:
     }
 
 
-_TOGETHER = 4
-"""Kernels that are compiled to one library, those of a form with so many slots more each."""
-
-
 def _span_addresses(form: SpanForm, most: int) -> list[int]:
     """Where the kernels for 0 to `most` used slots are: above 8 those of multiples of 8 serve, with empty slots."""
-    exact = range(9)[: most + 1]
-    found = [
-        a for first in range(0, len(exact), _TOGETHER) for a in _compiled(form, tuple(range(first, first + _TOGETHER)))
-    ]
+    found = list[int]()
+    for first in (0, 3, 6):
+        if first <= most:
+            found += _compiled(form, (first, first + 1, first + 2))
     for slots in range(16, most + 8, 8):
         found += _compiled(form, (slots,)) * 8
     return found[: most + 1]

@@ -32,9 +32,11 @@ out (3,), and by the driven speed."""
 
 @dataclass(frozen=True)
 class SpanForm:
-    """Spans of one form, `key`: `first` stands for all; `parameters`: number of its parameters. Kernels are functions of one
-    vector (gravity, force (3,), parameters, then of each used slot mass, at and ride, place and travel at end a (4,),
-    at end b (4,)) -> `SPAN_RESULTS`."""
+    """Spans of one form, `key`: `first` stands for all; `parameters`: number of its parameters.
+
+    Kernels are functions of one vector (gravity, force (3,), parameters, then of each used slot mass, at and ride, place
+    and travel at end a (4,), at end b (4,)) -> `SPAN_RESULTS`.
+    """
 
     key: Hashable
     first: Span = field(compare=False)
@@ -47,9 +49,11 @@ class SpanForm:
 
 @dataclass(frozen=True)
 class SupportForm:
-    """Supports of one form, `key`, whose travel is an unknown. `comes`, `goes`: which port the rope comes in and goes out at,
-    -1 where it ends. `kernel`: a function of one vector (gravity, parameters, discrete variables, travel, forces in
-    (3,), out (3,), driven speed) -> `SUPPORT_RESULTS`."""
+    """Supports of one form, `key`, whose travel is an unknown. `parameters`, `discrete`: how many variables they have.
+
+    `kernel`: a function of one vector (gravity, parameters, discrete variables, travel, forces of the rope coming in
+    (3,) and going out (3,), driven speed) -> `SUPPORT_RESULTS`.
+    """
 
     key: Hashable
     parameters: int
@@ -62,8 +66,9 @@ class LineSections:
     """Places in the vectors of a model. Spans and supports are numbered through, run after run.
 
     Of spans (spans,): `form`, first place of `parameters`, of the tension vector `force`, of the residuals `closure`,
-    of slots `mass`, `at`, `ride`, `empty`, its `length_start`, and supports `start`; the next one is where it ends. Of supports (supports,):
-    `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and algebraic variables, -1
+    of slots `mass`, `at`, `ride`, `empty`, its `length_start`, and the support `start`; the next one is where it ends.
+
+    Of supports (supports,): `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and algebraic variables, -1
     where it is not there; of a free one its `balance` in the residuals, `support_form`, first places of its parameters
     and discrete variables, and `speed`: that of the nearest drive in (states, inputs), -1 for none.
     """

@@ -191,7 +191,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "simulate": lambda: {
             "system": line(), "until": 2.0, "every": 1.0, "inputs": {"c.speed": 0.6}, "start": None,
             "tolerance": 1e-5, "interventions": [rw.Intervention(1.0, "brake", "c")], "stop_at": (),
-            "progress": False,
+            "progress": False, "compiled": False,
         },
         "solve_span": lambda: {
             "problem": rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7), "method": "Newton-Raphson",
