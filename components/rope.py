@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from difflib import get_close_matches
+from typing import TYPE_CHECKING, Protocol, overload
 
 from ropeway.components import check
+from ropeway.components.accepted_values import RefusedError
 from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
@@ -165,6 +167,19 @@ class Rope:
         if self.diameter is not None:
             _require_diameter(self.diameter, owner)
 
+    @classmethod
+    def _from_given(cls, value: object) -> Rope:
+        """A rope as users give it: itself, or the name of one in `NAMED`. Raises RefusedError."""
+        if isinstance(value, Rope):
+            return value
+        known = [entry.name for entry in NAMED]
+        if isinstance(value, str) and value in known:
+            return cls.named(value)
+        names = ", ".join(map(repr, known))
+        near = get_close_matches(value, known, 1) if isinstance(value, str) else ()
+        meant = f"; did you mean {near[0]!r}?" if near else ""
+        raise RefusedError(value, f"a Rope, or the name of one: {names}{meant}")
+
     @property
     def strain(self) -> Strain:
         """Coefficients of the rope's strain over tension."""
@@ -272,6 +287,19 @@ class Rope:
             safety_factor=safety_factor,
             name=name,
         )
+
+
+@overload
+def rope_of(rope: Rope | str) -> Rope: ...
+
+
+@overload
+def rope_of(rope: Rope | str | None) -> Rope | None: ...
+
+
+def rope_of(rope: Rope | str | None) -> Rope | None:
+    """The rope that an argument stands for. Raises RefusedError."""
+    return None if rope is None else Rope._from_given(rope)
 
 
 def _require_diameter(diameter: float, owner: str) -> None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.compiled_stepper import require_compiled
 from ropeway.systems.dynamics.event_stepper import EventStepper
@@ -20,7 +19,7 @@ from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of, nearest
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
 from ropeway.systems.modelling.intervention import Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
@@ -52,20 +51,54 @@ def simulate(
     progress: bool | None = None,
     compiled: bool = False,
 ) -> Result:
-    """Simulate a system from its equilibrium.
+    """Simulate a system in time.
 
-    until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
-    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: where to start from, of the same
-    declarations but for responses and speeds: an equilibrium, or `result.at(t)`, from which clocks, delayed
-    responses, brakes and an emergency stop go on, times again from 0 on (a speed given in inputs ends the stop of its
-    drive); interventions: brakes, failures, an emergency stop;
-    tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop; progress: show
-    a bar (by default only on a terminal); compiled: solve and follow the line in compiled code, which needs a C
-    compiler once: the same result, many times faster, for lines of spans over standing supports whose drives follow
-    their commanded speeds (`IdealDrive`, drums).
+    Parameters
+    ----------
+    system : System or Model
+        Its declarations, or `assemble` of them.
+    until : float
+        End of the run [s].
+    every : float, default 1.0
+        Interval of the result's frame [s].
+    inputs : mapping of str to float or Schedule, optional
+        A signal for each input without one of its own, or in place of a component's own (`{"c1.speed": 1.02}`).
+    start : Equilibrium, optional
+        Where the run starts: an equilibrium of the same declarations (responses and speeds may differ), or
+        `result.at(t)`, from which clocks, delayed responses, brakes and an emergency stop continue; times count from 0
+        again. A speed in `inputs` ends the emergency stop of its drive. By default the system's equilibrium.
+    tolerance : float, default 1e-6
+        Of IDAS, absolute on scaled variables.
+    interventions : sequence of Intervention, optional
+        Brakes, losses of pressure, an emergency stop.
+    stop_at : str or sequence of str, optional
+        Names of events at which the run stops: those of limits, and "load held".
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether to run in compiled code, which needs a C compiler at first use: the same result, many times faster. For
+        lines of spans over standing supports whose drives follow their commanded speeds (`IdealDrive`, drums).
 
-    Raises InputError before the run; CompiledError for a system that the compiled core cannot do, and CompilerError;
-    SimulationError, with the result so far, when it cannot go on.
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError, UnknownNameError
+        Before the run.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core cannot simulate this system, has no compiler, or its cache cannot be written.
+    EquilibriumError
+        Where the system has no equilibrium to start from.
+    SimulationError
+        Where the run cannot continue, with the result so far.
+
+    Examples
+    --------
+    >>> result = rw.simulate(line, 600.0, interventions=[rw.Intervention(60.0, "brake", "c1")])  # doctest: +SKIP
+    >>> result.frame["c1.tension_in"].max()  # doctest: +SKIP
+    61234.5
     """
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
@@ -329,7 +362,7 @@ class _Simulation:
 
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:
-    """Times of the grid [s] from its number `count` on, some of them, those `before` a time."""
+    """Some times of the grid [s] from its number `count` on, all earlier than `before`."""
     found = list[float]()
     while len(found) < _TOGETHER and (not found or found[-1] < until):
         time = min((count + len(found)) * every, until)
@@ -339,7 +372,7 @@ def _grid(count: int, every: float, until: float, before: float) -> list[float]:
     return found
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def update_of(model: Model, clock: Clock) -> Buffered:
     """The update of a clock, on arrays."""
     return dense(model, clock.update)

@@ -113,8 +113,11 @@ def _built(files: dict[str, str], kept: Path, name: str) -> Path:
             with os.fdopen(number, "wb") as file:
                 file.write(content)
             Path(part).chmod(0o755)
-            with suppress(PermissionError if _kept(kept, name) else ()):  # Windows: another process uses it
+            try:
                 Path(part).replace(path)
+            except PermissionError:
+                if _kept(kept, name) is None:  # else another process has made it, and Windows keeps what is in use
+                    raise
         finally:
             Path(part).unlink(missing_ok=True)
     except OSError as error:

@@ -11,9 +11,11 @@ from functools import lru_cache
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.component import Component, RopeEnd, Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.modelling.component_functions import component_function
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.newton import VECTORS, Point, Vectors, outputs_of
@@ -175,7 +177,7 @@ def _function(form: _Form) -> ArrayFunction:
     return ArrayFunction(ca.Function("outputs", inputs, [result]))
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def array_outputs(model: Model) -> ArrayOutputs | None:
     """The outputs of a model at many points; None where components read each other's outputs, or call compiled code."""
     system = model.system

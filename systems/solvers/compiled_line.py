@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.errors import CompiledError, EquilibriumError
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.native.binary_cache import library
 from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.native.section_library import (
@@ -91,7 +91,8 @@ class CompiledLine:
         count = cases.z.shape[1]
         rows = [np.ascontiguousarray(vector.T) for vector in cases.vectors]
         good = np.zeros(count, dtype=np.uint8)
-        first = Point(*(row[0] if count else row for row in rows))
+        x, z, u, p, d = (row[0] if count else row.ravel() for row in rows)
+        first = Point(x, z, u, p, d)
         solver = PointSolver(self, first, used, np.zeros(len(first.x)), np.zeros(len(first.u)))
         strides = np.array([row.shape[1] for row in rows], dtype=np.int64)
         self.core.rs_solve_many(
@@ -124,7 +125,7 @@ class PointSolver:
             setattr(self.point, name, vector.ctypes.data)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def compiled_line(model: Model) -> CompiledLine:
     """The compiled core of a model. Raises CompiledError where it does not fit, CompilerError, WriteError."""
     sections = line_sections(model)

@@ -229,8 +229,8 @@ def solve_points(model: Model, points: Sequence[Point]) -> None:
         full = (cases.d[slots] == 0.0) & (np.arange(slots.shape[1]) < counts[:, None])[:, :, None]
         used = full.sum(axis=1).max(axis=1, initial=0)
         good = CondensedNewton(sections, used).solve(cases)
-        for i in np.flatnonzero(good):
+        for i in np.flatnonzero(good).tolist():
             points[i].z[:] = cases.z[:, i]
-        left = [points[i] for i in np.flatnonzero(~good)]
+        left = [points[i] for i in np.flatnonzero(~good).tolist()]
     for point in left:
         newton_of(model).solve(point)

@@ -15,10 +15,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Component, Kind, Node, Seat, Site
+from ropeway.components.component import Component, Seat
+from ropeway.components.node import Node
 from ropeway.components.span import Span
+from ropeway.components.variable import Kind, Site
 from ropeway.systems.modelling.component_functions import component_function
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.newton import VECTORS
 
@@ -34,8 +36,8 @@ out (3,), and by the driven speed."""
 class SpanForm:
     """Spans of one form, `key`: `first` stands for all; `parameters`: number of its parameters.
 
-    Kernels are functions of one vector (gravity, force (3,), parameters, then of each used slot mass, at and ride, place
-    and travel at end a (4,), at end b (4,)) -> `SPAN_RESULTS`.
+    Kernels are functions of one vector (gravity, force (3,), parameters, then of each used slot mass, at and ride,
+    place and travel at end a (4,), at end b (4,)) -> `SPAN_RESULTS`.
     """
 
     key: Hashable
@@ -68,9 +70,10 @@ class LineSections:
     Of spans (spans,): `form`, first place of `parameters`, of the tension vector `force`, of the residuals `closure`,
     of slots `mass`, `at`, `ride`, `empty`, its `length_start`, and the support `start`; the next one is where it ends.
 
-    Of supports (supports,): `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and algebraic variables, -1
-    where it is not there; of a free one its `balance` in the residuals, `support_form`, first places of its parameters
-    and discrete variables, and `speed`: that of the nearest drive in (states, inputs), -1 for none.
+    Of supports (supports,): `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and
+    algebraic variables, -1 where it is not there; of a free one its `balance` in the residuals, `support_form`, first
+    places of its parameters and discrete variables, and `speed`: that of the nearest drive in (states, inputs), -1 for
+    none.
     """
 
     model: Model
@@ -100,11 +103,16 @@ class LineSections:
         return np.concatenate([beyond[:-1] - beyond[1:] for beyond in passed]).astype(int)
 
 
+_OF_SPANS = ("form", "parameters", "force", "closure", "mass", "at", "ride", "empty", "length_start", "start")
+_OF_SUPPORTS = ("state", "travel", "balance", "support_form", "support_parameters", "support_discrete", "speed")
+"""Fields of `LineSections`, in the order in which they are found."""
+
+
 class _UnfitError(Exception):
     """A model has unknowns besides those of spans and idlers; the text says which."""
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def line_sections(model: Model) -> LineSections | str:
     """The sections of a model; a text that says why where it does not fit."""
     try:
@@ -149,14 +157,11 @@ class _Finder:
         if not spans or unknowns != len(m.z):
             raise _UnfitError("it has unknowns besides tensions and the travel of idlers")
         by_span, by_support = np.array(spans, dtype=int).T, np.array(supports, dtype=int).T
-        found = LineSections(
-            m,
-            tuple(form for _, form in self.forms.values()),
-            tuple(form for _, form in self.support_forms.values()),
-            *(row.copy() for row in by_span),
-            np.array(points, dtype=int),
-            *(row.copy() for row in by_support),
-        )
+        places = {name: row.copy() for name, row in zip(_OF_SPANS, by_span, strict=True)}
+        places |= {name: row.copy() for name, row in zip(_OF_SUPPORTS, by_support, strict=True)}
+        forms = tuple(form for _, form in self.forms.values())
+        support_forms = tuple(form for _, form in self.support_forms.values())
+        found = LineSections(m, forms, support_forms, point=np.array(points, dtype=int), **places)
         _require_chain(found)
         return found
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.solvers.newton import Newton, Slot, newton_of
 from ropeway.systems.statics.line_state import LineState

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
-from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, nearest
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.assembly import assembled
+from ropeway.systems.modelling.component_functions import ComponentFunctions
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Loads, Run, extended, loads_passed, rounded_up, rounds
 from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
@@ -51,6 +51,7 @@ class LineState:
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
         rope still makes without it. Found again where it is missing."""
+        self._functions = ComponentFunctions()  # of models with more and more slots
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
@@ -70,6 +71,7 @@ class LineState:
         """With arrays of its own."""
         copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
         copied.resting = dict(self.resting)
+        copied._functions = self._functions
         return copied
 
     def restart(self) -> None:
@@ -132,7 +134,7 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
+        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
         d = self.model.d.values.copy()
         d[self.model.kept] = self.point.d[old.kept]
         self.point = replace(self.point, d=d)
@@ -352,7 +354,7 @@ def support_points(model: Model, r: int, point: Point) -> np.ndarray:
     return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def _coordinates(model: Model, r: int) -> np.ndarray:
     """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
     names = [name for kind in VECTORS for name in model.tables[kind].names]

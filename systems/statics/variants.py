@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ropeway.components.check import Range
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.solvers.newton import Point

@@ -29,7 +29,7 @@ from support.call_objects import (
 
 
 class Call(NamedTuple):
-    """A callable with arguments that it takes, by name; those of `self` are left alone."""
+    """A callable with valid arguments by name, without `self`."""
 
     function: Callable[..., Any]
     arguments: dict[str, Any]
@@ -130,7 +130,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "SchedulePlan.robustness": lambda: Call(
             plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
         ),
-        "SchedulePlan.told": lambda: Call(plan().told, {"name": "energy"}),
+        "SchedulePlan.objective_text": lambda: Call(plan().objective_text, {"name": "energy"}),
         "SchedulePlan.to_csv": lambda: Call(plan().to_csv, {"path": folder() / "plan.csv"}),
         "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
         "SkylineRig.on_shoe_start": lambda: Call(

@@ -76,7 +76,7 @@ def test_what_the_core_cannot_do_is_refused_before_the_run() -> None:
         displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=0.02, engine_power=2e5,
         inertia=500.0,
     )  # fmt: skip
-    with pytest.raises(rw.CompiledError, match="'c2.travel'"):
+    with pytest.raises(rw.CompiledError, match=r"'c2\.travel'"):
         rw.simulate(line(drive), 5.0, compiled=True)
     spring = rw.System("spring")
     spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)

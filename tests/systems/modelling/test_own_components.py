@@ -60,7 +60,7 @@ class Spring(rw.Node):
         return rw.Equations(rates={"x": (v.rope.force[0] - v.stiffness * (v.x - self.at[0])) / self.damping})
 
 
-def test_a_spring_gives_way_by_its_force() -> None:
+def test_a_spring_is_displaced_by_its_force() -> None:
     """15.0 kN at 2e5 N/m: 75.0 mm."""
     s = rw.System("spring")
     s.string(ROPE, Spring("spring", at=(0.0, 0.0)), rw.Anchor("b", at=(120.0, 0.0)), length=120.2)
@@ -122,7 +122,7 @@ def test_a_counterweight_hangs_by_its_weight() -> None:
     assert float(found.loc["w_s.tension_a", "w.mass"]) == pytest.approx(GRAVITY, rel=1e-6)
 
 
-def test_its_energy_is_balanced_as_that_of_our_own() -> None:
+def test_its_energy_is_balanced() -> None:
     s = weighted()
     turn = rw.Schedule((0.0, 1.0, 4.0), (0.0, 0.3, 0.3))
     run = rw.simulate(s, until=4.0, every=0.002, inputs={"d.speed": turn}, progress=False)
@@ -174,7 +174,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("time", PAR),)}, "'time' has the name of"),
     ({"variables_": (var("rope", PAR),)}, "'rope' has the name of a port"),
     ({"variables_": (var("pull", PAR), var("pull", PAR))}, "two variables are named 'pull'"),
-    ({"variables_": (var("my pull", PAR),)}, "no name for a variable"),
+    ({"variables_": (var("my pull", PAR),)}, "not a valid name of a variable"),
     ({"variables_": (var("pull", PAR, "furlong"),)}, "unit 'furlong'"),
     ({"variables_": (var("pull", PAR, nominal=0.0),)}, "nominal"),
     ({"variables_": (var("pull", PAR, value=float("nan")),)}, "value nan"),
@@ -185,7 +185,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": 1.0 if v.rope.force[0] > 0 else 2.0}}}, "if_else"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": max(v.rope.force[0], 1.0)}}}, "fmax"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": v.pull}}}, r"v\.pull"),
-    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "not a number"),
+    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "NaN for all values"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": ca.vertcat(*v.rope.force)}}}, "3 values"),
 ]
 
@@ -202,7 +202,7 @@ def test_each_fault_is_a_typed_error_with_a_remedy(how: dict[str, Any], words: s
         rw.equilibrium(s)
 
 
-def test_all_our_components_pass() -> None:
+def test_components_of_the_library_pass() -> None:
     made = [
         rw.Anchor("a", at=(0, 0)),
         rw.Sheave("s", at=(0, 0), friction=0.02),
@@ -230,7 +230,7 @@ class SlipDrive(rw.Drive):
         return rw.DriveMotion((1.0 - self.slip) * (v.speed + v.correction), v.tension_in - v.tension_out)
 
 
-def test_a_drive_of_ones_own() -> None:
+def test_a_users_drive() -> None:
     s = rw.System("own drive")
     nodes = [
         rw.Drum("a", at=(0.0, 0.0), tension=40e3),

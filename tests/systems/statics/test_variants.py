@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.solvers.line_sections import line_sections

@@ -64,7 +64,7 @@ class Report:
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class PlanData:
-    """What a plan says: schedules, and what they bring by plan and by simulation. Its fields: see `rw.SchedulePlan`."""
+    """Data of a plan: schedules, and what they lead to by plan and by simulation. Its fields: see `rw.SchedulePlan`."""
 
     schedules: Mapping[str, Schedule]
     predicted: pd.DataFrame
@@ -85,8 +85,22 @@ class PlanData:
     lead: str
     trim: ProportionalResponse
 
-    def told(self, name: str) -> str:
-        """An objective with its value, unit and the time that it counts, as a text. Raises UnknownNameError."""
+    def objective_text(self, name: str) -> str:
+        """An objective with its value, unit and the time over which it counts, as text.
+
+        Parameters
+        ----------
+        name : str
+            "peak tension", "tension deviation" or "energy".
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        UnknownNameError
+        """
         if name not in self.objectives:
             raise UnknownNameError(f"The plan has no objective {name!r}", f"It has {', '.join(self.objectives)}")
         since = 0.0 if name == "energy" else self.settle
@@ -100,7 +114,7 @@ class PlanData:
 
     @property
     def objective(self) -> float:
-        """What was minimised, by the simulation."""
+        """The objective that was minimised, by simulation."""
         return self._value(self.objectives)
 
     @property
@@ -121,7 +135,22 @@ class PlanData:
         return frame
 
     def at(self, time: float) -> pd.Series:
-        """Speeds at a time [s], by sheave. Raises InputError outside the plan."""
+        """Speeds at a time.
+
+        Parameters
+        ----------
+        time : float
+            Within the plan [s].
+
+        Returns
+        -------
+        Series
+            [m/s], by control sheave.
+
+        Raises
+        ------
+        InputError
+        """
         if not 0.0 <= time <= self.until:
             raise InputError(f"{time:g} s is outside the schedule", f"Choose from 0 to {self.until:g} s")
         return pd.Series({name: s.at(time) for name, s in self.schedules.items()}, name=time)
@@ -138,8 +167,9 @@ class PlanData:
 
 
 def active_table(active: list[Active], size: float, objective: float) -> pd.DataFrame:
-    """The limits that bind and matter: to give way by the whole limit would change the objective by a thousandth.
-    `size`: of the objective in the problem's one."""
+    """The active limits that matter: a change by the whole limit would change the objective by a thousandth or more.
+    `size`: of the objective, in that of the problem.
+    """
     rows = pd.DataFrame(
         [(a.limit, component_of(a.component), a.time, a.bound, a.size, a.multiplier * size) for a in active],
         columns=["limit", "component", "time", "bound", "size", "cost"],

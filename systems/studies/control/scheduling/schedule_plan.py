@@ -22,49 +22,108 @@ if TYPE_CHECKING:
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class SchedulePlan(PlanData):
-    """Schedules of the control sheaves, by name, and what they bring.
+    """Schedules of the control sheaves, and what they lead to.
 
-    predicted: what the plan expects, with the columns of a result's `full_frame`, a row for each side of each moment
-    that it looks at (NaN for sections that it does not look at then); result: the simulation; objectives: those of
-    the simulation by name, as `rw.objectives(plan.result, settle=plan.settle, target=plan.target)` gives them: tensions
-    from `settle` [s] on, energy over the whole run; balanced, constant: those of the run whose sheaves balance their
-    tensions, and of the line's own speeds (None where it cannot keep them so long); gap between plan and simulation;
-    active: limits that bind, a row for each limit and component, with how often, when first [s], the bound, and the
-    `cost`: by how much the objective would fall per unit of the limit; report. lead: the support that keeps the
-    line's speed; trim: how the others correct towards the plan.
+    Attributes
+    ----------
+    schedules : mapping of str to Schedule
+        Speeds by control sheave.
+    predicted : DataFrame
+        The line by plan, with the columns of a result's `full_frame`; a row for each side of each sample time (NaN for
+        sections without a sample then).
+    result : Result
+        The line by simulation.
+    objectives : mapping of str to float
+        Of the simulation: `rw.objectives(plan.result, settle=plan.settle, target=plan.target)`.
+    balanced, constant : mapping of str to float
+        Objectives of the run whose sheaves balance their tensions, and of the line's own speeds (None where that run
+        fails).
+    weights : mapping of str to float
+        Of the objectives.
+    limits : ScheduleLimits
+    tension : (float, float)
+        Lowest and highest tension allowed [N].
+    target : float
+        Tension from which the deviation counts [N].
+    settle : float
+        Time from which the objectives of tension count [s].
+    gap : Gap
+        Between plan and simulation.
+    active : DataFrame
+        Active limits, a row for each limit and component: how often, when first [s], the bound, and the `cost`: by how
+        much the objective falls per unit of the limit.
+    report : Report
+        Rounds, size of the problem, computing time.
+    line : System
+    start : Equilibrium
+    lead : str
+        The support that keeps the line's speed.
+    trim : ProportionalResponse
+        How the others correct towards the plan.
     """
 
     def __repr__(self) -> str:
-        found = ", ".join(self.told(name) for name in self.weights)
+        found = ", ".join(self.objective_text(name) for name in self.weights)
         return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
 
     @property
     def trimmed(self) -> System:
-        """The line with trims that correct towards the plan: feed-forward plus trim is
-        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
+        """The line with trims that correct towards the plan.
 
+        Feed-forward plus trim is `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`.
+        """
         return trimmed_line(self, self.trim)
 
     def robustness(
         self, disturbances: Sequence[Disturbance] | None = None, *, settle: float | None = None
     ) -> pd.DataFrame:
-        """The plan when the line is not as planned, a row for each disturbance; by default masses 10 % up and down, a
-        speed 0.1 % up and down, a missing load, a drive 1 s late. Columns "open loop" and "trimmed" over highest
-        tension [N], "over plan" (that over the plan's, less 1), deviation [N], from `settle` [s] on, by default the
-        plan's, and energy [J] of the whole run; NaN where the line could not go on.
-        """
+        """The plan under disturbances, by simulation.
 
+        Parameters
+        ----------
+        disturbances : sequence of Disturbance, optional
+            By default masses 10 % up and down, a speed 0.1 % up and down, a missing load, a drive 1 s late.
+        settle : float, optional
+            Time from which tensions count [s]; by default the plan's.
+
+        Returns
+        -------
+        DataFrame
+            A row for each disturbance; columns "open loop" and "trimmed" over "peak tension" [N], "over plan" (that
+            over the plan's, less 1), "tension deviation" [N], and "energy" of the whole run [J]; NaN where a run fails.
+
+        Raises
+        ------
+        InputError, UnknownNameError
+        """
         return robustness(self, disturbances, settle)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path. Raises
-        WriteError."""
+        """Write the frame as CSV; `Schedule.from_csv(path, column="c1.speed")` reads it.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        WriteError
+        """
         with whole(path) as file:
             self.frame.to_csv(file)
         return Path(path)
 
     def plot(self) -> Figure:
-        """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""
+        """Plot speeds, highest and lowest tension by plan and simulation, and the drives' forces.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
         from ropeway.systems.studies.control.scheduling.plan_plot import plan_figure
 
         return plan_figure(self)
