@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import casadi as ca
 
 _UNARY = {
@@ -71,24 +73,45 @@ __attribute__((visibility("default")))
 def kernel_source(function: ca.Function, name: str) -> str:
     """A file with one function of that name, `void name(const double *v, double *r)`. Raises NotImplementedError
     for an operation that it has no form for."""
-    place: dict[int, int] = {}
+    steps, divisors = _steps(function)
     lines = []
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        read, written = function.instruction_input(k), function.instruction_output(k)
+    for k, (op, read, value) in enumerate(steps):
         if op == ca.OP_OUTPUT:
-            lines.append(f"    r[{written[1]}] = a{place[read[0]]};")
+            lines.append(f"    r[{value}] = a{read[0]};")
             continue
         if op == ca.OP_CONST:
-            value = repr(float(function.instruction_constant(k)))
+            text = repr(float(value))
         elif op == ca.OP_INPUT:
-            value = f"v[{read[1]}]"
+            text = f"v[{value}]"
+        elif op == ca.OP_DIV and divisors[read[1]] > 1:
+            text = f"a{read[0]} * b{read[1]}"
         else:
             form = (_UNARY if len(read) == 1 else _BINARY).get(op)
             if form is None:
                 raise NotImplementedError(f"Operation {op} of {function.name()!r} has no form in C")
-            value = form.format(*(f"a{place[i]}" for i in read))
-        lines.append(f"    const double a{k} = {value};")
-        place[written[0]] = k
+            text = form.format(*(f"a{i}" for i in read))
+        lines.append(f"    const double a{k} = {text};")
+        if divisors[k] > 1:  # one division is as long as five products
+            lines.append(f"    const double b{k} = 1.0 / a{k};")
     body = "\n".join(lines)
     return f"{_HEAD}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
+
+
+def _steps(function: ca.Function) -> tuple[list[tuple[int, list[int], float]], Counter[int]]:
+    """The operations of a function: each with the numbers of those that it reads, and a constant or the place of an
+    input or output; and how often each one is divided by."""
+    steps, divisors, place = list[tuple[int, list[int], float]](), Counter[int](), dict[int, int]()
+    for k in range(function.n_instructions()):
+        op = function.instruction_id(k)
+        read, written = function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_CONST:
+            steps.append((op, [], function.instruction_constant(k)))
+        elif op == ca.OP_INPUT:
+            steps.append((op, [], read[1]))
+        else:
+            steps.append((op, [place[i] for i in read], written[1] if op == ca.OP_OUTPUT else 0))
+        if op == ca.OP_DIV:
+            divisors[place[read[1]]] += 1
+        if op != ca.OP_OUTPUT:
+            place[written[0]] = k
+    return steps, divisors

@@ -187,26 +187,15 @@ static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k
     return is_last(l, k) || write_slots(l, q, m, k - run);
 }
 
-/* Writes the present point down, with all sections solved; those of `solved` are. */
-static int record(const rs_line *l, rs_point *q, rs_motion *m, const int *solved, int count)
+/* Writes the present point down. */
+static void record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
 {
-    rs_point all = *q;
     int n = m->records++;
     m->record_time[n] = m->time;
-    m->record_grid[n] = 0;
+    m->record_grid[n] = grid;
     memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
+    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
     memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
-    all.z = m->record_z + n * l->nz;
-    memcpy(all.z, q->z, l->nz * sizeof(double));
-    for (int s = 0; s < l->sections; s++) {
-        int known = 0;
-        for (int i = 0; i < count; i++) known |= solved[i] == s;
-        if (!known && (m->failure = rs_solve(l, &all, s, 0)) != RS_OK) {
-            q->worst = all.worst;
-            return RS_FAILED;
-        }
-    }
-    return RS_REACHED;
 }
 
 /* Whether a jump has thrown a load of the touched sections past a support; at the ends of a run that have just been
@@ -255,7 +244,7 @@ static void leave(const rs_line *l, rs_motion *m, const coming_load *load)
 static int cross(const rs_line *l, rs_point *q, rs_motion *m, const coming_load *first)
 {
     coming_load due[MOST];
-    int sections[MOST], count = 0, crossings = due_now(l, q, m, first, due), failed;
+    int sections[MOST], count = 0, crossings = due_now(l, q, m, first, due);
     int records = m->records, events = m->events;
     double *z = m->room, *rate = z + l->nz;
     long long *passed = (long long *)(rate + l->nz);
@@ -267,8 +256,9 @@ static int cross(const rs_line *l, rs_point *q, rs_motion *m, const coming_load 
         count = beside(l, k, sections, count);
     }
     if (crossings == MOST || count == MOST) return RS_CROSSING;
-    failed = record(l, q, m, sections, 0);
-    if (failed) return failed;
+    m->failure = rs_solve_all(l, q, 0); /* both sides are written down; the rates stay */
+    if (m->failure != RS_OK) return RS_FAILED;
+    record(l, q, m, 0);
     memcpy(z, q->z, l->nz * sizeof(double));
     memcpy(rate, q->z_rate, l->nz * sizeof(double));
     memcpy(passed, m->passed, l->supports * sizeof(long long));
@@ -301,7 +291,8 @@ static int cross(const rs_line *l, rs_point *q, rs_motion *m, const coming_load 
         leave(l, m, first);
         return RS_CROSSING;
     }
-    return record(l, q, m, sections, count);
+    record(l, q, m, 0);
+    return RS_REACHED;
 }
 
 static int short_of_loads(const rs_line *l, const rs_motion *m)
@@ -342,12 +333,7 @@ static int at_stop(const rs_line *l, rs_point *q, rs_motion *m)
     }
     if (!m->grid) return RS_REACHED;
     if (!taut(l, q, m)) return RS_SLACK;
-    int n = m->records++;
-    m->record_time[n] = m->time;
-    m->record_grid[n] = 1;
-    memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
-    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
-    memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+    record(l, q, m, 1);
     return RS_REACHED;
 }
 
@@ -371,16 +357,14 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m)
         if (failed) return failed;
         look_again(l, q, m, &next);
         double near = NEAR * m->scale[l->run_of[next.k]];
-        if (fabs(next.gap) > near) {
-            if (next.time > m->stop[m->reached] - m->time) continue;
-            double h = next.time;
-            follow(l, q, m, m->time + h);
-            if (fabs(h) > m->short_step) {
-                failed = correct(l, q, m, sections, count, m->room);
-                if (failed) return failed;
-                look_again(l, q, m, &next);
-                if (fabs(next.gap) > near) continue;
-            }
+        if (fabs(next.gap) > near && next.time > m->stop[m->reached] - m->time) continue;
+        double h = next.time;
+        if (isfinite(h)) follow(l, q, m, m->time + h);
+        if (fabs(next.gap) > near && fabs(h) > m->short_step) {
+            failed = correct(l, q, m, sections, count, m->room);
+            if (failed) return failed;
+            look_again(l, q, m, &next);
+            if (fabs(next.gap) > near) continue;
         }
         if (m->strict && m->time < m->crossed - m->least_step) return RS_UNFORESEEN;
         m->crossed = m->time;

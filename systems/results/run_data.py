@@ -64,28 +64,32 @@ class RunData:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
 
-        which = range(len(self.records))
-
-        def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            """Evaluates all records, and gives those that no certificate is of yet."""
             done = 0
-            for points, passed in self._batches(which):
+            for points, passed in self._batches(range(len(self.records))):
                 here = slice(done, done + len(points))
                 y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
-                done = here.stop
-                yield from zip(points, passed, strict=True)
+                exact, done = self.exact[here], here.stop
+                yield from (
+                    state for state, known in zip(zip(points, passed, strict=True), exact, strict=True) if not known
+                )
 
-        found = states()
-        if "checks" not in self.__dict__:
-            self.__dict__["checks"] = self._certified(which, found)
-        for _ in found:  # what a certificate made before has not asked for
-            pass
+        others = self._certified(np.flatnonzero(~self.exact), inexact())
+        self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
 
     @cached_property
     def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
-        which = range(len(self.records))
-        return self._certified(which, self._points(which))
+        others = np.flatnonzero(~self.exact)
+        return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
+
+    @cached_property
+    def _exact_checks(self) -> Certificate:
+        """The certificate of the records that a run has solved itself."""
+        solved = np.flatnonzero(self.exact)
+        return self._certified(solved, self._points(solved.tolist()))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -96,10 +100,7 @@ class RunData:
     def require_certified(self) -> None:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
-        solved: list[int] = np.flatnonzero(self.exact).tolist()
-        found = self._certified(solved, self._points(solved))
-        if len(solved) == len(self.records):
-            self.__dict__["checks"] = found
+        _ = self._exact_checks
 
     def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
         """The solved points of records `which`, and the loads passed."""
@@ -115,10 +116,10 @@ class RunData:
             solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
             yield points, passed
 
-    def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
+    def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
         """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, states)
-        self._require(found, int(which[found.failed.record]) if found.failed else 0)
+        found = certify_records(self.model, self.runs, states).numbered(which.tolist())
+        self._require(found, found.failed.record if found.failed else 0)
         return found
 
     def _require(self, certificate: Certificate, i: int) -> None:

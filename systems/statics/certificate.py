@@ -126,6 +126,17 @@ class Certificate:
             check.component,
         )
 
+    def numbered(self, records: Sequence[int]) -> Certificate:
+        """The same, with other numbers for the records."""
+        checks = tuple(check._replace(record=records[check.record]) for check in self.checks)
+        used = self.utilisation
+        return Certificate(checks, None if used is None else used._replace(record=records[used.record]))
+
+    def and_also(self, other: Certificate) -> Certificate:
+        """The worst of each check of two certificates."""
+        every = (*self.checks, *other.checks, *(c for c in (self.utilisation, other.utilisation) if c is not None))
+        return Certificate.worst(every)
+
     @classmethod
     def worst(cls, checks: Iterable[Check]) -> Certificate:
         """Of the checks of each name the worst, or the first that failed."""
