@@ -138,7 +138,7 @@ class OutOfReachError(EquilibriumError):
 
 
 class CompiledError(InputError):
-    """The compiled core cannot do what is asked of it."""
+    """The compiled core does not support this system or question."""
 
 
 class SimulationError(RopewayError):

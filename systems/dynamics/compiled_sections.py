@@ -24,7 +24,9 @@ from ropeway.systems.native.section_library import (
     UNFORESEEN,
 )
 from ropeway.systems.solvers.drive_trajectories import Window
-from ropeway.systems.statics.line_state import LineState, Record
+from ropeway.systems.statics.line_records import Record
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import extend
 
 
 class CompiledSections(SectionIntegrator):
@@ -128,9 +130,9 @@ def _extend(state: LineState) -> None:
     """Takes more loads from the feeds of all runs, on both sides of an endless one."""
     for r, run in enumerate(state.runs):
         if run.feed is not None:
-            state.extend(r)
+            extend(state, r)
         if run.around:
-            state.extend(r, ahead=True)
+            extend(state, r, ahead=True)
 
 
 def _return_to(state: LineState, record: Record) -> None:

@@ -16,7 +16,8 @@ from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.section_library import CrossingEvent, Motion
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
 from ropeway.systems.solvers.drive_trajectories import Window
-from ropeway.systems.statics.line_state import LineState, Record
+from ropeway.systems.statics.line_records import Record
+from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
 _NUMBERS = 2_000_000

@@ -29,6 +29,7 @@ from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
@@ -114,7 +115,7 @@ def simulate(
     if compiled:
         require_compiled(model)
     if start is None:
-        rest = equilibrium(model)
+        rest = equilibrium(model, compiled=compiled)
     else:
         rest = start if declared_alike(start, model.system) else carried_over(start, model)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
@@ -198,7 +199,7 @@ class _Simulation:
 
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
-        state.unpin()
+        unpin(state)
         self.recorder = Recorder()
         self.stepper = EventStepper(
             state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled

@@ -22,7 +22,8 @@ from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_state import LineState, Record, restored_points
+from ropeway.systems.statics.line_records import Record, restored, restored_points
+from ropeway.systems.statics.line_state import LineState
 
 _BATCH = 64
 """Records that are restored together."""
@@ -147,7 +148,7 @@ class RunData:
         return self._solved[1]
 
     def _state(self, i: int) -> LineState:
-        state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        state = restored(self.model, self.runs, self.parameters, self.records[i])
         if not self.exact[i]:
             newton_of(self.model).solve(state.point)
         return state

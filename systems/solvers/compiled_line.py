@@ -77,6 +77,15 @@ class CompiledLine:
         if failed:
             raise self.failure(failed, solver.point.worst)
 
+    def solve_point(self, point: Point, passed: Sequence[np.ndarray]) -> None:
+        """Solves a point in place. Raises EquilibriumError; the point is unchanged then."""
+        start = point.z.copy()
+        try:
+            self.solve(PointSolver(self, point, self.used(passed), np.zeros(len(point.x)), np.zeros(len(point.u))))
+        except EquilibriumError:
+            point.z[:] = start
+            raise
+
     def failure(self, code: int, worst: int) -> EquilibriumError:
         """The error of a solve that has failed."""
         name = self.model.r.names[worst]
@@ -101,6 +110,17 @@ class CompiledLine:
         found = good.astype(bool)
         cases.z[:, found] = rows[1][found].T
         return found
+
+
+class CompiledCases:
+    """The solver of many cases of a line with `used` loads in each span, as `CondensedNewton`."""
+
+    def __init__(self, line: CompiledLine, used: np.ndarray) -> None:
+        self.line, self.sections, self.used = line, line.sections, used.astype(np.int64)
+
+    def solve(self, cases: Cases) -> np.ndarray:
+        """Solves for `cases.z` in place; returns which cases have converged, (cases,): the others are unchanged."""
+        return self.line.solve_cases(cases, self.used)
 
 
 class PointSolver:

@@ -14,6 +14,7 @@ from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.continuation import solve_algebraic
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.stability import slack
 
 _STEP = 1.0 / 40.0
@@ -38,19 +39,19 @@ def certified(state: LineState) -> Certificate:
     return certify(state.model, state.point, state.runs, state.passed)
 
 
-def settle(state: LineState, *, quick: bool = False) -> None:
-    """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone. Raises
-    EquilibriumError."""
+def settle(state: LineState, *, quick: bool = False, compiled: bool = False) -> None:
+    """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone; compiled: in the
+    compiled core. Raises EquilibriumError."""
     seen: set[bytes] = set()
     models = [state.model]
     for _ in range(200):
         if quick:
             newton_of(state.model).solve(state.point)
         else:
-            solve_algebraic(state)
+            solve_algebraic(state, compiled=compiled)
         before = [p.copy() for p in state.passed]
-        if state.settle():
-            state.require_pinned()
+        if assign_loads(state):
+            require_pinned(state)
             return
         if state.model is not models[-1]:
             models.append(state.model)

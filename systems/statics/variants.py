@@ -13,6 +13,7 @@ import numpy as np
 
 from ropeway.components.check import Range
 from ropeway.components.variable import Kind
+from ropeway.systems.solvers.compiled_line import CompiledCases, compiled_line
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.solvers.newton import Point
@@ -35,7 +36,7 @@ class _Entry:
 class LineVariants:
     """Variants of a line from its state at rest, with other values of the parameters `names`."""
 
-    def __init__(self, state: LineState, names: Sequence[str], solver: CondensedNewton) -> None:
+    def __init__(self, state: LineState, names: Sequence[str], solver: CondensedNewton | CompiledCases) -> None:
         self._state, self._solver = state, solver
         self._entries = [_entry(state, name) for name in names]
 
@@ -143,15 +144,18 @@ class LineVariants:
                 vector[places[places >= 0]] = 0.0
 
 
-def line_variants(state: LineState, names: Sequence[str]) -> LineVariants | None:
-    """The solver of variants of a line from its state at rest; None where they must be solved one by one."""
+def line_variants(state: LineState, names: Sequence[str], *, compiled: bool = False) -> LineVariants | None:
+    """The solver of variants of a line from its state at rest, in the compiled core or not; None where they must be
+    solved one by one."""
     sections = line_sections(state.model)
     if isinstance(sections, str) or state.model.free_states or state.standing():
         return None
     if any(run.around for run in state.runs):
         return None
     try:
-        return LineVariants(state, names, CondensedNewton(sections, sections.used(state.passed)))
+        used = sections.used(state.passed)
+        core = CompiledCases(compiled_line(state.model), used) if compiled else CondensedNewton(sections, used)
+        return LineVariants(state, names, core)
     except _OneByOneError:
         return None
 

@@ -20,7 +20,7 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.equilibrium_solver import equilibrium
+from ropeway.systems.statics.equilibrium_solver import equilibrium, require_compiled
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.stability import slack
@@ -31,15 +31,17 @@ from ropeway.systems.studies.sweeps.found_rows import NumberRows
 @dataclass(frozen=True)
 class LineStudy:
     """Called with parameters of a line by name, returns `outputs` of its equilibrium. `declared` is the line as
-    bytes: what workers are sent, and by which they know a model that they have assembled already."""
+    bytes: what workers are sent, and by which they know a model that they have assembled already. `compiled`: solved in
+    the compiled core."""
 
     declared: bytes
     outputs: tuple[str, ...]
+    compiled: bool = False
 
     def __call__(self, **parameters: float) -> dict[str, float]:
         """Outputs by name. Raises InputError, EquilibriumError."""
         model, start = _prepared(self.declared)
-        found = _variant(model, start, parameters)
+        found = _variant(model, start, parameters, compiled=self.compiled)
         place, values = found.model.y.index, found.outputs.tolist()
         return {name: values[place[name]] if name in place else found[name] for name in self.outputs}
 
@@ -48,7 +50,7 @@ class LineStudy:
         found, failures = np.full((len(values), len(self.outputs)), np.nan), dict[int, tuple[str, str]]()
         left = list(range(len(values)))
         model, start = _prepared(self.declared)
-        many = _many(self.declared, tuple(names))
+        many = _many(self.declared, tuple(names), self.compiled)
         if many is not None and start is not None:
             good, cases = many.solve(values)
             y, rest = outputs_of_columns(model, cases), LineState(model, start.point, start.runs, start.passed)
@@ -66,7 +68,9 @@ class LineStudy:
         return NumberRows(self.outputs, found, failures)
 
 
-def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] | None) -> LineStudy:
+def line_study(
+    model: Model, parameters: Sequence[str], outputs: Sequence[str] | None, *, compiled: bool = False
+) -> LineStudy:
     """The study of a line; `outputs` by default all but those of the load slots, and the parameters. Raises
     UnknownNameError, InputError for a parameter or an output that it does not have."""
     state = LineState.cold(model)
@@ -77,7 +81,9 @@ def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] |
             raise InputError(f"{name} is a parameter and an output", "Leave it out of the outputs")
         state.find(name)
     state.set(dict.fromkeys(parameters, 1.0))  # only the names count here: any quantity can be 1
-    return LineStudy(pickle.dumps(model.system), tuple(names))
+    if compiled:
+        require_compiled(model)
+    return LineStudy(pickle.dumps(model.system), tuple(names), compiled)
 
 
 def line_units(model: Model, names: Sequence[str]) -> dict[str, str]:
@@ -113,20 +119,20 @@ def _prepared(declared: bytes) -> tuple[Model, Equilibrium | None]:
 
 
 @lru_cache(maxsize=4)
-def _many(declared: bytes, names: tuple[str, ...]) -> LineVariants | None:
+def _many(declared: bytes, names: tuple[str, ...], compiled: bool) -> LineVariants | None:
     """The solver of many variants; None where they are solved one by one."""
     model, start = _prepared(declared)
     if start is None:
         return None
-    return line_variants(LineState(model, start.point, start.runs, start.passed), names)
+    return line_variants(LineState(model, start.point, start.runs, start.passed), names, compiled=compiled)
 
 
-def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float]) -> Equilibrium:
+def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float], *, compiled: bool) -> Equilibrium:
     """The equilibrium with other parameters, which does not depend on the start: where it could, the line is
     solved from geometry. Raises InputError, EquilibriumError."""
     if start is not None:
         with suppress(EquilibriumError):
-            found = equilibrium(model, start=start, parameters=parameters)
+            found = equilibrium(model, start=start, parameters=parameters, compiled=compiled)
             if not slack(LineState(found.model, found.point, found.runs, found.passed)):
                 return found
-    return equilibrium(model, parameters=parameters)
+    return equilibrium(model, parameters=parameters, compiled=compiled)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import InputError, WorkerError
+from ropeway.components.errors import CompiledError, InputError, WorkerError
 from ropeway.systems.interrupts import interruptible, keeping, users_code
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
@@ -41,6 +41,7 @@ def sweep(
     workers: Workers = None,
     path: str | Path | None = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> pd.DataFrame:
     """Run a study over many cases; the result does not depend on the workers.
 
@@ -63,6 +64,8 @@ def sweep(
         A Parquet file for the table; an interrupted sweep continues from the rows there are.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Of a line: whether to solve in compiled code, as in `equilibrium`.
 
     Returns
     -------
@@ -88,9 +91,11 @@ def sweep(
         cases = _cases(parameters, partial(line_unit, model))
         names = list(cases.columns)
         _require_numbers(cases)
-        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
+        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs, compiled=compiled)
         task: Study = variants
         units, mark = line_units(model, [*names, *variants.outputs]), line_mark(model, variants)
+    elif compiled:
+        raise CompiledError("A function is not compiled", "Leave out compiled=True, or sweep a line")
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:

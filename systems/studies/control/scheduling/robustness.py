@@ -20,6 +20,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads
 from ropeway.systems.statics.warm_start import carried_over
 from ropeway.systems.studies.control.control_sheaves import with_responses
 from ropeway.systems.studies.control.objectives import objectives
@@ -125,7 +126,7 @@ class Disturbance:
         state = LineState(planned.model, planned.point.copy(), runs, planned.passed)
         state.write_slots()
         newton_of(state.model).solve(state.point)
-        while not state.settle():
+        while not assign_loads(state):
             newton_of(state.model).solve(state.point)
         return Equilibrium(
             state.model, state.point, tuple(state.runs), tuple(state.passed), planned.held, planned.pending
