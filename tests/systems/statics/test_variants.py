@@ -100,3 +100,39 @@ def test_lines_with_other_unknowns_are_solved_one_by_one() -> None:
     assert isinstance(reason, str)
     assert "'a'" in reason
     assert line_variants(LineState.cold(model), ("gravity",)) is None
+
+
+def test_a_batch_in_the_compiled_core() -> None:
+    state, many = prepared(line())
+    compiled = line_variants(state, NAMES, compiled=True)
+    assert compiled is not None
+    good, cases = many.solve(values(30))
+    own, found = compiled.solve(values(30))
+    np.testing.assert_array_equal(own, good)
+    np.testing.assert_allclose(found.z[:, good], cases.z[:, good], rtol=1e-10, atol=1e-9)
+
+
+def test_an_equilibrium_in_the_compiled_core() -> None:
+    model = assemble(line())
+    one, other = (rw.equilibrium(model, compiled=compiled) for compiled in (True, False))
+    np.testing.assert_allclose(one.outputs, other.outputs, rtol=1e-10, atol=1e-7)
+    heavier = {"l3.mass": 340.0, "s1.z": 6.5}
+    one, other = (rw.equilibrium(model, start=one, parameters=heavier, compiled=c) for c in (True, False))
+    np.testing.assert_allclose(one.outputs, other.outputs, rtol=1e-10, atol=1e-7)
+    assert one.certificate["holds"].all()
+
+
+def test_what_the_compiled_core_does_not_solve() -> None:
+    with pytest.raises(rw.CompiledError, match="given"):
+        rw.equilibrium(line(), given={"e.rope_tension": 46e3}, solve_for="e.tension", compiled=True)
+    with pytest.raises(rw.CompiledError, match="function"):
+        rw.sweep(lambda x: x, {"x": [1.0]}, compiled=True)
+
+
+def test_a_compiled_sweep_has_the_rows_of_the_other() -> None:
+    table = {"l0.mass": [150.0, 250.0], "s3.z": [14.0, 15.5], "e.tension": [44e3, 1.0]}
+    one, other = (rw.sweep(line(), table, workers=1, compiled=compiled) for compiled in (True, False))
+    assert one["error"].tolist() == other["error"].tolist()
+    assert (one["error"] != "").sum() == 4
+    numbers = [name for name in one if one[name].dtype == float]
+    np.testing.assert_allclose(one[numbers], other[numbers], rtol=1e-9, atol=1e-6)
