@@ -1,4 +1,4 @@
-"""A simulation, ready to ask: its data, its reports, its pictures and files."""
+"""The result of a simulation: its data, reports, pictures and files."""
 
 from __future__ import annotations
 
@@ -132,6 +132,7 @@ class Result(RunData):
         Parameters
         ----------
         path : str or Path
+            The file.
 
         Returns
         -------
@@ -151,6 +152,7 @@ class Result(RunData):
         Parameters
         ----------
         path : str or Path
+            The file.
 
         Returns
         -------
