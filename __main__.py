@@ -31,6 +31,8 @@ app = typer.Typer(
 )
 
 app.add_typer(fmu_commands, name="fmu")
+cache_commands = typer.Typer(help="Compiled libraries that are kept.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(cache_commands, name="cache")
 
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; created if it does not exist.")]
 SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
@@ -59,13 +61,14 @@ def simulate(
     every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
     out: Out = Path("ropeway-out"),
+    compiled: Annotated[bool, typer.Option("--compiled", help="Run in compiled code; needs a C compiler.")] = False,
 ) -> None:
     """Simulate a mono-cable line: tensions, events and pictures."""
     import ropeway as rw
 
     with errors_on_one_line():
         system = line.system(safety_factor)
-        _simulate(lambda: rw.simulate(system, until=until, every=every), out)
+        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out)
 
 
 @dataclass(frozen=True)
@@ -202,6 +205,24 @@ def ropes() -> None:
             for name, r in zip(table.index, table.itertuples(), strict=True)
         ],
     )
+
+
+@cache_commands.command("info")
+def cache_information() -> None:
+    """Show where compiled libraries are kept, how many there are, and their size."""
+    from ropeway.systems.native.binary_cache import cache_info
+
+    found = cache_info()
+    typer.echo(f"{found.libraries} libraries, {found.size / 1e6:.1f} MB, in {found.folder}")
+
+
+@cache_commands.command("clear")
+def clear() -> None:
+    """Remove all compiled libraries that are kept: they are compiled again when they are needed."""
+    from ropeway.systems.native.binary_cache import cache_folder, clear_cache
+
+    with errors_on_one_line():
+        typer.echo(f"{clear_cache()} libraries removed from {cache_folder()}")
 
 
 def _simulate(run: Callable[[], Result], out: Path) -> None:

@@ -132,6 +132,7 @@ class Result(RunData):
         Parameters
         ----------
         path : str or Path
+            The file.
 
         Returns
         -------
@@ -151,6 +152,7 @@ class Result(RunData):
         Parameters
         ----------
         path : str or Path
+            The file.
 
         Returns
         -------

@@ -16,8 +16,11 @@ from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.solvers.array_outputs import outputs_at
+from ropeway.systems.solvers.condensed_newton import solve_points
+from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import Record, restored, restored_points
@@ -63,21 +66,32 @@ class RunData:
         """Outputs and algebraic variables at all records."""
         y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
 
-        which = range(len(self.records))
+        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            """Evaluates all records, and gives those that no certificate is of yet."""
+            done = 0
+            for points, passed in self._batches(range(len(self.records))):
+                here = slice(done, done + len(points))
+                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
+                exact, done = self.exact[here], here.stop
+                yield from (
+                    state for state, known in zip(zip(points, passed, strict=True), exact, strict=True) if not known
+                )
 
-        def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-            for i, (point, passed) in enumerate(self._points(which)):
-                y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
-                yield point, passed
-
-        self.__dict__["checks"] = self._certified(which, states())
+        others = self._certified(np.flatnonzero(~self.exact), inexact())
+        self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
 
     @cached_property
     def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
-        which = range(len(self.records))
-        return self._certified(which, self._points(which))
+        others = np.flatnonzero(~self.exact)
+        return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
+
+    @cached_property
+    def _exact_checks(self) -> Certificate:
+        """The certificate of the records that a run has solved itself."""
+        solved = np.flatnonzero(self.exact)
+        return self._certified(solved, self._points(solved.tolist()))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -88,24 +102,26 @@ class RunData:
     def require_certified(self) -> None:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
-        solved: list[int] = np.flatnonzero(self.exact).tolist()
-        self._certified(solved, self._points(solved))
+        _ = self._exact_checks
 
     def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
         """The solved points of records `which`, and the loads passed."""
+        for points, passed in self._batches(which):
+            yield from zip(points, passed, strict=True)
+
+    def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
+        """As `_points`, some records together."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part]
-            solved = restored_points(self.model, self.runs, self.parameters, records)
-            for i, point, passed in zip(part, *solved, strict=True):
-                if not self.exact[i]:
-                    newton_of(self.model).solve(point)
-                yield point, passed
+            points, passed = restored_points(self.model, self.runs, self.parameters, records)
+            solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
+            yield points, passed
 
-    def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
+    def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
         """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, states)
-        self._require(found, int(which[found.failed.record]) if found.failed else 0)
+        found = certify_records(self.model, self.runs, states).numbered(which.tolist())
+        self._require(found, found.failed.record if found.failed else 0)
         return found
 
     def _require(self, certificate: Certificate, i: int) -> None:
@@ -168,21 +184,46 @@ class RunData:
         return frame
 
     @cached_property
+    @interruptible
+    def heights(self) -> np.ndarray:
+        """Least height of each span with its loads over the ground at all records, shape (records, spans) [m]. Raises
+        InputError where the system has no ground."""
+        return line_clearance.heights(self.model, self._column)
+
+    def _column(self, name: str) -> np.ndarray:
+        """A variable at all records."""
+        m = self.model
+        if name in m.y.index:
+            return self.outputs[:, m.y.index[name]]
+        if name in m.z.index:
+            return self.algebraic[:, m.z.index[name]]
+        if name in m.x.index:
+            return np.array([record.x[m.x.index[name]] for record in self.records])
+        return np.full(len(self.records), self.parameters[m.p.index[name]])
+
+    @cached_property
+    def clearance(self) -> pd.DataFrame:
+        """Height over the ground, each span when it is lowest: index span; columns rope_clearance, the least of the
+        rope and its loads, the station of the ground there, load_clearance, that of the lowest load [m], time [s].
+        Raises InputError where the system has no ground."""
+        names = [span.name for run in self.runs for span in run.spans]
+        return line_clearance.clearance(names, self.heights, self.record, self.times)
+
+    @cached_property
     def events(self) -> pd.DataFrame:
         """What happened, in order of time: columns time [s], component, event, value, load.
 
         Crossings and loads put on, taken off, held and released (value: the load's number); responses (value: the
         correction [m/s]) and interventions; limits reached (tension above SWL or MBL, lift-off; value: the output that
-        tells).
+        tells; below clearance, where the line has one; value: the height over the ground [m]).
         """
-        found = sorted([*self.noted, *self._limits_reached()], key=lambda e: e.time)
+        found = sorted([*self.noted, *self._limits_reached(), *self._below_clearance()], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
         return frame.astype({"time": float, "value": float})
 
     def _limits_reached(self) -> list[Event]:
         limits = self.model.limits
         broken = limits.broken(self.outputs)
-        begins = broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]])
         return [
             Event(
                 float(self.records[i].time),
@@ -190,7 +231,18 @@ class RunData:
                 limits.events[j],
                 float(self.outputs[i, limits.output[j]]),
             )
-            for i, j in zip(*np.nonzero(begins), strict=True)
+            for i, j in zip(*np.nonzero(_begins(broken)), strict=True)
+        ]
+
+    def _below_clearance(self) -> list[Event]:
+        """Where a span comes below the clearance that the line has to keep."""
+        ground = self.model.system.ground
+        if ground is None or ground.clearance is None:
+            return []
+        names = [span.name for run in self.runs for span in run.spans]
+        return [
+            Event(float(self.records[i].time), names[k], "below clearance", float(self.heights[i, k]))
+            for i, k in zip(*np.nonzero(_begins(self.heights < ground.clearance)), strict=True)
         ]
 
     def record(self, i: int) -> Equilibrium:
@@ -202,3 +254,8 @@ class RunData:
         self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
         pending = self.records[i].pending.after(state.point.t)
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
+
+
+def _begins(broken: np.ndarray) -> np.ndarray:
+    """Where limits come to be broken, of booleans (records, limits)."""
+    return np.asarray(broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]]))

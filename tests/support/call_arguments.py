@@ -13,6 +13,9 @@ from support.call_objects import (
     CARRIAGE,
     GROUND,
     HEAD,
+    LOW_GROUND,
+    MAP,
+    POSITIONS,
     ROPE,
     STATIONS,
     TAIL,
@@ -77,6 +80,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
         "Log": log,
+        "MapFrame": lambda: MAP,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
         "ProportionalResponse": response,
@@ -111,9 +115,9 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
     optional = {"target": 3e4, "settle": 1.0, "start": None, "progress": False}
     ends = {"headspar": HEAD, "tailspar": TAIL, "mainline": THIN, "carriage": CARRIAGE, "name": "rig", "gravity": 9.81}
     return {
-        "Profile": lambda: {"station": [0.0, 50.0, 120.0], "elevation": [3.0, 5.0, -4.0]},
+        "Profile": lambda: {"station": [0.0, 50.0, 120.0], "elevation": [3.0, 5.0, -4.0], "map_frame": MAP},
         "Schedule": lambda: {"times": [0.0, 4.0], "speeds": [0.5, 1.0]},
-        "System": lambda: {"name": "line", "gravity": 9.8, "precedence": "worst first"},
+        "System": lambda: {"name": "line", "gravity": 9.8, "precedence": "worst first", "terrain": GROUND},
         "assemble": lambda: {"system": one_span(), "slots": None},
         "balanced": lambda: {"line": line()},
         "catenary_for_horizontal": lambda: {**CURVE, "horizontal": 30e3, "weight": 30.0},
@@ -129,10 +133,11 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "endless": lambda: {
             "rope": ROPE, "supports": endless_supports(), "tension": 22e3, "speed": 0.9, "load_mass": 90.0,
             "load_spacing": 40.0, "take_up": None, "drive": None, "name": "ring", "gravity": 9.8,
+            "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
-            "parameters": {"a_b.mass_per_length": 2.5}, "start": None,
+            "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False,
         },
         "exact_load": lambda: {**LOADED, "joint": "clamped", "pull_slope": 0.0},
         "fit_construction_stretch": lambda: {"safety_factors": [8.0, 5.0, 3.0], "elongations": [0.001, 0.002, 0.005]},
@@ -157,7 +162,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "monocable": lambda: {
             "rope": ROPE, "supports": supports(), "tension": 22e3, "speed": 0.8, "load_mass": [90.0, 0.0],
             "load_spacing": 33.0, "name": "line", "drive": drive(), "response": {"c": response()},
-            "precedence": "all at once", "gravity": 9.8,
+            "precedence": "all at once", "gravity": 9.8, "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
         },
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
@@ -184,6 +189,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "method": METHODS["rigid link"], "line": LOADED["line"], "rope": ROPE, "payload": 2500.0,
             "carriage_mass": 140.0, "gravity": 9.8,
         },
+        "places": lambda: {"of": rig()},
+        "export_gis": lambda: {
+            "what": rig(), "path": folder() / "rig.kml", "stations": pd.DataFrame(POSITIONS), "view": "plan"
+        },
         "ropes": dict,
         "sensitivities": lambda: {"solution": rest(), "of": "c.tension_in", "to": ["a_c.mass_per_length"]},
         "set_up": lambda: {"rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None},
@@ -191,7 +200,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "simulate": lambda: {
             "system": line(), "until": 2.0, "every": 1.0, "inputs": {"c.speed": 0.6}, "start": None,
             "tolerance": 1e-5, "interventions": [rw.Intervention(1.0, "brake", "c")], "stop_at": (),
-            "progress": False,
+            "progress": False, "compiled": False,
         },
         "solve_span": lambda: {
             "problem": rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7), "method": "Newton-Raphson",
@@ -203,12 +212,12 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "support_range": lambda: {"start": 40.0, "end": 90.0, "spacing": 25.0, "heights": (6.0, 8.0)},
         "sweep": lambda: {
             "study": one_span(), "parameters": {"turn.mass": [500.0, 600.0]}, "outputs": ["a_b.tension_a"],
-            "workers": 1, "path": None, "progress": False,
+            "workers": 1, "path": None, "progress": False, "compiled": False,
         },
         "tune_response": lambda: {
             "line": line(), "response": response(), "over": {"gain": (1e-6, 1e-5)}, "minimise": "energy",
             "until": 3.0, "every": 1.0, "sheaves": ["c"], "generations": 1, "population": 4, "seed": 0,
-            "workers": 1, **optional,
+            "workers": 1, "compiled": False, **optional,
         },
         "twelve_cases": lambda: {"phi": [0.1, 0.2]},
         "fmu.CoSimulation": lambda: {

@@ -40,6 +40,10 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> rw.objectives(rw.simulate(line, 60.0), settle=10.0)["peak tension"]
     """
     check.not_negative(settle, "objectives", "settle", "s")
     frame, names = result.full_frame, control_sheaves(result.model.system)

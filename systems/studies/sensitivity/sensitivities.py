@@ -37,6 +37,7 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
     Parameters
     ----------
     solution : Equilibrium or Result
+        Where to differentiate.
     of : str or sequence of str
         Outputs, variables or quantities of loads ("l1.z").
     to : str or sequence of str

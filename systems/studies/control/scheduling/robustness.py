@@ -105,6 +105,7 @@ class Disturbance:
         Parameters
         ----------
         planned : Equilibrium
+            The start of the plan.
 
         Returns
         -------

@@ -104,6 +104,7 @@ class SchedulePlan(PlanData):
         Parameters
         ----------
         path : str or Path
+            The file.
 
         Returns
         -------
