@@ -154,6 +154,7 @@ if TYPE_CHECKING:
     from ropeway.components.terrain import Profile as Profile
     from ropeway.systems.dynamics.result import Result as Result
     from ropeway.systems.dynamics.simulation import simulate as simulate
+    from ropeway.systems.exchange.study_inputs import StudyInputs as StudyInputs
     from ropeway.systems.modelling.assembly import assemble as assemble
     from ropeway.systems.modelling.component_functions import check_component as check_component
     from ropeway.systems.modelling.dae_model import Model as Model
@@ -203,6 +204,9 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.handbook.payload_methods import tension_for_payload as tension_for_payload
     from ropeway.systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem
     from ropeway.systems.studies.handbook.turk_solvers import solve_span as solve_span
+    from ropeway.systems.studies.saved_files import load as load
+    from ropeway.systems.studies.saved_files import run_study as run_study
+    from ropeway.systems.studies.saved_files import save as save
     from ropeway.systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
     from ropeway.systems.studies.skyline.inhaul import Inhaul as Inhaul
     from ropeway.systems.studies.skyline.inhaul import inhaul as inhaul
@@ -237,6 +241,7 @@ _HOMES = {
     "ropeway.components.terrain": "Profile",
     "ropeway.systems.dynamics.result": "Result",
     "ropeway.systems.dynamics.simulation": "simulate",
+    "ropeway.systems.exchange.study_inputs": "StudyInputs",
     "ropeway.systems.modelling.assembly": "assemble",
     "ropeway.systems.modelling.component_functions": "check_component",
     "ropeway.systems.modelling.dae_model": "Model",
@@ -273,6 +278,7 @@ _HOMES = {
     "ropeway.systems.studies.handbook.payload_exact": "elastic_load exact_load",
     "ropeway.systems.studies.handbook.payload_methods": "payload_for_tension tension_for_payload",
     "ropeway.systems.studies.handbook.turk_solvers": "SpanProblem solve_span",
+    "ropeway.systems.studies.saved_files": "load run_study save",
     "ropeway.systems.studies.sensitivity.sensitivities": "sensitivities",
     "ropeway.systems.studies.skyline.inhaul": "Inhaul inhaul",
     "ropeway.systems.studies.skyline.load_path": "load_path",

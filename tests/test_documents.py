@@ -14,7 +14,13 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.mark.parametrize(
     "document",
-    ["README.md", "docs/skylines.md", "docs/components.md", pytest.param("docs/schedules.md", marks=pytest.mark.slow)],
+    [
+        "README.md",
+        "docs/skylines.md",
+        "docs/components.md",
+        "docs/projects.md",
+        pytest.param("docs/schedules.md", marks=pytest.mark.slow),
+    ],
 )
 def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")

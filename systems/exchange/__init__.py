@@ -1,0 +1,1 @@
+"""Exchange with people and other tools: project files, reports, tables, maps."""
