@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from ropeway.components.component import Equations, Kind, Node, Seat, Site, Vari
 @dataclass(frozen=True)
 class Anchor(Node):
     """Holds the end of a rope at a point: no travel."""
+
+    role: ClassVar[str] = "anchor"
 
     @property
     def rope(self) -> Seat:

@@ -87,12 +87,12 @@ class RopeEnd(Port):
 
 @dataclass(frozen=True, slots=True)
 class Outlet(Port):
-    """Where a power unit feeds drives, any number of them."""
+    """Where a source, as a power unit, feeds any number of other components."""
 
 
 @dataclass(frozen=True, slots=True)
 class Supply(Port):
-    """Where a drive takes its share of a power unit."""
+    """Where a component, as a drive, is fed by a source."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,9 +212,28 @@ class Component(ABC):
         return laws is not Component and issubclass(laws, equations)
 
     @property
-    def signals(self) -> tuple[str, ...]:
-        """Names of quantities that come from other components besides ports, read as attributes of `v`."""
+    def outlet(self) -> Outlet:
+        """Where it feeds others, any number of them."""
+        return Outlet(self, "outlet")
+
+    @property
+    def supply(self) -> Supply:
+        """Where a source feeds it; it may stay open."""
+        return Supply(self, "supply")
+
+    @property
+    def sums(self) -> tuple[str, ...]:
+        """Of a source: what others ask of it by these names, summed, read as attributes of `v`."""
         return ()
+
+    @property
+    def shares(self) -> tuple[str, ...]:
+        """Outputs of its source that it takes, read as attributes of `v`; each is 1 while its supply is open."""
+        return ()
+
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        """What it asks of its source, by the names of the source's `sums`, on symbols; not a function of its shares."""
+        return {}
 
     def limits(self) -> tuple[Limit, ...]:
         """What is reported when it happens."""
@@ -272,6 +291,8 @@ class Node(Component):
 
     interchangeable: ClassVar[bool] = False
     """Whether a rope takes any seat that is still open."""
+    role: ClassVar[str] = "other support"
+    """What pictures call it: supports of one role have one marker."""
 
     at: tuple[float, ...]
     label: str = field(default="", kw_only=True)
@@ -308,6 +329,11 @@ class Node(Component):
     @property
     def drive_speed(self) -> str | None:
         """Name of the variable with the commanded or driven rope speed; None if it does not drive."""
+        return None
+
+    @property
+    def drive_power(self) -> str | None:
+        """Name of the output with the drive's power into the rope [W]; None if it does not drive a rope through."""
         return None
 
     def through(self, seat: Seat) -> Seat | None:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Supply, Variable, form_of
+from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Variable, form_of
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
@@ -44,6 +44,8 @@ class ControlSheave(Wheel):
     margin exp(mu wrap) - T_tight/T_slack. Raises InputError.
     """
 
+    role: ClassVar[str] = "control sheave"
+
     speed: Speed = 0.0
     drive: Drive = field(default_factory=IdealDrive)
     response: Response | None = None
@@ -57,17 +59,16 @@ class ControlSheave(Wheel):
         check.not_negative(self.turns, self.described, "turns")
 
     @property
-    def supply(self) -> Supply:
-        """Where a hydraulic power unit feeds the drive; it may stay open."""
-        return Supply(self, "supply")
-
-    @property
     def drive_speed(self) -> str:
         return self.drive.rope_speed
 
     @property
-    def signals(self) -> tuple[str, ...]:
-        return self.drive.signals
+    def drive_power(self) -> str:
+        return "power"
+
+    @property
+    def shares(self) -> tuple[str, ...]:
+        return self.drive.shares
 
     def limits(self) -> tuple[Limit, ...]:
         return (*super().limits(), Limit("grip_margin", "grip lost", low=0.0), *self.drive.limits())
@@ -111,8 +112,8 @@ class ControlSheave(Wheel):
     def energies(self, read: Callable[[str], Any]) -> Energies:
         return self.drive.energies(read)
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
-        """Flow [m3/s] and power [W] that the drive asks of a power unit."""
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        """What the drive asks of a power unit."""
         outputs = self.wheel_equations(v)
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]

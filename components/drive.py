@@ -46,7 +46,7 @@ class Drive(ABC):
 
     rope_speed: ClassVar[str] = "speed"
     """The variable of the sheave that is the rope's speed, or is commanded."""
-    signals: ClassVar[tuple[str, ...]] = ()
+    shares: ClassVar[tuple[str, ...]] = ()
     """What it takes from a power unit."""
 
     @abstractmethod
@@ -62,9 +62,9 @@ class Drive(ABC):
         """What is reported when it happens."""
         return ()
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
-        """Flow [m3/s] and power [W] that the drive asks of its power unit. Raises InputError where it takes none."""
-        raise InputError(f"{type(self).__name__} takes no power unit", "Only hydraulic drives do")
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        """What the drive asks of its power unit: `flow` [m3/s] and `power` [W]."""
+        return {}
 
     def energies(self, read: Callable[[str], Any]) -> Energies:
         """Kinetic energy and losses over a run; see `Component.energies`."""
@@ -99,7 +99,7 @@ class HydraulicDrive(Drive):
     """
 
     rope_speed: ClassVar[str] = "rope_speed"
-    signals: ClassVar[tuple[str, ...]] = ("flow_share", "power_share")
+    shares: ClassVar[tuple[str, ...]] = ("flow_share", "power_share")
 
     displacement: float
     gear_ratio: float
@@ -200,11 +200,11 @@ class HydraulicDrive(Drive):
     def energies(self, read: Callable[[str], Any]) -> Energies:
         return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
 
-    def demand(self, v: Any) -> tuple[Any, Any]:
+    def demand(self, v: Any) -> Mapping[str, Any]:
         wish = self._wish(v)
         flow = namespace(wish).fabs(wish) * v.volume_per_metre / v.volumetric_efficiency
         power = self._needed(v, wish) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
-        return flow, clip_above(namespace(power).fmax(power, 0.0), v.engine_power)
+        return {"flow": flow, "power": clip_above(namespace(power).fmax(power, 0.0), v.engine_power)}
 
     def _wish(self, v: Any) -> Any:
         """Speed demanded of the pump."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
@@ -24,6 +24,8 @@ class Drum(Node):
     speed: commanded [m/s], a Schedule, or None for a model input. tension: instead of a speed, the drum
     keeps this tension [N] by itself. Raises InputError.
     """
+
+    role: ClassVar[str] = "drum"
 
     speed: Speed = 0.0
     tension: float | None = None

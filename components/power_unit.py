@@ -9,7 +9,7 @@ from typing import Any
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Component, Equations, Kind, Outlet, Port, Site, Variable
+from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
 from ropeway.components.smooth import clip_above
 
 
@@ -32,16 +32,11 @@ class HydraulicPowerUnit(Component):
         check.positive(self.engine_power, owner, "engine_power", "W")
 
     @property
-    def outlet(self) -> Outlet:
-        """Where drives are connected, any number of them."""
-        return Outlet(self, "outlet")
-
-    @property
     def ports(self) -> tuple[Port, ...]:
         return ()
 
     @property
-    def signals(self) -> tuple[str, ...]:
+    def sums(self) -> tuple[str, ...]:
         return ("flow", "power")
 
     def structure(self, site: Site) -> Hashable:

@@ -21,7 +21,7 @@ import casadi as ca
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Kind, Variable
+from ropeway.components.component import Component, Kind, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 
@@ -60,6 +60,11 @@ class Response(ABC):
         check.positive(self.period, owner, "period", "s")
         check.not_negative(self.delay, owner, "delay", "s")
         check.positive(self.limit, owner, "limit", "m/s")
+
+    @property
+    def tension_range(self) -> tuple[float, float] | None:
+        """The lowest and the highest tension that it aims to keep [N]; None where it has no such range."""
+        return None
 
     @property
     def waiting(self) -> int:
@@ -102,6 +107,13 @@ class Response(ABC):
         return {"response_target": target, "response_waiting": queue}
 
 
+def response_of(component: Component) -> Response | None:
+    """The response of a component, its attribute `response`; None where it has none. Such a component has the variables
+    of its response and the discrete variable `correction` [m/s]."""
+    found = getattr(component, "response", None)
+    return found if isinstance(found, Response) else None
+
+
 def _clean(correction: Any) -> Any:
     """Without what rounding leaves of a correction that has gone back to zero."""
     return ca.if_else(ca.fabs(correction) < 1e-12, 0.0, correction)
@@ -141,6 +153,10 @@ class ThresholdResponse(Response):
             raise InputError(
                 f"{owner}: initiation {self.initiation} N leaves nothing of the range", "Choose it nearer to zero"
             )
+
+    @property
+    def tension_range(self) -> tuple[float, float]:
+        return self.low, self.high
 
     @property
     def structure(self) -> Hashable:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -108,6 +108,8 @@ class Sheave(Wheel):
     A load that a hold-down geometry pushes back stays on the sheave: `held` = 1 keeps the travel at
     `held_travel` and leaves the tensions free. Raises InputError.
     """
+
+    role: ClassVar[str] = "idler sheave"
 
     friction: float = 0.0
 

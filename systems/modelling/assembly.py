@@ -5,17 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import casadi as ca
 import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE, Range
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
-from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.component import Kind, Node, Site, Variable
 from ropeway.components.errors import InputError, UnbalancedSystemError
-from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
-from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import (
     Balance,
     Limits,
@@ -26,10 +23,11 @@ from ropeway.systems.modelling.dae_model import (
     VariableTable,
     component_of,
 )
+from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
-from ropeway.systems.modelling.rope_path import Run, drive_speeds, find_runs, slot_counts
-from ropeway.systems.modelling.sampled_control import clocks
-from ropeway.systems.modelling.signal_connections import differences, with_links, with_residuals
+from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
+from ropeway.systems.modelling.sampled_control import clocks, responses_of
+from ropeway.systems.modelling.signal_connections import with_links, with_residuals
 from ropeway.systems.modelling.system import System
 
 
@@ -56,7 +54,7 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
     variables = with_links(system, own)
     rows = with_residuals(system, variables)
     tables = {kind: _table(kind, rows, system) for kind in Kind}
-    dae, outputs = _join(system, runs, sites, variables, tables, functions)
+    dae, outputs = EquationGraph(system, runs, sites, variables, tables, functions).functions()
     model = Model(
         system=system.copy(),
         tables=tables,
@@ -75,7 +73,7 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
         clocks=clocks(
-            _in_order(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
+            responses_of(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
         ),
         kept=np.array(tables[Kind.DISCRETE].shown, dtype=int),
         free_states=tuple(
@@ -150,127 +148,6 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     )
 
 
-def _join(
-    system: System,
-    runs: Sequence[Run],
-    sites: dict[str, Site],
-    variables: dict[str, tuple[Variable, ...]],
-    tables: dict[Kind, VariableTable],
-    functions: ComponentFunctions,
-) -> tuple[ca.Function, ca.Function]:
-    """All components called in one graph: rope pieces first, then the nodes with the forces on them."""
-    t = ca.MX.sym("t")
-    whole = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
-    gravity = whole[Kind.PARAMETER][0]
-    parts = {kind: _split(kind, whole[kind], variables) for kind in SYMBOLS}
-    speed_of = drive_speeds(runs)
-
-    def variable(component: str, name: str) -> ca.MX:
-        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
-            full = f"{component}.{name}"
-            if full in tables[kind].index:
-                return whole[kind][tables[kind].index[full]]
-        raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
-
-    seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
-    results: dict[str, Sequence[ca.MX]] = {}
-    force_on: dict[tuple[str, str], ca.MX] = {}
-    outside: dict[ca.MX, ca.MX] = {}
-
-    def inputs(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
-        return [t, gravity, *(parts[kind][component.name] for kind in SYMBOLS), signals, *ports]
-
-    def sat(seat: Seat) -> ca.MX:
-        """Position and travel of the rope at a seat."""
-        node = seat.owner.name
-        q = ca.MX(0.0) if seat.travel is None else variable(node, seat.travel)
-        there = ca.vertcat(*(variable(node, axis) for axis in "xyz"), q)
-        if seat.offset is None:
-            return there
-        aside = [variable(node, f"{seat.offset}_{name}") for name in ("x", "z", "rope")]
-        return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
-
-    def call(component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
-        f = functions.get(component, sites[component.name], variables[component.name])
-        # A function of one output, as that of a part without ports, returns it bare.
-        out: Sequence[ca.MX] = f.call(inputs(component, signals, ports))
-        if not component.external:
-            return out
-        stand_ins = [ca.MX.sym(f"{component.name}_{i}", result.shape) for i, result in enumerate(out)]
-        outside.update(zip(stand_ins, out, strict=True))
-        return stand_ins
-
-    def forces(component: Component) -> list[ca.MX]:
-        found = []
-        for port in component.ports:
-            driver = speed_of.get((component.name, port.name))
-            speed = ca.MX(0.0) if driver is None else variable(*driver)
-            force = force_on.get((component.name, port.name), ca.MX.zeros(4))  # zero at a seat left open
-            found.append(ca.vertcat(force, speed))
-        return found
-
-    for c in system.components.values():
-        if any(isinstance(port, RopeEnd) for port in c.ports):
-            ports = [sat(seats[system.connections[c.name, port.name]]) for port in c.ports]
-            out = call(c, ca.MX(0, 1), ports)
-            results[c.name] = out
-            for port, force in zip(c.ports, out[3:], strict=True):
-                force_on[system.connections[c.name, port.name]] = force
-    shares: dict[str, ca.MX] = {}
-    for unit, fed in _power_units(system).items():
-        demands = [
-            functions.demand(c, sites[c.name], variables[c.name])(*inputs(c, ca.MX(2, 1), forces(c))) for c in fed
-        ]
-        results[unit.name] = call(unit, sum(demands, ca.MX(2, 1)), [])
-        names = [v.name for v in variables[unit.name] if v.kind is Kind.OUTPUT]
-        share = ca.vertcat(*(results[unit.name][2][names.index(name)] for name in ("flow_share", "power_share")))
-        shares.update({c.name: share for c in fed})
-    for c in system.components.values():
-        if c.name not in results:
-            signals = shares.get(c.name, ca.MX(ca.DM.ones(len(c.signals), 1)))
-            results[c.name] = call(c, signals, forces(c))
-    ode, y = (ca.vertcat(ca.MX(0, 1), *(results[name][i] for name in variables)) for i in (0, 2))
-
-    def quantity(component: str, name: str) -> ca.MX:
-        place = tables[Kind.OUTPUT].index.get(f"{component}.{name}")
-        return variable(component, name) if place is None else y[place]
-
-    alg = ca.vertcat(
-        ca.MX(0, 1),
-        *(part for c in variables for part in (results[c][1], *differences(system, c, variables[c], quantity))),
-    )
-    arguments = [t, *(whole[kind] for kind in SYMBOLS)]
-    if outside:  # all the rest as one scalar graph
-        rest = ca.Function("rest", [*arguments, *outside], [ode, alg, y]).expand()
-        ode, alg, y = rest(*arguments, *outside.values())
-    names = ["t", "x", "z", "u", "p", "d"]
-    stop_if_interrupted()
-    dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
-    stop_if_interrupted()
-    return dae, ca.Function("outputs", arguments, [y], names, ["y"])
-
-
-def _power_units(system: System) -> dict[HydraulicPowerUnit, list[ControlSheave]]:
-    """The drives that each power unit feeds."""
-    units: dict[HydraulicPowerUnit, list[ControlSheave]] = {
-        c: [] for c in system.components.values() if isinstance(c, HydraulicPowerUnit)
-    }
-    for drive, unit in system.supplies.items():
-        sheave, source = system.components[drive], system.components[unit]
-        if isinstance(sheave, ControlSheave) and isinstance(source, HydraulicPowerUnit):
-            units[source].append(sheave)
-    return units
-
-
-def _split(kind: Kind, vector: ca.MX, variables: dict[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
-    """Each component's part of a vector."""
-    offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
-    for owned in variables.values():
-        offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
-    pieces = ca.vertsplit(vector, offsets)
-    return dict(zip(variables, pieces[-len(variables) :], strict=True))
-
-
 def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
     def where(kind: Kind, names: Sequence[str]) -> np.ndarray:
         index = tables[kind].index
@@ -302,12 +179,6 @@ def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
         aside=np.array([where(Kind.ALGEBRAIC, [f"{n.name}.{seat.offset}_rope" for n, seat in end]) for end in ends]),
         grip=where(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
     )
-
-
-def _in_order(runs: Sequence[Run]) -> list[ControlSheave]:
-    """The control sheaves in the order of the ropes, each once."""
-    found = {node.name: node for run in runs for node in run.nodes if isinstance(node, ControlSheave)}
-    return list(found.values())
 
 
 def _limits(system: System, outputs: VariableTable) -> Limits:

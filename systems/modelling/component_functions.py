@@ -11,7 +11,7 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Kind, RopeEnd, Site, Variable
-from ropeway.components.control_sheave import ControlSheave
+from ropeway.components.errors import InputError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 
@@ -34,12 +34,21 @@ class ComponentFunctions:
             self._declared.add(form)
         return variables
 
-    def demand(self, component: ControlSheave, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
-        """What a drive asks of its power unit, (2,): the same inputs as its equations."""
-        key = ("demand", *_form(component, site, variables))
+    def demand(
+        self, component: Component, sums: tuple[str, ...], site: Site, variables: tuple[Variable, ...]
+    ) -> ca.Function:
+        """What a component asks of its source, an entry for each name in `sums`: the same inputs as its equations.
+        Raises InputError where it does not name each."""
+        key = ("demand", sums, *_form(component, site, variables))
         if key not in self._functions:
             v, inputs = _symbols(component, variables)
-            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*component.demand(v))])
+            asked = component.demand(v)
+            if set(asked) != set(sums):
+                cause = (
+                    f"{component.name!r} asks for {', '.join(asked) or 'nothing'}, its source gives {', '.join(sums)}"
+                )
+                raise InputError(cause, "Let `demand` return each of these")
+            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*(asked[name] for name in sums))])
         return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
@@ -132,7 +141,8 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
         else:
             setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
         ports.append(symbol)
-    signals = sym("signals", len(component.signals))
-    for i, name in enumerate(component.signals):
+    names = (*component.sums, *component.shares)
+    signals = sym("signals", len(names))
+    for i, name in enumerate(names):
         setattr(v, name, signals[i])
     return v, [time, gravity, *vectors, signals, *ports]

@@ -43,7 +43,7 @@ def _require_names(component: Component, variables: Sequence[Variable]) -> None:
     owner = _owner(component)
     taken = dict.fromkeys(RESERVED, "a quantity of every component")
     taken.update({port.name: "a port" for port in component.ports})
-    taken.update(dict.fromkeys(component.signals, "a signal"))
+    taken.update(dict.fromkeys((*component.sums, *component.shares), "a signal"))
     for v in variables:
         if not v.name.isidentifier() and v.kind is not Kind.RESIDUAL:
             raise InputError(f"{owner}: {v.name!r} is no name for a variable", "Use letters, digits and _")

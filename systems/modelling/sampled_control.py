@@ -15,8 +15,8 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.component import Kind
-from ropeway.components.control_sheave import ControlSheave
-from ropeway.components.response import Response
+from ropeway.components.response import Response, response_of
+from ropeway.systems.modelling.rope_path import Run
 
 Precedence = Callable[[str], tuple[str, str]]
 """For a component the subsystem that it belongs to, and who acts first there."""
@@ -36,22 +36,20 @@ class Clock:
 
 
 def clocks(
-    sheaves: Sequence[ControlSheave],
+    responses: Mapping[str, Response],
     precedence_of: Precedence,
     outputs: ca.Function,
     index: Mapping[Kind, Mapping[str, int]],
 ) -> tuple[Clock, ...]:
-    """The clocks of a system's control sheaves, given in the order of the rope. Delayed effects come before
+    """The clocks of responses, given by their components in the order of the rope. Delayed effects come before
     samples at the same time. `precedence_of`: the subsystem that a sheave belongs to, and the precedence there;
     `index`: place of each variable in its vector."""
-    by_period: dict[float, list[ControlSheave]] = defaultdict(list)
-    by_effect: dict[tuple[float, float], list[ControlSheave]] = defaultdict(list)
-    for sheave in sheaves:
-        response = sheave.response
-        if response is not None:
-            by_period[response.period].append(sheave)
-            if response.waiting:
-                by_effect[response.period, response.phase].append(sheave)
+    by_period: dict[float, dict[str, Response]] = defaultdict(dict)
+    by_effect: dict[tuple[float, float], dict[str, Response]] = defaultdict(dict)
+    for name, response in responses.items():
+        by_period[response.period][name] = response
+        if response.waiting:
+            by_effect[response.period, response.phase][name] = response
     point = [ca.MX.sym(name, *outputs.size_in(i)) for i, name in enumerate(("t", "x", "z", "u", "p", "d"))]
     effects = [_effect(period, phase, group, point, index) for (period, phase), group in sorted(by_effect.items())]
     samples = [
@@ -61,35 +59,40 @@ def clocks(
     return (*effects, *samples)
 
 
+def responses_of(runs: Sequence[Run]) -> dict[str, Response]:
+    """The responses along the ropes, by the name of their component, each once."""
+    found = ((node.name, response_of(node)) for run in runs for node in run.nodes)
+    return {name: response for name, response in found if response is not None}
+
+
 def _sample(
     period: float,
-    group: Sequence[ControlSheave],
+    group: Mapping[str, Response],
     precedence_of: Precedence,
     point: Sequence[ca.MX],
     y: ca.MX,
     index: Any,
 ) -> Clock:
-    """All sheaves of one period decide; those that may act do."""
-    decisions = []
-    for sheave in group:
-        function, names = _rule(sheave)
-        values = [_read(f"{sheave.name}.{name}", point, y, index) for name, _ in names.inputs]
-        decisions.append((sheave, names, function.call(values)))
+    """All responses of one period decide; those that may act do."""
+    decisions = {}
+    for name, response in group.items():
+        function, variables = _rule(response)
+        values = [_read(f"{name}.{variable}", point, y, index) for variable, _ in variables.inputs]
+        decisions[name] = variables, function.call(values)
     grants: dict[str, ca.MX] = {}
-    for line in dict.fromkeys(precedence_of(sheave.name) for sheave in group):
-        own = [(sheave, found[0], found[1]) for sheave, _, found in decisions if precedence_of(sheave.name) == line]
-        sheaves = [sheave.name for sheave, _, _ in own]
-        grants.update(zip(sheaves, _grants(line[1], [w for _, w, _ in own], [n for _, _, n in own]), strict=True))
+    for line in dict.fromkeys(precedence_of(name) for name in group):
+        own = {name: results for name, (_, results) in decisions.items() if precedence_of(name) == line}
+        wants, needs = ([results[i] for results in own.values()] for i in (0, 1))
+        grants.update(zip(own, _grants(line[1], wants, needs), strict=True))
     entries, values, corrections = [], [], {}
-    for sheave, names, results in decisions:
-        grant = grants[sheave.name]
-        count = len(names.outputs)
-        for i, (name, size) in enumerate(names.outputs):
-            values.append(ca.if_else(grant, results[2 + i], results[2 + count + i]))
-            places = _places(f"{sheave.name}.{name}", size, index[Kind.DISCRETE])
+    for name, (variables, results) in decisions.items():
+        count = len(variables.outputs)
+        for i, (variable, size) in enumerate(variables.outputs):
+            values.append(ca.if_else(grants[name], results[2 + i], results[2 + count + i]))
+            places = _places(f"{name}.{variable}", size, index[Kind.DISCRETE])
             entries += places
-            if name == "correction":
-                corrections[places[0]] = sheave.name
+            if variable == "correction":
+                corrections[places[0]] = name
     update = ca.Function("sample", list(point), [ca.vertcat(*values)])
     return Clock(period, period, update, np.array(entries), corrections)
 
@@ -132,9 +135,8 @@ class _Names:
     outputs: tuple[tuple[str, int], ...]
 
 
-def _rule(sheave: ControlSheave) -> tuple[ca.Function, _Names]:
+def _rule(response: Response) -> tuple[ca.Function, _Names]:
     """A response's rule as a function: inputs -> wants, need, values if granted..., values if refused..."""
-    response = _response(sheave)
     inputs = (("time", 1), ("tension_in", 1), ("tension_out", 1), *((v.name, v.size) for v in response.variables()))
     symbols = [ca.SX.sym(name, size) for name, size in inputs]
     decision = response.decide(SimpleNamespace(**dict(zip((n for n, _ in inputs), symbols, strict=True))))
@@ -148,14 +150,14 @@ def _rule(sheave: ControlSheave) -> tuple[ca.Function, _Names]:
     return ca.Function("rule", symbols, results), _Names(inputs, outputs)
 
 
-def _effect(period: float, phase: float, group: Sequence[ControlSheave], point: Sequence[ca.MX], index: Any) -> Clock:
-    """The oldest waiting decision of each sheave becomes its correction."""
+def _effect(period: float, phase: float, group: Mapping[str, Response], point: Sequence[ca.MX], index: Any) -> Clock:
+    """The oldest waiting decision of each response becomes its correction."""
     entries, values, corrections = [], [], {}
-    for sheave in group:
-        oldest = _places(f"{sheave.name}.response_waiting", _response(sheave).waiting, index[Kind.DISCRETE])[0]
-        entry = index[Kind.DISCRETE][f"{sheave.name}.correction"]
+    for name, response in group.items():
+        oldest = _places(f"{name}.response_waiting", response.waiting, index[Kind.DISCRETE])[0]
+        entry = index[Kind.DISCRETE][f"{name}.correction"]
         entries.append(entry)
-        corrections[entry] = sheave.name
+        corrections[entry] = name
         values.append(point[5][oldest])
     # Before the first sample nothing waits: the first effect comes one phase after it.
     return Clock(
@@ -165,12 +167,6 @@ def _effect(period: float, phase: float, group: Sequence[ControlSheave], point: 
         np.array(entries),
         corrections,
     )
-
-
-def _response(sheave: ControlSheave) -> Response:
-    if sheave.response is None:
-        raise TypeError(f"{sheave.name} has no response")
-    return sheave.response
 
 
 def _places(name: str, size: int, index: Mapping[str, int]) -> list[int]:

@@ -13,6 +13,7 @@ from ropeway.components import check, units
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import (
     Component,
+    Kind,
     Node,
     Outlet,
     Port,
@@ -20,6 +21,7 @@ from ropeway.components.component import (
     Seat,
     SignalInput,
     SignalOutput,
+    Site,
     Supply,
 )
 from ropeway.components.errors import InputError, UnbalancedSystemError
@@ -188,8 +190,12 @@ class System(Declarations):
             raise InputError(f"{one} and {other} cannot be joined", "Join the supply of a drive to a unit's outlet")
         for port in (supply, outlet):
             self._require_part(port.owner)
-        if not supply.owner.signals:
+        if not supply.owner.shares:
             raise InputError(f"{supply.owner.name!r} has no hydraulic drive", "Only hydraulic drives take a power unit")
+        outputs = [v.name for v in outlet.owner.variables(Site(1.0, 1.0)) if v.kind is Kind.OUTPUT]
+        missing = [name for name in supply.owner.shares if not outlet.owner.sums or name not in outputs]
+        if missing:
+            raise InputError(f"{outlet.owner.name!r} gives no {', '.join(missing)}", "Connect it to a power unit")
         if supply.owner.name in self.supplies:
             raise InputError(f"Port {supply} is joined twice", "A drive has one power unit")
         self.supplies[supply.owner.name] = outlet.owner.name

@@ -9,20 +9,24 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.component import Node
-from ropeway.systems.modelling.dae_model import component_of
-from ropeway.systems.results.summary import _each
+from ropeway.systems.results.summary import each_node
 
 if TYPE_CHECKING:
     from ropeway.systems.results.run_data import RunData
 
 
+def drive_powers(result: RunData) -> pd.DataFrame:
+    """Power of each drive into the rope [W] at all records, a column a sheave."""
+    driving = {node.name: node.drive_power for node in each_node(result.runs) if node.drive_power is not None}
+    powers = result.full_frame[[f"{name}.{output}" for name, output in driving.items()]]
+    return powers.set_axis(list(driving), axis="columns")
+
+
 def power(result: RunData) -> pd.DataFrame:
     """Power of the drives into the rope: index sheave, and `line` for all; mean, highest and lowest power [W],
     energy pulled and recovered [J]."""
-    frame = result.full_frame
-    time = frame.index.to_numpy()
-    columns = [c for c in frame.columns if c.endswith(".power")]
-    values = {component_of(c): frame[c].to_numpy() for c in columns}
+    time, powers = result.times, drive_powers(result)
+    values = {name: powers[name].to_numpy() for name in powers}
     if values:
         values["line"] = np.sum(list(values.values()), axis=0)
     rows = {
@@ -52,7 +56,7 @@ def energy(result: RunData) -> pd.Series:
     parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), np.zeros(len(still)))
     for r in range(len(result.runs)):
         _add(parts, _rope_work(result, r))
-    for node in _each(result.runs):
+    for node in each_node(result.runs):
         _add(parts, _own_work(result, node))
     elastic = np.diff(frame.filter(regex=r"\.elastic_energy$").sum(axis=1))
     gravity = np.diff(frame.filter(regex=r"\.gravity_energy$").sum(axis=1))

@@ -8,12 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ropeway.components.anchor import Anchor
 from ropeway.components.component import Node
-from ropeway.components.control_sheave import ControlSheave
-from ropeway.components.drum import Drum
 from ropeway.components.rope import Rope
-from ropeway.components.sheave import Sheave
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.limit_lines import ABOVE, draw_limits, limits_of
@@ -25,20 +21,19 @@ if TYPE_CHECKING:
 
 
 class _Mark(NamedTuple):
-    """How supports of a kind are drawn."""
+    """How supports of a role are drawn."""
 
-    label: str
     marker: str
     colour: str
 
 
-_MARKS: dict[type[Node], _Mark] = {
-    ControlSheave: _Mark("control sheave", "s", "tab:red"),
-    Sheave: _Mark("idler sheave", "o", "0.35"),
-    Drum: _Mark("drum", "D", "tab:purple"),
-    Anchor: _Mark("anchor", "^", "tab:brown"),
+_MARKS = {
+    "control sheave": _Mark("s", "tab:red"),
+    "idler sheave": _Mark("o", "0.35"),
+    "drum": _Mark("D", "tab:purple"),
+    "anchor": _Mark("^", "tab:brown"),
 }
-_OTHER = _Mark("other support", "P", "tab:pink")
+_OTHER = _Mark("P", "tab:pink")
 
 _UPRIGHT = 12
 """Supports with names written level: those of more overlap, and stand upright."""
@@ -160,11 +155,11 @@ def _supports(
     """Supports with their names; on the ground, where it is known, else with a guide to the panels below."""
     names: dict[str, Any] = {"rotation": 90, "fontsize": 7} if len(nodes) > _UPRIGHT else {"fontsize": "small"}
     for k, node in enumerate(nodes):
-        mark = next((m for kind, m in _MARKS.items() if isinstance(node, kind)), _OTHER)
+        mark = _MARKS.get(node.role, _OTHER)
         style: dict[str, Any] = {"color": mark.colour, "marker": mark.marker, "ls": "", "ms": 5, "zorder": 4}
         x, z = way.along[k], points[k, 2]
-        elevation.plot(x, z, label=None if mark.label in named else mark.label, **style)
-        named.add(mark.label)
+        elevation.plot(x, z, label=None if node.role in named else node.role, **style)
+        named.add(node.role)
         if ground is None:
             elevation.axvline(x, color="0.85", lw=0.8, zorder=0)
         else:
@@ -173,7 +168,7 @@ def _supports(
             )
         if plan is not None:
             plan.plot(x, way.sideways(points[k, 0], points[k, 1]), **style)
-        if len(nodes) <= _NAMED or mark.label != "idler sheave":
+        if len(nodes) <= _NAMED or node.role != "idler sheave":
             elevation.annotate(
                 node.label, (x, z), xytext=(0, 7), textcoords="offset points", ha="center", color=mark.colour, **names
             )

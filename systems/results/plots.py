@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.dae_model import nearest
-from ropeway.systems.results.energy_balance import power
+from ropeway.systems.results.energy_balance import drive_powers, power
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits, limits_of
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
 
     frame, nodes = result.full_frame, [node for run in result.runs for node in run.nodes]
     if components is None:
-        components = list(dict.fromkeys(n.name for n in nodes if isinstance(n, ControlSheave)))
+        components = list(dict.fromkeys(n.name for n in nodes if n.drive_power is not None))
         sheaves = dict.fromkeys(n.name for n in nodes if f"{n.name}.tension_in" in frame)
         components = components or list(sheaves)[:_FIRST]
     for name in components:
@@ -104,19 +103,18 @@ def power_over_time(result: RunData) -> Figure:
     """
     from matplotlib.figure import Figure
 
-    table, frame = power(result), result.full_frame
+    table, powers = power(result), drive_powers(result) / 1e3
     if table.empty:
         raise UnknownNameError(f"{result.model.name!r} has no control sheave", "Only driven sheaves have power")
     sheaves = table.drop(index="line")
     figure = Figure(figsize=(11.0, 5.0), layout="constrained")
     over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
-    powers = frame[[f"{n}.power" for n in sheaves.index]] / 1e3
     # A dashed line with a jump at each crossing looks solid: its width marks the sum.
-    over_time.plot(frame.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")
+    over_time.plot(powers.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")
     for name in sheaves.index[:_SHEAVES]:
-        over_time.plot(frame.index, powers[f"{name}.power"], lw=1.0, label=name)
+        over_time.plot(powers.index, powers[name], lw=1.0, label=name)
     over_time.axhline(0.0, color="0.3", lw=0.8)
-    over_time.set(xlabel="time [s]", ylabel="power into the rope [kW]", xlim=(frame.index[0], frame.index[-1]))
+    over_time.set(xlabel="time [s]", ylabel="power into the rope [kW]", xlim=(powers.index[0], powers.index[-1]))
     over_time.legend(fontsize="small", ncols=6, **ABOVE)
     place = np.arange(len(sheaves))
     energies.barh(place, sheaves["pulled"] / KWH, color="tab:blue", label="pulled")

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.component import Node
-from ropeway.components.response import ThresholdResponse
+from ropeway.components.response import response_of
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.interrupts import interruptible
 
@@ -40,7 +40,7 @@ def summary(result: RunData) -> Summary:
     spans = pd.DataFrame(_span_rows(result))
     happened = result.events
     held = Counter(happened.loc[happened["event"] == "load held", "component"])
-    supports = pd.DataFrame([_support_row(result, node, held[node.name]) for node in _each(result.runs)])
+    supports = pd.DataFrame([_support_row(result, node, held[node.name]) for node in each_node(result.runs)])
     return Summary(supports.set_index("support"), spans.set_index("span"), _text(result, supports, spans))
 
 
@@ -91,9 +91,10 @@ def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
             row[column] = frame[f"{node.name}.{quantity}"].min()
     if f"{node.name}.relief_open" in frame:
         row["relief_open_time"] = np.trapezoid(frame[f"{node.name}.relief_open"], time)
-    response = getattr(node, "response", None)
-    if isinstance(response, ThresholdResponse):
-        outside = ((tension > response.high) | (tension < response.low)).any(axis=1)
+    response = response_of(node)
+    if response is not None and response.tension_range is not None:
+        low, high = response.tension_range
+        outside = ((tension > high) | (tension < low)).any(axis=1)
         row["time_outside_range"] = np.trapezoid(outside.astype(float), time)
     row["loads_held"] = held
     return row
@@ -136,6 +137,6 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def _each(runs: Sequence[Run]) -> list[Node]:
+def each_node(runs: Sequence[Run]) -> list[Node]:
     """All nodes, each once."""
     return list({node.name: node for run in runs for node in run.nodes}.values())

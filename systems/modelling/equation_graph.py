@@ -1,0 +1,154 @@
+"""All components called in one graph: rope pieces first, then the nodes with the forces on them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+
+from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.errors import UnbalancedSystemError
+from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.dae_model import VariableTable
+from ropeway.systems.modelling.rope_path import Run, drive_speeds
+from ropeway.systems.modelling.signal_connections import differences
+from ropeway.systems.modelling.system import System
+
+_RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3
+"""Places in the results of a component's function; from the last on a force for each rope end."""
+
+
+class EquationGraph:
+    """The components of a system joined at their ports, as two functions of the vectors of the model."""
+
+    def __init__(
+        self,
+        system: System,
+        runs: Sequence[Run],
+        sites: Mapping[str, Site],
+        variables: Mapping[str, tuple[Variable, ...]],
+        tables: Mapping[Kind, VariableTable],
+        functions: ComponentFunctions,
+    ) -> None:
+        self.system, self.sites, self.variables, self.tables = system, sites, variables, tables
+        self.component_functions = functions
+        self.time = ca.MX.sym("t")
+        self.vectors = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
+        self.parts = {kind: _split(kind, self.vectors[kind], variables) for kind in SYMBOLS}
+        self.speed_of = drive_speeds(runs)
+        self.seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
+        self.results: dict[str, Sequence[ca.MX]] = {}
+        self.force_on: dict[tuple[str, str], ca.MX] = {}
+        self.external: dict[ca.MX, ca.MX] = {}
+
+    def functions(self) -> tuple[ca.Function, ca.Function]:
+        """`dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y`. Raises InputError."""
+        self._call_ropes()
+        shares = self._call_sources()
+        for c in self.system.components.values():
+            if c.name not in self.results:
+                own = shares.get(c.name, ca.MX(ca.DM.ones(len(c.shares), 1)))
+                self.results[c.name] = self._call(c, own, self._forces(c))
+        ode, y = (ca.vertcat(ca.MX(0, 1), *(self.results[n][i] for n in self.variables)) for i in (_RATES, _OUTPUTS))
+        alg = self._residuals(y)
+        arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
+        if self.external:  # all the rest as one scalar graph
+            rest = ca.Function("rest", [*arguments, *self.external], [ode, alg, y]).expand()
+            ode, alg, y = rest(*arguments, *self.external.values())
+        names = ["t", "x", "z", "u", "p", "d"]
+        stop_if_interrupted()
+        dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
+        stop_if_interrupted()
+        return dae, ca.Function("outputs", arguments, [y], names, ["y"])
+
+    def _call_ropes(self) -> None:
+        """Components with rope ends: what pulls at the seats."""
+        for c in self.system.components.values():
+            if not any(isinstance(port, RopeEnd) for port in c.ports):
+                continue
+            seats = [self.system.connections[c.name, port.name] for port in c.ports]
+            self.results[c.name] = self._call(c, ca.MX(0, 1), [self._position(self.seats[seat]) for seat in seats])
+            self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
+
+    def _call_sources(self) -> dict[str, ca.MX]:
+        """Sources, with the sums of all demands; returns the shares of each component that is fed."""
+        fed: dict[str, list[Component]] = defaultdict(list)
+        for name, feeding in self.system.supplies.items():
+            fed[feeding].append(self.system.components[name])
+        shares: dict[str, ca.MX] = {}
+        for source in (c for c in self.system.components.values() if c.sums):
+            asked = ca.MX(len(source.sums), 1)
+            for c in fed[source.name]:
+                demand = self.component_functions.demand(c, source.sums, self.sites[c.name], self.variables[c.name])
+                asked = asked + demand(*self._inputs(c, ca.MX(len(c.shares), 1), self._forces(c)))
+            self.results[source.name] = self._call(source, asked, self._forces(source))
+            names = [v.name for v in self.variables[source.name] if v.kind is Kind.OUTPUT]
+            given = dict(zip(names, ca.vertsplit(self.results[source.name][_OUTPUTS]), strict=True))
+            shares.update({c.name: ca.vertcat(*(given[name] for name in c.shares)) for c in fed[source.name]})
+        return shares
+
+    def _residuals(self, outputs: ca.MX) -> ca.MX:
+        """Of all components, and of the inputs that others drive."""
+
+        def quantity(component: str, name: str) -> ca.MX:
+            place = self.tables[Kind.OUTPUT].index.get(f"{component}.{name}")
+            return self._variable(component, name) if place is None else outputs[place]
+
+        parts = [
+            part
+            for c, owned in self.variables.items()
+            for part in (self.results[c][_RESIDUALS], *differences(self.system, c, owned, quantity))
+        ]
+        return ca.vertcat(ca.MX(0, 1), *parts)
+
+    def _call(self, component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
+        f = self.component_functions.get(component, self.sites[component.name], self.variables[component.name])
+        # A function of one output, as that of a part without ports, returns it bare.
+        out: Sequence[ca.MX] = f.call(self._inputs(component, signals, ports))
+        if not component.external:
+            return out
+        stand_ins = [ca.MX.sym(f"{component.name}_{i}", result.shape) for i, result in enumerate(out)]
+        self.external.update(zip(stand_ins, out, strict=True))
+        return stand_ins
+
+    def _inputs(self, component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
+        own = (self.parts[kind][component.name] for kind in SYMBOLS)
+        return [self.time, self.vectors[Kind.PARAMETER][0], *own, signals, *ports]
+
+    def _position(self, seat: Seat) -> ca.MX:
+        """Position and travel of the rope at a seat."""
+        node = seat.owner.name
+        travel = ca.MX(0.0) if seat.travel is None else self._variable(node, seat.travel)
+        there = ca.vertcat(*(self._variable(node, axis) for axis in "xyz"), travel)
+        if seat.offset is None:
+            return there
+        aside = [self._variable(node, f"{seat.offset}_{name}") for name in ("x", "z", "rope")]
+        return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
+
+    def _forces(self, component: Component) -> list[ca.MX]:
+        """Force and speed of the rope at each seat; zero at a seat left open."""
+        found = []
+        for port in component.ports:
+            driver = self.speed_of.get((component.name, port.name))
+            speed = ca.MX(0.0) if driver is None else self._variable(*driver)
+            force = self.force_on.get((component.name, port.name), ca.MX.zeros(4))
+            found.append(ca.vertcat(force, speed))
+        return found
+
+    def _variable(self, component: str, name: str) -> ca.MX:
+        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
+            place = self.tables[kind].index.get(f"{component}.{name}")
+            if place is not None:
+                return self.vectors[kind][place]
+        raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
+
+
+def _split(kind: Kind, vector: ca.MX, variables: Mapping[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
+    """Each component's part of a vector."""
+    offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
+    for owned in variables.values():
+        offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
+    pieces = ca.vertsplit(vector, offsets)
+    return dict(zip(variables, pieces[-len(variables) :], strict=True))
