@@ -96,6 +96,7 @@ if TYPE_CHECKING:
     from ropeway.components import (
         ThresholdResponse as ThresholdResponse,
     )
+    from ropeway.components import units as units
     from ropeway.components.component import Component as Component
     from ropeway.components.component import Energies as Energies
     from ropeway.components.component import Equations as Equations
@@ -150,7 +151,9 @@ if TYPE_CHECKING:
     from ropeway.components.errors import (
         WriteError as WriteError,
     )
-    from ropeway.components.rope import ropes as ropes
+    from ropeway.components.rope_catalogue import carriages as carriages
+    from ropeway.components.rope_catalogue import ropes as ropes
+    from ropeway.components.rope_catalogue import yarders as yarders
     from ropeway.components.terrain import Profile as Profile
     from ropeway.systems.dynamics.result import Result as Result
     from ropeway.systems.dynamics.simulation import simulate as simulate
@@ -237,7 +240,7 @@ _HOMES = {
         "RopewayWarning ScheduleError SimulationError SlackRopeError UnbalancedSystemError UnknownNameError "
         "WorkerError WriteError"
     ),
-    "ropeway.components.rope": "ropes",
+    "ropeway.components.rope_catalogue": "carriages ropes yarders",
     "ropeway.components.terrain": "Profile",
     "ropeway.systems.dynamics.result": "Result",
     "ropeway.systems.dynamics.simulation": "simulate",
@@ -288,6 +291,7 @@ _HOMES = {
     "ropeway.systems.studies.sweeps.cases": "latin_hypercube",
     "ropeway.systems.studies.sweeps.sweep": "sweep",
 }
+_MODULES = {"fmu": "ropeway.fmu", "units": "ropeway.components.units"}
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 __version__ = "0.1.0"
@@ -295,8 +299,8 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    if name == "fmu":
-        return import_module("ropeway.fmu")
+    if name in _MODULES:
+        return import_module(_MODULES[name])
     if name in _HOME:
         return getattr(import_module(_HOME[name]), name)
     raise AttributeError(f"module 'ropeway' has no attribute {name!r}")

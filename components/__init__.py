@@ -15,14 +15,13 @@ from ropeway.components.log import Log
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.components.response import ProportionalResponse, ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
-from ropeway.components.rope import CONSTRUCTIONS, ConstructionStretch, Elastic, Rope
+from ropeway.components.rope import ConstructionStretch, Elastic, Rope
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Sheave
 from ropeway.components.span import Span
 from ropeway.components.spar import Block, HeadSpar, Tailhold, TailSpar
 
 __all__ = [
-    "CONSTRUCTIONS",
     "Anchor",
     "Block",
     "Carriage",

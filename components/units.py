@@ -147,6 +147,13 @@ _PLAIN: dict[str, Unit] = {
 }
 """Symbols that take none."""
 
+POUND, TONNE, INCH, FOOT, MILE, POUND_FORCE, KIP, KILOGRAM_FORCE, TONNE_FORCE, PSI, HORSEPOWER = (
+    _PLAIN[symbol].factor for symbol in ("lb", "t", "in", "ft", "mi", "lbf", "kip", "kgf", "tf", "psi", "hp")
+)
+SHORT_TON, POUND_PER_FOOT = 2000.0 * POUND, POUND / FOOT
+FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR = (_PLAIN[symbol].factor for symbol in ("fpm", "mph", "kmh"))
+"""Units in SI units, for scripts: `45.0 * rw.units.KIP` is a force in N, `length / rw.units.FOOT` a length in feet."""
+
 _WORDS = {
     **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
     **dict.fromkeys(("centimetre", "centimetres", "centimeter", "centimeters"), "cm"),

@@ -52,7 +52,13 @@ def test_wheel_holds_the_tree(tmp_path: Path) -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     wanted = {f"ropeway/{f}" for f in tracked if f.endswith(".py") and ("/" not in f or f.split("/")[0] in CODE)}
     assert wanted <= names
-    data = ("py.typed", "examples/line.csv", "systems/native/ropeway.h", "fmu/exporting/templates/fmi3.c")
+    data = (
+        "py.typed",
+        "components/catalogue/ropes.csv",
+        "examples/line.csv",
+        "systems/native/ropeway.h",
+        "fmu/exporting/templates/fmi3.c",
+    )
     assert {f"ropeway/{name}" for name in data} <= names
     assert not any(n.startswith(("tests/", "ropeway/tests/", "ropeway/benchmarks/")) for n in names)
 

@@ -118,7 +118,8 @@ def methods() -> dict[str, Callable[[], Call]]:
             },
         ),
         "Rope.named": lambda: Call(
-            rw.Rope.named, {"name": "6x19 EEIP 19", "stretch": rw.Elastic(), "safety_factor": 3.0}
+            rw.Rope.named,
+            {"name": "6x19 EEIP 19", "stretch": rw.Elastic(), "safety_factor": 3.0, "catalogue": None},
         ),
         "Schedule.at": lambda: Call(schedule.at, {"time": 1.0}),
         "Schedule.from_csv": lambda: Call(rw.Schedule.from_csv, {"path": speeds(), "column": "speed"}),

@@ -44,7 +44,11 @@ EXTENSION = {
 
 def public_names() -> list[str]:
     """All names of the root and of `rw.fmu` that can be called, without the errors and what components are made of."""
-    names = [n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in EXTENSION]
+    names = [
+        n
+        for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__))
+        if n not in EXTENSION and callable(public(n))
+    ]
     return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 
 
