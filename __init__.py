@@ -154,6 +154,7 @@ if TYPE_CHECKING:
     from ropeway.components.rope_catalogue import carriages as carriages
     from ropeway.components.rope_catalogue import ropes as ropes
     from ropeway.components.rope_catalogue import yarders as yarders
+    from ropeway.components.table_writer import write_table as write_table
     from ropeway.components.terrain import Profile as Profile
     from ropeway.systems.dynamics.result import Result as Result
     from ropeway.systems.dynamics.simulation import simulate as simulate
@@ -241,6 +242,7 @@ _HOMES = {
         "WorkerError WriteError"
     ),
     "ropeway.components.rope_catalogue": "carriages ropes yarders",
+    "ropeway.components.table_writer": "write_table",
     "ropeway.components.terrain": "Profile",
     "ropeway.systems.dynamics.result": "Result",
     "ropeway.systems.dynamics.simulation": "simulate",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +13,6 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
-from ropeway.components.whole_files import whole
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.run_data import RunData
@@ -72,18 +70,6 @@ class Result(RunData):
     def energy(self) -> pd.Series:
         """The energy balance of the run [J]."""
         return energy(self)
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame; returns the path. Raises WriteError."""
-        with whole(path) as file:
-            self.frame.to_csv(file)
-        return Path(path)
-
-    def to_parquet(self, path: str | Path) -> Path:
-        """Writes the frame with its units (needs pyarrow, the extra `parquet`); returns the path. Raises WriteError."""
-        with whole(path) as file:
-            self.frame.to_parquet(file)
-        return Path(path)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
         """Tensions over time at the control sheaves (or the first idlers, where there are none), or at `components`,

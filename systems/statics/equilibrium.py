@@ -16,6 +16,7 @@ from ropeway.components.errors import (
     InputError,
     UnknownNameError,
 )
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
@@ -26,7 +27,7 @@ from ropeway.systems.statics.pending_events import Pending
 
 @checked
 @dataclass(frozen=True)
-class Equilibrium:
+class Equilibrium(Tabular):
     """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
 
     `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the

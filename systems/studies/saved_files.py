@@ -15,7 +15,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.studies.control.optimise_schedule import optimise_schedule
 from ropeway.systems.studies.control.receding_horizon import RecedingHorizon
 from ropeway.systems.studies.control.scheduling.limits import ScheduleLimits
-from ropeway.systems.studies.control.scheduling.plan_data import Gap, Report, Round
+from ropeway.systems.studies.control.scheduling.plan_data import Gap, PlanHistory, Round
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.tune_response import TunedResponse
@@ -28,8 +28,8 @@ from ropeway.systems.studies.skyline.support_layout import Candidate, SupportPla
 _CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
-        Candidate, Disturbance, Gap, Inhaul, PayloadStudy, RecedingHorizon, Report, Round, ScheduleLimits, SchedulePlan,
-        SetUp, SupportPlan, TunedResponse,
+        Candidate, Disturbance, Gap, Inhaul, PayloadStudy, RecedingHorizon, PlanHistory, Round, ScheduleLimits,
+        SchedulePlan, SetUp, SupportPlan, TunedResponse,
     )
 }  # fmt: skip
 

@@ -217,6 +217,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "workers": 1, **optional,
         },
         "twelve_cases": lambda: {"phi": [0.1, 0.2]},
+        "write_table": lambda: {"table": pd.DataFrame({"x": [1.0]}), "path": folder() / "table.csv"},
         "fmu.CoSimulation": lambda: {
             "step": 0.5, "master": "Gauss-Seidel", "tolerance": 1e-8, "iterations": 30, "iterated": True,
             "control": None,

@@ -108,8 +108,6 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Result.plot": lambda: Call(run().plot, {"components": ["c"]}),
         "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0, "ground": GROUND}),
         "Result.record": lambda: Call(run().record, {"i": 1}),
-        "Result.to_csv": lambda: Call(run().to_csv, {"path": folder() / "run.csv"}),
-        "Result.to_parquet": lambda: Call(run().to_parquet, {"path": folder() / "run.parquet"}),
         "Rope.from_construction": lambda: Call(
             rw.Rope.from_construction,
             {
@@ -132,7 +130,6 @@ def methods() -> dict[str, Callable[[], Call]]:
             plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
         ),
         "SchedulePlan.told": lambda: Call(plan().told, {"name": "energy"}),
-        "SchedulePlan.to_csv": lambda: Call(plan().to_csv, {"path": folder() / "plan.csv"}),
         "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
         "SkylineRig.on_shoe_start": lambda: Call(
             shod_rig().on_shoe_start, {"on": 0, "station": 125.0, "payload": 500.0}

@@ -15,6 +15,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
 from ropeway.components.errors import EquilibriumError, InputError, Interrupted, RopewayError, SimulationError
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.interrupts import interruptible, keeping
@@ -45,7 +46,7 @@ FASTEST = Range(0.0, 100.0, above=True)
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Inhaul:
+class Inhaul(Tabular):
     """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
     saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
     haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station: supports

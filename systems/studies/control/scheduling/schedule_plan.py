@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.whole_files import whole
 from ropeway.systems.modelling.system import System
 from ropeway.systems.studies.control.scheduling.plan_data import PlanData
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance, robustness, trimmed_line
@@ -30,7 +28,7 @@ class SchedulePlan(PlanData):
     from `settle` [s] on, energy over the whole run; balanced, constant: those of the run whose sheaves balance their
     tensions, and of the line's own speeds (None where it cannot keep them so long); gap between plan and simulation;
     active: limits that bind, a row for each limit and component, with how often, when first [s], the bound, and the
-    `cost`: by how much the objective would fall per unit of the limit; report. lead: the support that keeps the
+    `cost`: by how much the objective would fall per unit of the limit; history. lead: the support that keeps the
     line's speed; trim: how the others correct towards the plan.
     """
 
@@ -55,13 +53,6 @@ class SchedulePlan(PlanData):
         """
 
         return robustness(self, disturbances, settle)
-
-    def to_csv(self, path: str | Path) -> Path:
-        """Writes the frame, which `Schedule.from_csv(path, column="c1.speed")` reads; returns the path. Raises
-        WriteError."""
-        with whole(path) as file:
-            self.frame.to_csv(file)
-        return Path(path)
 
     def plot(self) -> Figure:
         """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""

@@ -37,7 +37,7 @@ from ropeway.systems.studies.control.scheduling.plan_check import (
     peaks_beyond,
     root_agrees,
 )
-from ropeway.systems.studies.control.scheduling.plan_data import Report, Round, active_table
+from ropeway.systems.studies.control.scheduling.plan_data import PlanHistory, Round, active_table
 from ropeway.systems.studies.control.scheduling.problem import ScheduleProblem
 from ropeway.systems.studies.control.scheduling.sample_times import sample_times
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
@@ -287,7 +287,9 @@ class ScheduleStudy:
             told = planned.solution
             expected = told.objective * size + weights.get("tension deviation", 0.0) * deviation / 2.0
             rounds.append(Round(told.status, told.iterations, told.seconds, after.seconds, expected, objective, gap))
-            report = Report(tuple(rounds), len(told.variables), len(told.multipliers), clock.perf_counter() - begin)
+            history = PlanHistory(
+                tuple(rounds), len(told.variables), len(told.multipliers), clock.perf_counter() - begin
+            )
             plan = SchedulePlan(
                 schedules=after.schedules,
                 predicted=planned.frame,
@@ -302,7 +304,7 @@ class ScheduleStudy:
                 settle=self.settle,
                 gap=gap,
                 active=active_table(planned.active, size, objective),
-                report=report,
+                history=history,
                 line=self.line,
                 start=self.start,
                 lead=self.lead,
