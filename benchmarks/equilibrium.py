@@ -91,10 +91,10 @@ def ours(build: Callable[[int], rw.System], spans: int) -> Ours:
 def hybr(model: Model) -> Other:
     """Powell's hybrid method of MINPACK from the cold start, on our compiled and scaled residual."""
     point, newton = LineState.cold(model).point, Newton(model)
-    v, *known = newton.arguments(point)
+    start, *known = newton.arguments(point)
     residual = Buffered(newton.residual)
     before = time.perf_counter()
-    found = root(lambda v: residual(v, *known)[0].copy(), v, method="hybr")
+    found = root(lambda v: residual(v, *known)[0].copy(), start, method="hybr")
     spent = time.perf_counter() - before
     if not found.success:
         return Other(spent, np.nan)

@@ -39,16 +39,16 @@ class PythonLine(Fmi2Slave):
         rest = rw.equilibrium(model)
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         state.unpin()
-        self.line = EventStepper(state, model.signals, 1e-6, lambda exact: None, lambda *a: None, lambda: lambda: None)
-        self.line.set_time(0.0)
-        self.line.solve(0.1)
+        self.stepper = EventStepper(state, model.signals, 1e-6)
+        self.stepper.line.set_time(0.0)
+        self.stepper.line.solve(0.1)
         self.place = model.y.index["c1.tension_in"]
         self.tension = 0.0
         self.register_variable(Real("tension", causality=Fmi2Causality.output))
 
     def do_step(self, current_time, step_size):
-        self.line.run_to(current_time + step_size)
-        self.tension = float(self.line.state.outputs()[self.place])
+        self.stepper.run_to(current_time + step_size)
+        self.tension = float(self.stepper.state.outputs()[self.place])
         return True
 """
 

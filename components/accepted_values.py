@@ -1,7 +1,7 @@
-"""Kinds of values that a user gives: each check returns the value as the library uses it, or raises `RefusedError`.
+"""Checks of arguments: each returns the value as the library uses it, or raises `RefusedError`.
 
-Numbers of NumPy become Python's, so that a float32 does not take digits from what it is multiplied with; a pandas
-Series becomes an array.
+NumPy numbers become Python numbers, so that a float32 does not reduce the precision of a product; a pandas Series
+becomes an array.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Check = Callable[[Any], Any]
 FINITE = "a finite number, not NaN or inf"
 
 LONGEST_NAME = 255
-"""Bytes of the longest name that file systems take."""
+"""Longest file name of common file systems [bytes]."""
 
 _TEXTS = (str, bytes, bytearray, memoryview)
 _REPR = Repr()
@@ -32,20 +32,20 @@ _REPR.maxstring = _REPR.maxother = _REPR.maxlong = 60
 
 
 class RefusedError(RopewayError):
-    """A value that is not what is `expected`; `place` says where it stands in its argument."""
+    """An invalid value; `expected` describes valid ones, `place` is its position in the argument."""
 
     def __init__(self, value: object, expected: str) -> None:
         self.value, self.expected, self.place = value, expected, ""
         super().__init__(expected)
 
     def at(self, place: str) -> RefusedError:
-        """The same, seen from its container."""
+        """The same error, located in its container."""
         self.place = f"[{place}]{self.place}"
         return self
 
 
 def short(value: object) -> str:
-    """A value in a message: its repr where that is short, or else its class."""
+    """A value in a message: its repr if short, else its class."""
     try:
         text = _REPR.repr(value)
     except Exception:  # noqa: BLE001 the repr of a user's object may raise anything
@@ -61,7 +61,7 @@ def article(word: str) -> str:
 
 
 def is_real(value: object) -> bool:
-    """Whether a value is one real number; a bool is none."""
+    """Whether a value is a real number; a Boolean is not."""
     if isinstance(value, np.ndarray):
         return value.ndim == 0 and value.dtype.kind in "iuf"
     return isinstance(value, numbers.Real) and not isinstance(value, bool)
@@ -84,7 +84,7 @@ def real(value: Any) -> Any:
 
 
 def _are_finite(values: Collection[Any]) -> bool:
-    """Whether all are finite floats: found faster for many than by `real`."""
+    """Whether all are finite floats; faster than `real` for many values."""
     return set(map(type, values)) == {float} and all(map(math.isfinite, values))
 
 
@@ -94,7 +94,7 @@ def unbounded(value: Any) -> Any:
 
 
 def whole(value: Any) -> Any:
-    """A whole number."""
+    """An integer."""
     if is_real(value) and isinstance(value, numbers.Integral):
         return int(value)
     raise RefusedError(value, "a whole number")
@@ -108,16 +108,16 @@ def truth(value: Any) -> Any:
 
 
 def path(value: Any) -> Any:
-    """A file or a folder by its path."""
+    """Path of a file or folder."""
     if not isinstance(value, (str, Path)):
         raise RefusedError(value, "the path of a file")
     if "\0" in str(value) or any(len(part.encode(errors="replace")) > LONGEST_NAME for part in Path(value).parts):
-        raise RefusedError(value, f"a path without NUL, its names of {LONGEST_NAME} bytes at most")
+        raise RefusedError(value, f"a path without NUL and with names of at most {LONGEST_NAME} bytes")
     return value
 
 
 def array(value: Any) -> Any:
-    """A number as it is; arrays, Series and nested sequences of one length as an array of numbers."""
+    """A number unchanged; arrays, Series and nested sequences as an array of numbers."""
     if isinstance(value, (list, tuple)):
         each(value, array)
     elif not (isinstance(value, np.ndarray) and value.ndim) and not hasattr(value, "to_numpy"):
@@ -132,7 +132,7 @@ def array(value: Any) -> Any:
 
 
 def _finite(found: np.ndarray) -> np.ndarray:
-    """An array of numbers as floats; the first that is not finite is refused."""
+    """An array of floats; the first that is not finite is refused."""
     bad = ~np.isfinite(found)
     if bad.any():
         place = np.argwhere(bad)[0]
@@ -141,14 +141,14 @@ def _finite(found: np.ndarray) -> np.ndarray:
 
 
 def any_array(value: Any) -> Any:
-    """An array of numbers or truth values, with NaN where there is none."""
+    """An array of numbers or Booleans; NaN is allowed."""
     if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
         return value
     raise RefusedError(value, "an array of numbers")
 
 
 def each(values: Sequence[Any], check: Check) -> list[Any]:
-    """Every element checked."""
+    """All elements checked."""
     try:
         return [check(value) for value in values]
     except RefusedError:
@@ -156,7 +156,7 @@ def each(values: Sequence[Any], check: Check) -> list[Any]:
 
 
 def _placed(values: Sequence[Any], check: Check) -> list[Any]:
-    """The same, with the place of the element that is refused."""
+    """The same, with the position of the refused element."""
     found = []
     for i, value in enumerate(values):
         try:
@@ -180,7 +180,7 @@ def _elements(value: Any, expected: str) -> Sequence[Any]:
 
 
 def sequence_of(check: Check | None, expected: str) -> Check:
-    """A sequence, every element of it checked; as it is where all its elements are."""
+    """A sequence with checked elements; the same object if nothing changes."""
 
     def sequence(value: Any) -> Any:
         if isinstance(value, np.ndarray) and check is real and value.ndim == 1 and value.dtype.kind in "iuf":
@@ -194,7 +194,7 @@ def sequence_of(check: Check | None, expected: str) -> Check:
 
 
 def tuple_of(check: Check | None, expected: str) -> Check:
-    """Any sequence as a tuple, every element of it checked."""
+    """A sequence as a tuple, with checked elements."""
 
     def alike(value: Any) -> tuple[Any, ...]:
         values = _elements(value, expected)
@@ -204,7 +204,7 @@ def tuple_of(check: Check | None, expected: str) -> Check:
 
 
 def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:
-    """A sequence of as many elements as there are checks, as a tuple."""
+    """A sequence as a tuple, with one check for each element."""
 
     def like(value: Any) -> Any:
         values = _elements(value, expected)
@@ -217,7 +217,7 @@ def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:
 
 
 def mapping_of(keys: Check | None, values: Check | None, expected: str) -> Check:
-    """A mapping, its keys and values checked."""
+    """A mapping with checked keys and values."""
 
     def mapping(value: Any) -> Any:
         if not isinstance(value, Mapping):
@@ -249,7 +249,7 @@ def instance_of(kinds: tuple[type, ...], expected: str) -> Check:
 
 
 def with_members(members: Sequence[str], expected: str) -> Check:
-    """An object, not a class, that has all these attributes."""
+    """An instance that has all these attributes."""
 
     def having(value: Any) -> Any:
         if not isinstance(value, type) and all(hasattr(value, name) for name in members):
@@ -260,14 +260,14 @@ def with_members(members: Sequence[str], expected: str) -> Check:
 
 
 def iterable(value: Any) -> Any:
-    """Several values, no text."""
+    """An iterable other than text."""
     if hasattr(value, "__iter__") and not isinstance(value, (type, *_TEXTS)):
         return value
     raise RefusedError(value, "several values")
 
 
 def function_of(count: int | None) -> Check:
-    """A function that can be called with this number of values, no class; None: whatever can be called."""
+    """A function that accepts this number of arguments, not a class; None: any callable."""
 
     def function(value: Any) -> Any:
         if not callable(value) or (count is not None and isinstance(value, type)):
@@ -278,14 +278,14 @@ def function_of(count: int | None) -> Check:
         except TypeError:
             raise RefusedError(value, f"a function of {count} arguments") from None
         except ValueError:
-            pass  # what is compiled need not say what it takes
+            pass  # compiled functions may have no signature
         return value
 
     return function
 
 
 def one_of(words: tuple[Any, ...]) -> Check:
-    """One of these words; a word near to one is named first."""
+    """One of these words; the error suggests the closest."""
     expected = f"one of {', '.join(map(repr, words))}"
 
     def word(value: Any) -> Any:
@@ -298,7 +298,7 @@ def one_of(words: tuple[Any, ...]) -> Check:
 
 
 def any_of(plain: tuple[type, ...], expected: Sequence[str], checks: Sequence[Check]) -> Check:
-    """An object of one of the `plain` classes, named in `expected`, or what one of the checks lets through."""
+    """An object of one of the `plain` classes, named in `expected`, or a value that one of the checks accepts."""
 
     def alternative(value: Any) -> Any:
         if isinstance(value, plain):
@@ -309,9 +309,9 @@ def any_of(plain: tuple[type, ...], expected: Sequence[str], checks: Sequence[Ch
                 return check(value)
             except RefusedError as refusal:
                 refusals.append(refusal)
-        for told in refusals:  # the right kind of container, or a number, tells more than all that it could be
-            if told.place or told.expected == FINITE:
-                raise told
+        for refusal in refusals:  # an error within the right container is more specific than the list of kinds
+            if refusal.place or refusal.expected == FINITE:
+                raise refusal
         raise RefusedError(value, " or ".join(dict.fromkeys((*(r.expected for r in refusals), *expected))))
 
     return alternative

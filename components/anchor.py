@@ -1,4 +1,4 @@
-"""A fixed end of a rope."""
+"""Fixed and elastic ends of a rope."""
 
 from __future__ import annotations
 
@@ -18,7 +18,22 @@ from ropeway.components.component import Equations, Kind, Node, Seat, Site, Vari
 @checked
 @dataclass(frozen=True)
 class Anchor(Node):
-    """Holds the end of a rope at a point: no travel."""
+    """A fixed end of a rope.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+
+    Raises
+    ------
+    InputError
+        An invalid name or position.
+    """
 
     role: ClassVar[str] = "anchor"
 
@@ -56,7 +71,24 @@ class Anchor(Node):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class SpringAnchor(Node):
-    """An anchor that gives way: the pull of its rope moves it from `at` by pull / `stiffness` [N/m]."""
+    """An elastic anchor: the pull of its rope displaces it by pull / stiffness.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position without pull, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    stiffness : float
+        The same in all directions [N/m].
+
+    Raises
+    ------
+    InputError
+        An invalid name or position, or a stiffness that is not positive.
+    """
 
     stiffness: float
 
@@ -107,6 +139,6 @@ class SpringAnchor(Node):
     def laws(self, v: Any) -> dict[str, laws.Law]:
         place, rest = np.stack([v.x, v.y, v.z]), np.stack([v.rest_x, v.rest_y, v.rest_z])
         found = laws.balance(v.rope.force, -v.stiffness * (place - rest))
-        # Coordinates are rounded, and a stiff spring feels it.
+        # A stiff spring amplifies the rounding errors of the coordinates.
         rounding = 1e-7 * v.stiffness * np.abs(rest).max(axis=0)
         return {f"spring_{axis}": laws.Law(law.miss, law.size + rounding) for axis, law in found.items()}

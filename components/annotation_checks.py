@@ -1,4 +1,4 @@
-"""The check that an annotation of a public signature stands for."""
+"""Checks of arguments, from the annotations of public signatures."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ropeway.components.check import POSITIVE, Range
 Array = NDArray[np.float64]
 
 Numbers = float | Array
-"""A number, or numbers side by side."""
+"""A number or an array of numbers."""
 
 Positive = Annotated[float, POSITIVE]
 PositiveNumbers = Annotated[Numbers, POSITIVE]
@@ -26,11 +26,11 @@ PositiveNumbers = Annotated[Numbers, POSITIVE]
 
 _INFINITE = "may be infinite"
 Unbounded = Annotated[float, _INFINITE]
-"""A number that may be infinite, as the stiffness of a rope that does not stretch."""
+"""A number that may be infinite, such as the stiffness of an inextensible rope."""
 
 _UNDEFINED = "may be NaN"
 Undefined = Annotated[float, _UNDEFINED]
-"""A number that is NaN where there is none."""
+"""A number that may be NaN, for a missing value."""
 
 _PLAIN: dict[Any, Check] = {
     float: accepted_values.real,
@@ -47,7 +47,7 @@ _PLURAL: dict[Any, str] = {float: "numbers", int: "whole numbers", str: "texts"}
 
 
 def check_of(hint: Any) -> Check | None:
-    """The check of an annotation, None where it allows everything. Raises TypeError for one of no known kind."""
+    """The check of an annotation; None if it allows everything. Raises TypeError for an unknown annotation."""
     if hint is Any or hint is object:
         return None
     if hint in (Numbers, ArrayLike):
@@ -82,7 +82,7 @@ def _name(kind: Any) -> str:
 
 
 def _annotated(hint: Any, extra: Any) -> Check | None:
-    """`Unbounded`, or a hint with the `Range` of its values."""
+    """Check of `Unbounded`, or of an annotation with a `Range`."""
     if extra == _INFINITE:
         return accepted_values.unbounded
     if extra == _UNDEFINED:
@@ -102,7 +102,7 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
 
 
 def _union(options: tuple[Any, ...]) -> Check | None:
-    """Any one of them. An array holds numbers: where it may stand for a sequence it is checked as one."""
+    """Check of a union. An array contains numbers: it is checked as a sequence where both are allowed."""
     checks = {option: check_of(option) for option in options}
     if None in checks.values():
         return None
@@ -143,7 +143,7 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
 
 
 def _members(protocol: Any) -> set[str]:
-    """Names of what an object must have to follow a protocol."""
+    """Attributes that a protocol requires."""
     bases = [b for b in protocol.__mro__ if _is_protocol(b) and b is not typing.Protocol]
     names = {name for b in bases for name in (*vars(b), *vars(b).get("__annotations__", {}))}
     return {name for name in names if not name.startswith("_")}

@@ -1,7 +1,7 @@
-"""The door of the library: what a user calls checks its arguments by their annotations.
+"""Argument checks of public functions, methods and classes, from their annotations.
 
-`@checked` stands on functions, methods and classes that a user calls. The annotations are resolved once, when one is
-called for the first time. Signatures, help and types stay what they are.
+Public callables are decorated with `@checked`. Annotations are resolved at the first call. Signatures, help and types
+are unchanged.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ _Target = TypeVar("_Target", bound=Callable[..., Any])
 
 
 def checked(target: _Target) -> _Target:
-    """Check the arguments of a function; of a class, those of its constructor and of its own public methods.
+    """Check the arguments of a function, or of a class's constructor and its own public methods.
 
-    A wrong kind of value, an unknown, missing or superfluous argument is an InputError.
+    A wrong type, or an unknown, missing or superfluous argument is an InputError.
     """
     if not isinstance(target, type):
-        return typing.cast(_Target, _door(target, target.__qualname__, lambda: _hints_of(target)))
+        return typing.cast(_Target, _checked_call(target, target.__qualname__, lambda: _hints_of(target)))
     kind: Any = target
     if isinstance(vars(kind).get("__init__"), FunctionType):
         constructor = kind.__init__
-        kind.__init__ = _door(constructor, kind.__name__, lambda: _hints_of(constructor, kind))
+        kind.__init__ = _checked_call(constructor, kind.__name__, lambda: _hints_of(constructor, kind))
     for name, member in list(vars(kind).items()):
         function = member.__func__ if isinstance(member, (classmethod, staticmethod)) else member
         if (not name.startswith("_") or name == "__getitem__") and isinstance(function, FunctionType):
-            door = checked(function)
-            setattr(kind, name, type(member)(door) if function is not member else door)
+            checked_call = checked(function)
+            setattr(kind, name, type(member)(checked_call) if function is not member else checked_call)
     return target
 
 
 class _Signature(NamedTuple):
-    """The arguments of a callable: their checks by name, None where everything is allowed."""
+    """Arguments of a callable: their checks by name, None if everything is allowed."""
 
     owner: str
     positional: tuple[str, ...]
@@ -50,18 +50,18 @@ class _Signature(NamedTuple):
     checks: Mapping[str, Check | None]
     rest: str
     open: bool
-    """Whether all is allowed: as the laws of a component, which the solvers call."""
+    """Whether no argument has a check, as in the equations of a component, which the solvers call."""
 
     def admit(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> tuple[Any, ...]:
-        """Positional arguments as they are used; those by name are replaced in place. Raises InputError."""
+        """Checked positional arguments; keyword arguments are replaced in place. Raises InputError."""
         checks, positional, given = self.checks, self.positional, len(args)
         if self.open and given == len(positional) and not kwargs:
             return args
         if given > len(positional) and not self.rest:
             bound = positional[:1] in (("self",), ("cls",))
             raise InputError(
-                f"{self.owner} has {given - bound} arguments without a name",
-                f"It takes {len(positional) - bound} at most",
+                f"{self.owner} has {given - bound} positional arguments",
+                f"It takes at most {len(positional) - bound}",
             )
         found = list(args)
         for i, value in enumerate(args):
@@ -88,7 +88,7 @@ class _Signature(NamedTuple):
         return tuple(found)
 
     def refused(self, name: str, refusal: RefusedError, args: tuple[Any, ...], kwargs: Mapping[str, Any]) -> InputError:
-        """The error for one argument; a component is named by its own name too."""
+        """The error for an argument; a component is identified by its own name as well."""
         owner = self.owner
         if self.checks.get("name") is not None and name != "name":
             known = dict(zip(self.positional, args, strict=False)) | dict(kwargs)
@@ -96,7 +96,7 @@ class _Signature(NamedTuple):
         return InputError(f"{owner}: {name}{refusal.place} is {short(refusal.value)}", f"Give {refusal.expected}")
 
     def unknown(self, name: str) -> InputError:
-        """The error for a keyword that the callable does not have."""
+        """The error for an unknown keyword."""
         names = [n for n in self.checks if n not in (self.rest, "self", "cls")]
         near = get_close_matches(name, names, 1)
         remedy = f"Did you mean {near[0]}?" if near else f"It has {', '.join(names) or 'no arguments'}"
@@ -104,25 +104,25 @@ class _Signature(NamedTuple):
 
 
 def _unknown(value: Any) -> Any:
-    """Stands for the check of an argument that does not exist."""
+    """Placeholder for the check of an unknown argument."""
     return value
 
 
-def _door(function: Any, owner: str, hints: Callable[[], Mapping[str, Any]]) -> Any:
+def _checked_call(function: Any, owner: str, hints: Callable[[], Mapping[str, Any]]) -> Any:
     signature = cache(lambda: _signature(function, owner, hints()))
 
     @wraps(function)
-    def door(*args: Any, **kwargs: Any) -> Any:
+    def checked_call(*args: Any, **kwargs: Any) -> Any:
         args = signature().admit(args, kwargs)
         try:
             return function(*args, **kwargs)
         except (ArithmeticError, MemoryError) as error:
             raise InputError(
-                f"{owner}: the numbers given lead beyond what a computer can hold ({type(error).__name__})",
-                "Check their units; one of them is far too large or too small",
+                f"{owner}: the values lead to numbers outside the floating-point range ({type(error).__name__})",
+                "Check their units; one value is far too large or too small",
             ) from error
 
-    return door
+    return checked_call
 
 
 def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signature:
@@ -136,8 +136,8 @@ def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signatur
             (parts,) = typing.get_args(hint)  # Unpack[a TypedDict]
             for key, kind in typing.get_type_hints(parts, include_extras=True).items():
                 checks[key] = check_of(kind)
-                said = typing.get_origin(kind)
-                if said is typing.Required or (parts.__total__ and said is not typing.NotRequired):
+                marker = typing.get_origin(kind)
+                if marker is typing.Required or (parts.__total__ and marker is not typing.NotRequired):
                     required.append(key)
             continue
         checks[name] = check_of(hint)
@@ -153,8 +153,10 @@ def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signatur
 
 
 def _hints_of(function: Any, kind: type | None = None) -> dict[str, Any]:
-    """Annotations of the arguments. Those of a constructor that are a field's mean what they do in the module of the
-    class that declares the field."""
+    """Annotations of the arguments.
+
+    Those of a constructor that belong to a field are resolved in the module of the class that declares the field.
+    """
     hints: dict[str, Any] = {}
     for name, hint in function.__annotations__.items():
         if name == "return":

@@ -22,14 +22,36 @@ Holding = Literal["bisector", "horizontal"]
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Carriage(Node):
-    """Runs on a skyline that comes in at seat a and goes out at seat b, and carries `payload` besides its own
-    `mass` [kg]. Its place is found from the balance of all forces on it; `at` is where the search starts.
+    """A carriage on a skyline; its position follows from the balance of all forces on it.
 
-    Rolling: equal skyline tension on both sides; `travel` is the skyline that has run through it. clamped: it
-    keeps its place on the skyline, `travel` is given. holding: without a mainline an ideal force [N] keeps it
-    at its x: along the bisector of the skyline's tangents ("bisector") or horizontal ("horizontal"), positive
-    towards a. depth: from the skyline down to the lowest point of the load [m]. Mainline, haulback and
-    dropline may stay open. Raises InputError.
+    The skyline arrives at seat a and leaves at seat b. On a rolling carriage the skyline has the same tension on both
+    sides, and `travel` is the length of skyline that has run through it. The ends for mainline, haulback and dropline
+    may stay open.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, default (0, 0, 0)
+        Initial guess of its position, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    mass : float
+        Mass of the empty carriage [kg].
+    payload : float, default 0
+        Mass of the payload [kg].
+    clamped : bool, default False
+        Whether it is clamped to the skyline: `travel` is then given.
+    holding : {None, "bisector", "horizontal"}
+        Direction of an ideal force that holds the carriage at its x instead of a mainline: along the bisector of the
+        skyline's tangents, or horizontal; positive towards a.
+    depth : float, default 0
+        Distance from the skyline down to the lowest point of the load [m].
+
+    Raises
+    ------
+    InputError
+        A negative mass, payload or depth, or a clamped carriage with a holding force.
     """
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -49,16 +71,16 @@ class Carriage(Node):
                 f"{self.described}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None'
             )
         if self.clamped and self.holding is not None:
-            raise InputError(f"{self.described} is clamped and held", "The clamp holds it: leave holding out")
+            raise InputError(f"{self.described} is clamped and has a holding force", "The clamp holds it: omit holding")
 
     @property
     def a(self) -> Seat:
-        """Where the skyline comes in."""
+        """Where the skyline arrives."""
         return Seat(self, "a", travel="travel")
 
     @property
     def b(self) -> Seat:
-        """Where the skyline goes out."""
+        """Where the skyline leaves."""
         return Seat(self, "b", travel="travel")
 
     @property
@@ -89,7 +111,7 @@ class Carriage(Node):
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
-        # An ideal holding force follows the rope: the balance has no stiffness matrix of its own.
+        # The direction of an ideal holding force depends on the rope: the balance has no symmetric stiffness matrix.
         return () if self.holding is not None else tuple((axis, f"balance_{axis}") for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
@@ -98,8 +120,8 @@ class Carriage(Node):
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT
         x, y, z = self.at
-        force, near = site.force, 0.01 * site.force
-        travel = "unstretched skyline that has run through"
+        force, scale = site.force, 0.01 * site.force
+        travel = "unstretched length of skyline that has run through"
         return (
             Variable("x", alg if self.holding is None else par, "m", "x of the carriage", x, 100.0),
             Variable("y", alg, "m", "y of the carriage", y, 100.0),
@@ -108,7 +130,7 @@ class Carriage(Node):
             Variable("payload", par, "kg", "mass of the payload", self.payload, 1000.0, range=NOT_NEGATIVE),
             Variable("travel", par if self.clamped else alg, "m", travel, 0.0, site.length),
             *([] if self.holding is None else [Variable("holding", alg, "N", "holding force", 0.0, force)]),
-            *(Variable(f"balance_{axis}", res, "N", f"forces on the carriage, {axis}", 0.0, near) for axis in "xyz"),
+            *(Variable(f"balance_{axis}", res, "N", f"forces on the carriage, {axis}", 0.0, scale) for axis in "xyz"),
             *([] if self.clamped else [Variable("tension_law", res, "N", "skyline tension on both sides", 0.0, force)]),
             Variable("tension_a", out, "N", "skyline tension at the carriage, side a", nominal=force),
             Variable("tension_b", out, "N", "skyline tension at the carriage, side b", nominal=force),
@@ -118,16 +140,19 @@ class Carriage(Node):
         )
 
     def total(self, v: Any, a: Vector, b: Vector, lines: tuple[Vector, ...]) -> list[Any]:
-        """Sum of the forces on the carriage: of the skyline on its two sides, its lines, an ideal holding force
-        and its weight."""
+        """Sum of all forces on the carriage: skyline, other ropes, ideal holding force, weight [N]."""
         held = (0.0, 0.0, 0.0)
         if self.holding is not None:
             tension_a, tension_b = norm(a), norm(b)
-            way = [a[i] / tension_a - b[i] / tension_b for i in range(3)]
+            direction = [a[i] / tension_a - b[i] / tension_b for i in range(3)]
             if self.holding == "horizontal":
-                way[2] = 0.0 * way[2]
-            length = norm((way[0], way[1], way[2]))
-            held = (v.holding * way[0] / length, v.holding * way[1] / length, v.holding * way[2] / length)
+                direction[2] = 0.0 * direction[2]
+            length = norm((direction[0], direction[1], direction[2]))
+            held = (
+                v.holding * direction[0] / length,
+                v.holding * direction[1] / length,
+                v.holding * direction[2] / length,
+            )
         total = [a[i] + b[i] + sum(pull[i] for pull in lines) + held[i] for i in range(3)]
         total[2] = total[2] - (v.mass + v.payload) * v.gravity
         return total
@@ -151,10 +176,10 @@ class Carriage(Node):
 
     def _holding_force(self, v: Any, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """The ideal holding force in `laws`, from the unit vectors of the skyline's pulls on both sides, (3, ...)."""
-        way = a - b
+        direction = a - b
         if self.holding == "horizontal":
-            way[2] = 0.0
-        return np.asarray(v.holding * way / laws.tension(way))
+            direction[2] = 0.0
+        return np.asarray(v.holding * direction / laws.tension(direction))
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
         ropes = [getattr(v, seat.name).force for seat in self.seats]

@@ -1,4 +1,4 @@
-"""A carriage that stands on the shoe of an intermediate support."""
+"""A carriage on the shoe of an intermediate support."""
 
 from __future__ import annotations
 
@@ -21,12 +21,39 @@ from ropeway.components.intermediate_support import IntermediateSupport
 @checked
 @dataclass(frozen=True, kw_only=True)
 class CarriageOnShoe(Carriage):
-    """A carriage in contact with the shoe of a smooth `support`: both are one node of the skyline. The rope on
-    either side leaves at the carriage, or lies on the shoe beyond it, and leaves along it there.
+    """A carriage in contact with the shoe of a support without friction; both are one node of the skyline.
 
-    mainline_on_roller: the mainline, from the side of smaller x, lies on a roller of the shoe's arc in the same
-    way. The contact holds in both directions: where `shoe_force`, of the shoe on the carriage, is negative, the
-    carriage has left the shoe. It carries the outputs of its support as well. Raises InputError.
+    On either side the skyline leaves at the carriage, or it lies on the shoe beyond the carriage and leaves the shoe
+    tangentially. The contact acts in both directions: where `shoe_force`, the force of the shoe on the carriage, is
+    negative, the carriage has lifted off. The outputs of the support are included.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, default (0, 0, 0)
+        Initial guess of its position, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    mass : float
+        Mass of the empty carriage [kg].
+    payload : float, default 0
+        Mass of the payload [kg].
+    clamped : bool, default False
+        Whether it is clamped to the skyline.
+    holding : {None, "bisector", "horizontal"}
+        Direction of an ideal holding force, as of a `Carriage`.
+    depth : float, default 0
+        Distance from the skyline down to the lowest point of the load [m].
+    support : IntermediateSupport
+        The support; its saddle has a radius and no friction.
+    mainline_on_roller : bool, default False
+        Whether the mainline, from the side of smaller x, lies on a roller with the arc of the shoe.
+
+    Raises
+    ------
+    InputError
+        The support has no radius, or friction; or invalid values of a `Carriage`.
     """
 
     support: IntermediateSupport
@@ -39,19 +66,22 @@ class CarriageOnShoe(Carriage):
 
     @property
     def a(self) -> Seat:
+        """Where the skyline arrives."""
         return replace(super().a, offset="a")
 
     @property
     def b(self) -> Seat:
+        """Where the skyline leaves."""
         return replace(super().b, offset="b")
 
     @property
     def mainline(self) -> Seat:
+        """Where the mainline ends."""
         return replace(super().mainline, offset="mainline" if self.mainline_on_roller else None)
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
-        return ()  # what holds it across its way is the shoe
+        return ()  # the shoe guides it
 
     def limits(self) -> tuple[Limit, ...]:
         return (Limit("shoe_force", "carriage off its shoe", low=0.0), *self.support.limits())
@@ -92,7 +122,7 @@ class CarriageOnShoe(Carriage):
             seat = getattr(v, name)
             along = shoe.towards_b(normal) if name == "b" else shoe.towards_a(normal)
             below = shoe.turn(seat.force, normal, along)
-            laid = shoe.side(shoe.not_below(below), normal, along, v.radius, seat.force, seat.carried)
+            laid = shoe.side(shoe.contact_angle(below), normal, along, v.radius, seat.force, seat.carried)
             residuals.update(shoe.side_residuals(v, name, laid, -1 if name == "b" else 1))
             acting[name] = shoe.pull(norm(seat.force), laid.turn - below, normal, along)
         total = self.total(v, acting["a"], acting["b"], (acting["mainline"], v.haulback.force, v.dropline.force))
@@ -101,7 +131,7 @@ class CarriageOnShoe(Carriage):
         pressed = -(total[0] * normal[0] + total[2] * normal[1])
         if not self.clamped:
             residuals["tension_law"] = norm(v.b.force) - norm(v.a.force)
-        # On the shoe: the carriage, and the rope where it lies on it.
+        # Load on the shoe: the carriage, and the rope that lies on it.
         on = [v.a.force[i] - acting["a"][i] + v.b.force[i] - acting["b"][i] for i in range(3)]
         load = (on[0] - pressed * normal[0], on[1], on[2] - pressed * normal[1])
         wheel = IntermediateSupport.wheel_equations(v)
@@ -121,7 +151,7 @@ class CarriageOnShoe(Carriage):
         found = {"contact": laws.Law(np.hypot(*here) - v.radius, v.radius)}
         for name in self._sides:
             found.update(shoe.laws_of_side(v, name, here, free=True))
-        # All that the shoe presses with, on the carriage and on the ropes, goes through its centre.
+        # The forces of the shoe, on the carriage and on the ropes, pass through its centre.
         pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity)], np.zeros(1)
         for seat in self.seats:
             pulls.append(getattr(v, seat.name).force)
@@ -129,20 +159,19 @@ class CarriageOnShoe(Carriage):
                 x, z = getattr(v, f"{seat.offset}_x"), getattr(v, f"{seat.offset}_z")
                 moment = moment + shoe.moment((x, z), pulls[-1])
         if self.holding is not None:
-            pulls.append(self._held(v, here))
+            pulls.append(self._holding_on_shoe(v, here))
         total, size = sum(pulls[1:], pulls[0]), sum((laws.tension(f) for f in pulls), np.zeros(1))
         found["balance"] = laws.Law((moment + shoe.moment(here, total)) / v.radius, size)
         if not self.clamped:
             found["tension_law"] = laws.ratio(v.a.force, v.b.force)
         return found
 
-    def _held(self, v: Any, here: tuple[Any, Any]) -> np.ndarray:
-        """The ideal holding force, along the ropes as they pull at the carriage: where they lie on the shoe, along
-        it."""
-        ways = []
+    def _holding_on_shoe(self, v: Any, here: tuple[Any, Any]) -> np.ndarray:
+        """The ideal holding force, from the tangents of the ropes at the carriage."""
+        directions = []
         for name, side in (("a", -1.0), ("b", 1.0)):
             force = getattr(v, name).force
             on_it = np.stack([side * here[1], 0.0 * here[0], -side * here[0]]) / v.radius
             laid = np.abs(getattr(v, f"{name}_rope")) > 1e-9 * v.radius
-            ways.append(np.where(laid, on_it, force / laws.tension(force)))
-        return self._holding_force(v, *ways)
+            directions.append(np.where(laid, on_it, force / laws.tension(force)))
+        return self._holding_force(v, *directions)

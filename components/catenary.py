@@ -1,10 +1,10 @@
 """The closed-form elastic cable: one load-free segment, and the sums of a span with loads.
 
-One implementation for numbers, NumPy arrays and CasADi symbols alike. A segment starts with the tension
+One implementation serves numbers, NumPy arrays and CasADi symbols. A segment starts with the tension
 vector `force` = (fx, fy, v): its components in the direction of travel, z up, so that v > 0 where the rope
-rises. With w the weight and d the length per unstretched metre, these forms follow
+rises. With w the weight per unstretched metre and d the unstretched length, these forms follow
 from Irvine's and Sinclair's sums (Turk 1988, eq. 2.48-2.52 and 2.111-2.116, corrected) by taking the
-differences analytically: no asinh difference, nothing cancels, d -> 0, slack, steep and taut pieces alike.
+differences analytically: there is no difference of asinh and no cancellation for short, slack, steep or taut pieces.
 The strain law is eps(T) = c1 T + c2 T^2 (c1 = 1/EA elastic, c2 construction stretch; Lyons 2008, eq. 14).
 """
 
@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 
-_PLUMB = 1e-280
-"""Square of a horizontal force [N2] that changes nothing and keeps a plumb rope's angle finite."""
+_VERTICAL = 1e-280
+"""Square of a negligible horizontal force [N2], which keeps the angle of a vertical rope finite."""
 
 Vector = tuple[Any, Any, Any]
 """Three components, each a float, an array or a CasADi symbol."""
@@ -34,7 +34,7 @@ class Strain(NamedTuple):
         return tension * (self.c1 + self.c2 * tension)
 
     def potential(self, tension: Any) -> Any:
-        """Integral of (1 + eps) dT [N]: along a load-free piece it changes by w times the height gained.
+        """Integral of (1 + eps) dT [N]: along a load-free piece it increases by w times the rise.
 
         T + T^2/(2 EA) for an elastic rope.
         """
@@ -62,12 +62,12 @@ def norm(force: Vector) -> Any:
 def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
     """Reach and end force of a load-free piece of `length` [m, unstretched] and `weight` [N/m].
 
-    A folded rope too, whose two parts hang side by side from its ends without a horizontal force.
+    Also for a folded rope, whose two parts hang vertically from its ends.
     """
     fx, fy, v0 = force
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy + _PLUMB
+    h2 = fx * fx + fy * fy + _VERTICAL
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     angle = _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
@@ -79,11 +79,11 @@ def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
 
 
 def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:
-    """atanh(gain / (t0 + t1)) for gain = v1 - v0 not below 0, half of what asinh(v / h) gains along a piece; written so
-    that nothing cancels near a fold, where the argument is all but one."""
+    """atanh(gain / (t0 + t1)) for gain = v1 - v0 not below 0, half of the increase of asinh(v / h) along a piece;
+    written without cancellation near a fold, where the argument approaches one."""
     if xp is np:
         share = gain / (t0 + t1)
-        # NumPy's log1p of complex numbers, whose parts are derivatives, is not exact near zero.
+        # NumPy's log1p is inaccurate near zero for complex numbers (complex-step derivatives).
         if np.iscomplexobj(share) or np.max(share, initial=0.0) < 0.9:
             return np.arctanh(share)
     choose = ca.if_else if xp is ca else np.where
@@ -106,7 +106,7 @@ def _integrals(force: Vector, weight: Any, length: Any) -> _Integrals:
     fx, fy, v0 = force
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy + _PLUMB
+    h2 = fx * fx + fy * fy + _VERTICAL
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     vertical = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
@@ -121,7 +121,7 @@ def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) ->
 
 
 class Energy(NamedTuple):
-    """Energy of a load-free piece [J]: elastic, and of its weight over the height of its start."""
+    """Energies of a load-free piece [J]: elastic, and of its weight relative to the height of its start."""
 
     elastic: Any
     gravity: Any
@@ -143,10 +143,10 @@ def energy(force: Vector, weight: Any, length: Any, c1: Any) -> Energy:
 def loaded(
     force: Vector, weight: Any, strain: Strain, length: Any, distances: Sequence[Any], loads: Sequence[Any]
 ) -> list[Segment]:
-    """A span with point loads: its stations one after the other, as seen from its start.
+    """Stations of a span with point loads, relative to its start.
 
-    `distances` [m, unstretched, from the start, in order] and `loads` [N, downward]. The result holds for
-    each load, and last for the span's end, the vector from the span's start and the tension vector just
+    `distances` [m, unstretched, from the start, in order] and `loads` [N, downward]. The result has an
+    element for each load and a last one for the end: the vector from the start and the tension vector just
     before the load.
     """
     stations: list[Segment] = []

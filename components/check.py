@@ -1,4 +1,4 @@
-"""Checks of what a user gives a component: finite, positive, a legal name, a point."""
+"""Checks of a component's values: finite, positive, a valid name, a point."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class Range(NamedTuple):
-    """Values that a variable may have: up to `most` and from `least` on, or only above it."""
+    """Values that a variable may have: from `least` (or only above it) to `most`."""
 
     least: float = -math.inf
     most: float = math.inf
@@ -31,7 +31,7 @@ class Range(NamedTuple):
         return f"a number {', '.join(filter(None, (least, most)))}".rstrip()
 
     def refuses(self, value: float) -> str | None:
-        """What a value must be, where it is not that."""
+        """The allowed range in words if a value is outside it."""
         inside = self.least <= value <= self.most and not (self.above and value == self.least)
         return None if inside else self.words
 
@@ -40,7 +40,7 @@ ANY, POSITIVE, NOT_NEGATIVE, SHARE = Range(), Range(0.0, above=True), Range(0.0)
 
 
 class PartName(str):
-    """The name of a component of a subsystem, with dots: made by `System.add` only."""
+    """Dotted name of a component in a subsystem; only `System.add` makes one."""
 
     __slots__ = ()
 
@@ -56,16 +56,16 @@ def name(value: str, what: str) -> None:
 def number(value: object, owner: str, field: str, unit: str = "", within: Range = ANY) -> None:
     """A finite number within a range."""
     try:
-        refused = within.refuses(accepted_values.real(value))
+        refusal_text = within.refuses(accepted_values.real(value))
     except accepted_values.RefusedError as refusal:
-        refused = refusal.expected
-    if refused:
+        refusal_text = refusal.expected
+    if refusal_text:
         of_unit = f" [{unit}]" if unit else ""
-        raise InputError(f"{owner}: {field} is {accepted_values.short(value)}", f"Give {refused}{of_unit}")
+        raise InputError(f"{owner}: {field} is {accepted_values.short(value)}", f"Give {refusal_text}{of_unit}")
 
 
 def positive(value: float, owner: str, field: str, unit: str = "", *, infinite: bool = False) -> None:
-    """A number above zero; `inf` only where it is allowed."""
+    """A number above zero; `inf` only if `infinite`."""
     if not (infinite and value == math.inf):
         number(value, owner, field, unit, POSITIVE)
 
@@ -76,19 +76,19 @@ def not_negative(value: float, owner: str, field: str, unit: str = "") -> None:
 
 
 def index(value: int, count: int, owner: str, field: str) -> None:
-    """The number of one of `count` things, counted from 0."""
+    """Number of one of `count` items, counted from 0."""
     if not 0 <= value < count:
         raise InputError(f"{owner}: {field} is {value}", f"Give 0 to {count - 1}" if count else "There is none")
 
 
 MOST = 50_000_000
-"""Stations, cases or records that one call may ask for."""
+"""Largest number of stations, cases or records of one call."""
 
 
 def count(value: float, owner: str, what: str, most: int = MOST) -> None:
-    """A number of things to make that a computer can hold."""
+    """A number of items that fits into memory."""
     if not value <= most:
-        raise InputError(f"{owner} would make {value:.3g} {what}", f"Ask for {most:,} at most")
+        raise InputError(f"{owner} would make {value:.3g} {what}", f"The limit is {most:,}")
 
 
 def share(value: float, owner: str, field: str) -> None:

@@ -1,10 +1,9 @@
 """What every component is: a named frozen dataclass with variables, ports and equations.
 
-A component that a rope runs over, or ends at, is a node: its seats have a position and a rope travel. A rope
-piece has rope ends: they take position and travel from the seats they are connected to, and give back a
-force. `equations` is the only place with a component's physics. It is called once per kind of component
-(class and structure) with CasADi symbols, never with a particular component's numbers; those stand in
-`variables`.
+A node is a component that a rope runs over or ends at: its seats have a position and a rope travel. A piece of rope has
+rope ends, which take position and travel from the seats that they are connected to, and return a force. `equations` is
+the only place with a component's physics. It is called once for each form of a component (class and structure), on
+CasADi symbols. The numbers of a component are in `variables`.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from ropeway.components.schedule import Schedule
 
 
 class Kind(Enum):
-    """The part that a variable plays in the differential-algebraic equations."""
+    """The role of a variable in the differential-algebraic equations."""
 
     PARAMETER = "parameter"
     INPUT = "input"
@@ -39,11 +38,34 @@ class Kind(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable of a component. `value` is a parameter's value or an unknown's start; with `size` above 1
-    the variable is an array. `freed_by` names the parameter that is freed when this output is solved for;
-    `range`: values that a parameter may have; `kept_at_rest`: `equilibrium` leaves this state at its value, as the
-    travel of a drum that holds its rope, instead of solving for a rate of zero; `hidden`: results do not show
-    it, and number its entries."""
+    """A variable of a component.
+
+    Parameters
+    ----------
+    name : str
+        Identifier within the component.
+    kind : Kind
+        Its role in the equations.
+    unit : str
+        Symbol of its SI unit; "1" without a unit.
+    description : str
+        Text in tables and FMUs.
+    value : float or tuple of float, default 0
+        Value of a parameter; initial guess or initial value of an unknown.
+    nominal : float, default 1
+        Typical magnitude, by which it is scaled.
+    size : int, default 1
+        Number of elements; above 1 it is an array.
+    freed_by : str, optional
+        Parameter that is freed when this output is solved for.
+    range : Range, optional
+        Valid values of a parameter.
+    kept_at_rest : bool, default False
+        Whether `equilibrium` keeps this state at its value, such as the travel of a drum, instead of solving for a rate
+        of zero.
+    hidden : bool, default False
+        Whether results omit it.
+    """
 
     name: str
     kind: Kind
@@ -60,8 +82,17 @@ class Variable:
 
 @dataclass(frozen=True, slots=True)
 class Site:
-    """What a component knows of its surroundings: typical `force` [N] and `length` [m] for scaling, and for
-    a span its number of load `slots` and the `tension` vector [N] at its end a to start from."""
+    """Surroundings of a component.
+
+    Parameters
+    ----------
+    force, length : float
+        Typical force [N] and length [m], for scaling.
+    slots : int, default 0
+        Number of load slots of a span.
+    tension : tuple of float, default (0, 0, 0)
+        Initial guess of the tension vector at end a of a span [N].
+    """
 
     force: float
     length: float
@@ -71,7 +102,7 @@ class Site:
 
 @dataclass(frozen=True, slots=True)
 class Port:
-    """A place where a component is joined to another."""
+    """A connection point of a component."""
 
     owner: Component = field(repr=False)
     name: str
@@ -82,37 +113,59 @@ class Port:
 
 @dataclass(frozen=True, slots=True)
 class RopeEnd(Port):
-    """An end of a rope piece. In equations: `position` and `travel`; the component returns its force."""
+    """An end of a piece of rope.
+
+    In equations it has `position` and `travel`; the component returns the force at it.
+
+    Parameters
+    ----------
+    owner : Component
+        The component.
+    name : str
+        Identifier of the port.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Outlet(Port):
-    """Where a source, as a power unit, feeds any number of other components."""
+    """Port of a source, as a power unit, that feeds any number of other components."""
 
 
 @dataclass(frozen=True, slots=True)
 class Supply(Port):
-    """Where a component, as a drive, is fed by a source."""
+    """Port of a component, as a drive, that a source feeds."""
 
 
 @dataclass(frozen=True, slots=True)
 class SignalOutput(Port):
-    """An output or state that drives inputs of other components, any number of them."""
+    """An output or state that drives inputs of any number of other components."""
 
 
 @dataclass(frozen=True, slots=True)
 class SignalInput(Port):
-    """An input that another component may drive."""
+    """An input that another component can drive."""
 
 
 @dataclass(frozen=True, slots=True)
 class Seat(Port):
-    """Where a rope sits on a node. In equations: `force` of the rope on the node [N], rope `speed` [m/s], and
-    `carried`, the energy that each metre of the rope's travel brings or takes, T + T^2/2EA [N].
+    """Where a rope sits on a node.
 
-    `travel` names the node's variable with the rope's travel; None where the rope is fixed to the node. An
-    `optional` seat may stay empty: no force acts there. `offset`: where the rope leaves the node beside its place,
-    the variables `OFFSET_x` and `OFFSET_z` say how far [m], and `OFFSET_rope` adds to the travel there [m].
+    In equations it has the `force` of the rope on the node [N], the rope `speed` [m/s], and `carried`, the energy that
+    each metre of rope carries in or out, T + T^2/2EA [N].
+
+    Parameters
+    ----------
+    owner : Component
+        The component.
+    name : str
+        Identifier of the port.
+    travel : str, optional
+        The variable of the node with the rope's travel; None where the rope is fixed to the node.
+    optional : bool, default False
+        Whether the seat may stay empty; the force is then zero.
+    offset : str, optional
+        Prefix of the variables with the point where the rope leaves the node: `OFFSET_x` and `OFFSET_z` from the
+        position of the node [m]; `OFFSET_rope` adds to the travel there [m].
     """
 
     travel: str | None = None
@@ -122,8 +175,21 @@ class Seat(Port):
 
 @dataclass(frozen=True, slots=True)
 class Equations:
-    """What `equations` returns, by name: rates of the states, residuals (all zero), outputs, and for each
-    rope end the force on the component and the energy `carried` per metre of rope, T + T^2/2EA [N]."""
+    """What `equations` returns, by name.
+
+    Parameters
+    ----------
+    rates : mapping of str, optional
+        Time derivatives of the states.
+    residuals : mapping of str, optional
+        Residuals, which are zero in a solution.
+    outputs : mapping of str, optional
+        Outputs.
+    forces : mapping of str, optional
+        Force on the component at each rope end, a vector [N].
+    carried : mapping of str, optional
+        Energy that each metre of rope carries at each rope end, T + T^2/2EA [N].
+    """
 
     rates: Mapping[str, Any] = field(default_factory=dict)
     residuals: Mapping[str, Any] = field(default_factory=dict)
@@ -133,8 +199,17 @@ class Equations:
 
 
 class Energies(NamedTuple):
-    """Of a component in a run: `kinetic` energy [J], `loss` [W], and the work `supplied` from outside so far [J], as by
-    a weight that sinks; arrays over the records, or zero."""
+    """Energies of a component in a run, arrays over its records.
+
+    Parameters
+    ----------
+    kinetic : array_like, default 0
+        Kinetic energy [J].
+    loss : array_like, default 0
+        Power lost [W].
+    supplied : array_like, default 0
+        Work done from outside since the start [J], such as by a falling weight.
+    """
 
     kinetic: Any = 0.0
     loss: Any = 0.0
@@ -142,7 +217,7 @@ class Energies(NamedTuple):
 
 
 def _alone(component: Any) -> Hashable:
-    """All values of a component; itself where one of them has no hash."""
+    """All values of a component as a key; the component itself if a value has no hash."""
     try:
         hash(component)
     except TypeError:
@@ -152,20 +227,33 @@ def _alone(component: Any) -> Hashable:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Alone:
-    """Equal to nothing else; it keeps the component, so that no other one takes its place in memory."""
+    """A key that equals only itself. It holds the component, so that no other object reuses its address."""
 
     component: Any
 
 
 def form_of(part: Any) -> Hashable:
-    """Of what a component is made of, as its drive: its type and what shapes its equations where its own class says
-    that by `structure`; else all its values. Frozen dataclasses are both equal and hashable by these."""
+    """Key of a part, such as a drive: its type and what determines its equations.
+
+    A class states that in its own `structure`; for others all values count. Frozen dataclasses compare and hash by
+    these.
+    """
     return (type(part), part.structure) if "structure" in vars(type(part)) else part
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """An output that must stay within `low` and `high`; `event` says what happens when it does not."""
+    """An output that must stay within bounds.
+
+    Parameters
+    ----------
+    output : str
+        Name of the output.
+    event : str
+        What is reported when it leaves the bounds.
+    low, high : float, optional
+        Bounds; by default none.
+    """
 
     output: str
     event: str
@@ -176,8 +264,16 @@ class Limit:
 @checked
 @dataclass(frozen=True)
 class Component(ABC):
-    """A thing with a name. `equations(v)` reads its variables and ports as attributes of `v`, besides
-    `v.time` [s] and `v.gravity` [m/s2]. `external`: it calls compiled code, which takes no scalar symbols."""
+    """Base class of all components.
+
+    A component of your own is a frozen dataclass that inherits from this one, or from `Node` if a rope sits on it.
+    `external`: whether its equations call compiled code, which takes no scalar symbols.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    """
 
     external: ClassVar[bool] = False
     name: str
@@ -192,22 +288,53 @@ class Component(ABC):
 
     @abstractmethod
     def variables(self, site: Site) -> tuple[Variable, ...]:
-        """This component's variables with its own values, starts and nominals."""
+        """Variables with this component's values, initial guesses and nominals.
+
+        Parameters
+        ----------
+        site : Site
+            Typical force and length, for nominals; number of load slots.
+
+        Returns
+        -------
+        tuple of Variable
+            Parameters, inputs, states, unknowns, residuals and outputs.
+        """
 
     @abstractmethod
     def equations(self, v: Any) -> Equations:
-        """The physics, on symbols."""
+        """The physics, on symbols.
+
+        Parameters
+        ----------
+        v : object
+            The variables and ports as attributes, `v.time` [s] and `v.gravity` [m/s2].
+
+        Returns
+        -------
+        Equations
+            Rates, residuals, outputs and forces. No Python `if` on a symbol.
+        """
 
     def laws(self, v: Any) -> Mapping[str, Law]:
-        """What holds at rest, by the name of the residual that says the same: an independent check of `equations`,
-        on NumPy arrays with one column for each component of the kind. `v` has the variables, `v.gravity`, and each
-        seat with the `force` of its rope (3, ...) [N] and the rope's `speed` [m/s]. A residual without a law is
-        checked by its own value."""
+        """What holds at rest: a check that is independent of `equations`.
+
+        Parameters
+        ----------
+        v : object
+            The variables as NumPy arrays with a column for each component of the form, `v.gravity`, and each seat with
+            the `force` of its rope (3, ...) [N] and the rope's `speed` [m/s].
+
+        Returns
+        -------
+        mapping of str to Law
+            A law for each residual, by its name. A residual without a law is checked by its own value.
+        """
         return {}
 
     @property
     def has_laws(self) -> bool:
-        """Whether `laws` are of these equations: a subclass with equations of its own does not keep its parent's."""
+        """Whether `laws` belong to these equations: a subclass that overrides `equations` loses those of its parent."""
         laws, equations = (next(k for k in type(self).__mro__ if n in vars(k)) for n in ("laws", "equations"))
         return laws is not Component and issubclass(laws, equations)
 
@@ -236,29 +363,100 @@ class Component(ABC):
         return {}
 
     def limits(self) -> tuple[Limit, ...]:
-        """What is reported when it happens."""
+        """Outputs that must stay within bounds.
+
+        Returns
+        -------
+        tuple of Limit
+            Each is reported as an event when its output leaves the bounds.
+        """
         return ()
 
     def energies(self, read: Callable[[str], Any]) -> Energies:
-        """What `Result.energy` counts besides the work on ropes; read(name): a variable of the component over time."""
+        """Energies that `Result.energy` counts besides the work on ropes.
+
+        Parameters
+        ----------
+        read : callable
+            `read(name)` returns a variable of the component over time.
+
+        Returns
+        -------
+        Energies
+            Arrays over the records of the run.
+        """
         return Energies()
 
     def output(self, name: str) -> SignalOutput:
-        """An output or a state by its name, to be connected to inputs. Raises UnknownNameError."""
+        """An output or a state, to be connected to inputs.
+
+        Parameters
+        ----------
+        name : str
+            Name of the output or state.
+
+        Returns
+        -------
+        SignalOutput
+            For `System.connect`.
+
+        Raises
+        ------
+        UnknownNameError
+            The component has no such output or state.
+        """
         self._require(name, Kind.OUTPUT, Kind.STATE)
         return SignalOutput(self, name)
 
     def input(self, name: str) -> SignalInput:
-        """An input by its name, to be connected to an output. Raises UnknownNameError."""
+        """An input, to be connected to an output.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+
+        Returns
+        -------
+        SignalInput
+            For `System.connect`.
+
+        Raises
+        ------
+        UnknownNameError
+            The component has no such input.
+        """
         self._require(name, Kind.INPUT)
         return SignalInput(self, name)
 
     def unit_of(self, name: str) -> str:
-        """The unit of a variable; "" where it is not known."""
+        """Unit of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of the variable.
+
+        Returns
+        -------
+        str
+            Its symbol; "" if it is unknown.
+        """
         return next(v.unit for v in self.variables(Site(1.0, 1.0)) if v.name == name)
 
     def driver(self, name: str) -> float | Schedule | None:
-        """What drives an input that is not connected; None where it is left open."""
+        """Value of an input that is not connected.
+
+        Parameters
+        ----------
+        name : str
+            Name of the input.
+
+        Returns
+        -------
+        float, Schedule or None
+            None leaves it open as an input of the model.
+        """
         driver: float | Schedule | None = getattr(self, name, None)
         return driver
 
@@ -269,16 +467,37 @@ class Component(ABC):
             raise UnknownNameError(f"{self.name!r} has no {what} {name!r}", f"It has {', '.join(known[:12]) or 'none'}")
 
     def structure(self, site: Site) -> Hashable:
-        """What shapes the equations besides the values of the variables.
+        """What determines the form of the equations besides the values of the variables.
 
-        A class that defines this shares one function among all its components of equal structure: its equations may
-        use numbers of the component only as variables, or through what is returned here. Each component of another
-        class, a subclass too, has a function of its own.
+        Components of one class that defines this, and of equal structure, share one CasADi function. Their equations
+        may use numbers of the component only as variables, or through the value returned here. A subclass has a
+        function of its own.
+
+        Parameters
+        ----------
+        site : Site
+            Number of load slots.
+
+        Returns
+        -------
+        hashable
+            By default all values of the component.
         """
         return _alone(self)
 
     def form(self, site: Site) -> Hashable:
-        """Components of equal form have equal equations."""
+        """Key of the equations: components of equal form have equal equations.
+
+        Parameters
+        ----------
+        site : Site
+            Number of load slots.
+
+        Returns
+        -------
+        hashable
+            Class, structure and number of load slots.
+        """
         shared = "structure" in vars(type(self))
         return (type(self), self.structure(site) if shared else _alone(self), site.slots)
 
@@ -286,13 +505,22 @@ class Component(ABC):
 @checked
 @dataclass(frozen=True)
 class Node(Component):
-    """A component at a place `at` = (x, z) or (x, y, z) [m], where ropes sit. `label`: any text, which pictures and
-    messages show; by default its name."""
+    """A component with a position, where ropes sit.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    """
 
     interchangeable: ClassVar[bool] = False
-    """Whether a rope takes any seat that is still open."""
+    """Whether a rope can take any open seat."""
     role: ClassVar[str] = "other support"
-    """What pictures call it: supports of one role have one marker."""
+    """Its name in pictures: supports of one role have one marker."""
 
     at: tuple[float, ...]
     label: str = field(default="", kw_only=True)
@@ -304,7 +532,7 @@ class Node(Component):
 
     @property
     def described(self) -> str:
-        """How error messages name it."""
+        """Class and label, for error messages."""
         return f"{type(self).__name__} {self.label!r}"
 
     @property
@@ -324,11 +552,12 @@ class Node(Component):
 
     @property
     def ports(self) -> tuple[Port, ...]:
+        """The seats."""
         return self.seats
 
     @property
     def drive_speed(self) -> str | None:
-        """Name of the variable with the commanded or driven rope speed; None if it does not drive."""
+        """Variable with the commanded or driven rope speed; None if the node does not drive the rope."""
         return None
 
     @property
@@ -337,12 +566,23 @@ class Node(Component):
         return None
 
     def through(self, seat: Seat) -> Seat | None:
-        """The seat where the rope that arrives at `seat` goes on; None where it ends."""
+        """The seat where the rope that arrives at a seat leaves.
+
+        Parameters
+        ----------
+        seat : Seat
+            Where the rope arrives.
+
+        Returns
+        -------
+        Seat or None
+            None where the rope ends.
+        """
         return None
 
     @property
     def kept_tension(self) -> float | None:
-        """Tension that the node keeps by letting rope run [N]; None if it does not."""
+        """Constant tension that the node holds by paying out or winding in [N]; None otherwise."""
         return None
 
     @property
@@ -351,16 +591,33 @@ class Node(Component):
         return None
 
     def balance_at(self, seat: Seat) -> str | None:
-        """The same for the rope at a seat, where several ropes run over the node."""
+        """Residual that determines the travel at a seat, where several ropes run over the node.
+
+        Parameters
+        ----------
+        seat : Seat
+            Where the rope sits.
+
+        Returns
+        -------
+        str or None
+            Name of the residual.
+        """
         return self.balance
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
-        """Algebraic variables of a place that ropes hold, each with the residual of the forces along it."""
+        """Algebraic variables of a position that ropes determine, each with the residual of the forces along it."""
         return ()
 
     def place(self) -> tuple[Variable, ...]:
-        """The parameters of its position."""
+        """Parameters of the position.
+
+        Returns
+        -------
+        tuple of Variable
+            x, y and z.
+        """
         return tuple(
             Variable(axis, Kind.PARAMETER, "m", f"{axis} coordinate of the support", value, 100.0)
             for axis, value in zip("xyz", self.at, strict=True)

@@ -1,4 +1,4 @@
-"""A control sheave: it drives the rope and so coordinates the tensions of the spans on its two sides."""
+"""A control sheave: it drives the rope and so controls the tensions of the spans on its two sides."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
 
 Speed = float | Schedule | None
-"""A constant [m/s], a schedule, or None: left open as an input of the model."""
+"""A constant [m/s], a schedule, or None: an input of the model."""
 
 
 def check_speed(speed: Speed, owner: str) -> None:
@@ -28,20 +28,44 @@ def check_speed(speed: Speed, owner: str) -> None:
 
 
 def first_speed(speed: Speed) -> float:
-    """The speed at the start of a run [m/s]."""
+    """Speed at the start of a run [m/s]."""
     return speed.at(0.0) if isinstance(speed, Schedule) else (speed or 0.0)
 
 
 @checked
 @dataclass(frozen=True)
 class ControlSheave(Wheel):
-    """A driven sheave. Positive speed runs the rope from a to b.
+    """A driven sheave. Positive speed moves the rope from a to b.
 
-    speed: commanded, a constant [m/s], a `Schedule`, or None for a model input; a `response` adds its
-    correction. drive: `IdealDrive`, which follows the command exactly, or a `HydraulicDrive` with its limits:
-    inertia dv/dt = force + tension_out - tension_in - losses. turns: of the rope around the sheave, beyond the
-    wrap that the line's geometry gives; grip_friction: between rope and lining; together they set the grip
-    margin exp(mu wrap) - T_tight/T_slack. Raises InputError.
+    The inertia of the drive follows inertia dv/dt = force + tension_out - tension_in - losses. The grip margin is
+    exp(mu wrap) - T_tight/T_slack.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    hold_down : bool, default False
+        Whether the rope runs below the sheave, which presses it down. Otherwise lift-off is reported where the support
+        pulls the rope down.
+    speed : float, Schedule or None, default 0
+        Commanded speed [m/s]; None: an input of the model. A response adds its correction.
+    drive : Drive, optional
+        By default an `IdealDrive`, which follows the command exactly.
+    response : Response, optional
+        How it responds to the tensions on its two sides.
+    grip_friction : float, default 0.2
+        Friction coefficient between rope and lining.
+    turns : float, default 1
+        Turns of the rope around the sheave, in addition to the wrap angle of the line's geometry.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+
+    Raises
+    ------
+    InputError
+        An invalid name, position, speed, friction or number of turns.
     """
 
     role: ClassVar[str] = "control sheave"
@@ -83,14 +107,14 @@ class ControlSheave(Wheel):
             Variable("grip_friction", par, "1", "friction between rope and lining", self.grip_friction, range=POSITIVE),
             Variable("turns", par, "1", "turns of the rope around the sheave", self.turns, range=NOT_NEGATIVE),
             Variable("speed", Kind.INPUT, "m/s", "commanded speed of the unstretched rope"),
-            Variable("travel", Kind.STATE, "m", "unstretched rope that has run over", kept_at_rest=True),
-            Variable("correction", Kind.DISCRETE, "m/s", "what the response adds to the commanded speed"),
+            Variable("travel", Kind.STATE, "m", "unstretched length of rope that has run over", kept_at_rest=True),
+            Variable("correction", Kind.DISCRETE, "m/s", "correction of the commanded speed by the response"),
             Variable("brake", Kind.DISCRETE, "1", "1: the brake holds the sheave"),
             *(() if self.response is None else self.response.variables()),
             *self.wheel_outputs(site),
             Variable("drive_force", out, "N", "force of the drive on the rope, in its direction", nominal=site.force),
             Variable("power", out, "W", "power of the drive into the rope", nominal=1e3),
-            Variable("grip_margin", out, "1", "exp(mu wrap) less tight over slack tension"),
+            Variable("grip_margin", out, "1", "exp(mu wrap) minus tight over slack tension"),
             *self.drive.variables(site.force, first_speed(self.speed)),
         )
 
@@ -102,7 +126,7 @@ class ControlSheave(Wheel):
         outputs["grip_margin"] = grip_margin(v.grip_friction, outputs["wrap"], v.turns, tight, slack)
         v.tension_in, v.tension_out, v.bearing_load = t_in, t_out, outputs["bearing_load"]
         motion = self.drive.motion(v)
-        # Energy per metre of rope: v0 {(T + T^2/2EA)_in - (..)_out} is what the drive gives.
+        # Power into the rope: v0 {(T + T^2/2EA)_in - (..)_out}.
         power = motion.speed * (v.a.carried - v.b.carried)
         return Equations(
             rates={"travel": motion.speed, **motion.rates},
@@ -113,7 +137,7 @@ class ControlSheave(Wheel):
         return self.drive.energies(read)
 
     def demand(self, v: Any) -> Mapping[str, Any]:
-        """What the drive asks of a power unit."""
+        """Demand of the drive on a power unit."""
         outputs = self.wheel_equations(v)
         v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
         v.bearing_load = outputs["bearing_load"]
@@ -121,5 +145,5 @@ class ControlSheave(Wheel):
 
 
 def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:
-    """What is left of a rope's grip on a sheave: exp(mu wrap) less tight over slack tension."""
+    """Grip margin of a rope on a sheave: exp(mu wrap) minus tight over slack tension."""
     return namespace(tight).exp(friction * (wrap + 2.0 * math.pi * turns)) - tight / slack

@@ -1,4 +1,4 @@
-"""A diesel engine with its hydraulic pump: what a line's drives can draw, and how the engine bears it."""
+"""A diesel engine with a hydraulic pump: the flow and pressure available to drives, and the engine's response."""
 
 from __future__ import annotations
 
@@ -15,29 +15,59 @@ from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above
 
 PEAK = 0.6
-"""Speed of the highest torque, of the rated speed."""
+"""Speed of the peak torque over rated speed."""
 OVERSPEED = 1.2
-"""Speed at which an engine that the line drives is in danger, of the rated speed."""
+"""Speed over rated speed above which an engine that the line drives may be damaged."""
 LUGGED, STALLING = 0.8, 0.6
-"""Speeds, of the rated speed, at which the pump begins to give way and at which it gives charge pressure only."""
+"""Speeds over rated speed: below the first the pump reduces its pressure; at the second only charge pressure is left.
+"""
 
 
 @checked
 @dataclass(frozen=True)
 class DieselHydraulicUnit(Component):
-    """A diesel engine with a droop governor that turns a variable pump in closed circuits.
+    """A diesel engine with a droop governor that drives a variable pump in closed circuits.
 
-    rated_power [W] at rated_speed [rad/s]; droop: gain of speed from full load to none, of the rated speed;
-    torque_rise: peak torque over rated torque, less 1; drag: torque that turns the engine without fuel, of the
-    rated torque; inertia of all that turns [kg m2]; governor_time: time constant of the fuel rack [s];
-    displacement of the pump [m3/rad]; relief_pressure, charge_pressure [Pa]; pressure_time: time constant of the
-    pressure [s]; efficiency of the pump, volumetric_efficiency: its part in it.
+    It supplies a `flow` [m3/s] at a `pressure` [Pa]. The input `load_power` [W] is the demand of the drives, negative
+    when they return power; they receive at full_load flow times pressure. The flow falls with the engine speed. Below
+    0.8 of rated speed the pump reduces its pressure, down to the charge pressure at 0.6. The torque curve is a parabola
+    and the governor is proportional: textbook relations, combined here.
 
-    It offers a `flow` [m3/s] and a `pressure` [Pa]; the input `load_power` [W] is what the drives take of both,
-    below zero what they return; they get no more than flow times pressure. An engine that is lugged down gives
-    less flow, and below 0.8 of its rated speed the pump gives way: the pressure falls, to the charge pressure at
-    0.6. The torque curve is a parabola, the governor is proportional: textbook relations, put together here.
-    Raises InputError.
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    rated_power : float
+        Rated power of the engine [W].
+    rated_speed : float
+        Rated speed of the engine [rad/s].
+    inertia : float
+        Moment of inertia of all rotating parts [kg m2].
+    displacement : float
+        Displacement of the pump [m3/rad].
+    relief_pressure : float
+        Opening pressure of the relief valve [Pa].
+    charge_pressure : float, default 20e5
+        Charge pressure [Pa], below the relief pressure.
+    droop : float, default 0.08
+        Speed increase from full load to no load, over rated speed.
+    torque_rise : float, default 0.2
+        Peak torque over rated torque, minus 1.
+    drag : float, default 0.15
+        Torque that turns the engine without fuel, over rated torque.
+    governor_time : float, default 0.2
+        Time constant of the fuel rack [s].
+    pressure_time : float, default 0.1
+        Time constant of the pressure [s].
+    efficiency : float, default 0.88
+        Total efficiency of the pump, 0 to 1.
+    volumetric_efficiency : float, default 0.95
+        Volumetric efficiency of the pump, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        A value out of its range, or a charge pressure above the relief pressure.
     """
 
     rated_power: float
@@ -76,7 +106,7 @@ class DieselHydraulicUnit(Component):
         if self.charge_pressure >= self.relief_pressure:
             raise InputError(
                 f"{owner}: charge_pressure is {self.charge_pressure:g} Pa, relief_pressure {self.relief_pressure:g} Pa",
-                "The charge pressure is the lower one",
+                "Give a charge pressure below the relief pressure",
             )
 
     @property
@@ -96,12 +126,12 @@ class DieselHydraulicUnit(Component):
         par, state, out = Kind.PARAMETER, Kind.STATE, Kind.OUTPUT
         torque = self.rated_power / self.rated_speed
         idle = 1.0 + self.droop
-        rack = self.drag * idle / (_torque(idle, self.torque_rise) + self.drag * idle)  # without a load, nearly
+        rack = self.drag * idle / (_torque(idle, self.torque_rise) + self.drag * idle)  # close to no load
         speed = self.rated_speed * (1.0 + self.droop * (1.0 - rack))
         return (
             Variable("rated_power", par, "W", "rated power of the engine", self.rated_power, 1e5, range=POSITIVE),
             Variable("rated_speed", par, "rad/s", "rated speed of the engine", self.rated_speed, 1e2, range=POSITIVE),
-            Variable("inertia", par, "kg.m2", "inertia of all that turns", self.inertia, range=POSITIVE),
+            Variable("inertia", par, "kg.m2", "moment of inertia of all rotating parts", self.inertia, range=POSITIVE),
             Variable(
                 "displacement", par, "m3/rad", "displacement of the pump", self.displacement, 1e-4, range=POSITIVE
             ),
@@ -114,28 +144,44 @@ class DieselHydraulicUnit(Component):
                 1e7,
                 range=POSITIVE,
             ),
+            Variable("charge_pressure", par, "Pa", "charge pressure", self.charge_pressure, 1e6, range=POSITIVE),
             Variable(
-                "charge_pressure", par, "Pa", "pressure that is always there", self.charge_pressure, 1e6, range=POSITIVE
+                "droop",
+                par,
+                "1",
+                "speed increase from full load to no load, over rated speed",
+                self.droop,
+                0.1,
+                range=POSITIVE,
             ),
-            Variable("droop", par, "1", "gain of speed from full load to none", self.droop, 0.1, range=POSITIVE),
             Variable(
-                "torque_rise", par, "1", "peak torque over rated torque, less 1", self.torque_rise, range=NOT_NEGATIVE
+                "torque_rise", par, "1", "peak torque over rated torque, minus 1", self.torque_rise, range=NOT_NEGATIVE
             ),
-            Variable("drag", par, "1", "torque that turns the engine without fuel", self.drag, range=NOT_NEGATIVE),
+            Variable(
+                "drag",
+                par,
+                "1",
+                "torque that turns the engine without fuel, over rated torque",
+                self.drag,
+                range=NOT_NEGATIVE,
+            ),
             Variable("governor_time", par, "s", "time constant of the fuel rack", self.governor_time, range=POSITIVE),
             Variable("pressure_time", par, "s", "time constant of the pressure", self.pressure_time, range=POSITIVE),
             Variable("efficiency", par, "1", "efficiency of the pump", self.efficiency, range=SHARE),
             Variable(
-                "volumetric_efficiency", par, "1", "volumetric part of it", self.volumetric_efficiency, range=SHARE
+                "volumetric_efficiency",
+                par,
+                "1",
+                "volumetric efficiency of the pump",
+                self.volumetric_efficiency,
+                range=SHARE,
             ),
-            Variable("load_power", Kind.INPUT, "W", "power that the drives take", nominal=1e4),
+            Variable("load_power", Kind.INPUT, "W", "power demand of the drives", nominal=1e4),
             Variable("speed", state, "rad/s", "speed of the engine", speed, 1e2, kept_at_rest=True),
             Variable("rack", state, "1", "fuel rack, 0 to 1", rack, kept_at_rest=True),
-            Variable(
-                "pressure", state, "Pa", "pressure that the pump can hold", self.relief_pressure, 1e7, kept_at_rest=True
-            ),
-            Variable("flow", out, "m3/s", "flow that the pump can give", nominal=1e-2),
-            Variable("given_power", out, "W", "power that the drives get", nominal=1e4),
+            Variable("pressure", state, "Pa", "available pressure", self.relief_pressure, 1e7, kept_at_rest=True),
+            Variable("flow", out, "m3/s", "available flow", nominal=1e-2),
+            Variable("given_power", out, "W", "power delivered to the drives", nominal=1e4),
             Variable("torque", out, "N.m", "torque of the engine", nominal=torque),
             Variable("power", out, "W", "power of the engine", nominal=self.rated_power),
             Variable("speed_ratio", out, "1", "speed of the engine over its rated speed"),
@@ -144,26 +190,26 @@ class DieselHydraulicUnit(Component):
     def equations(self, v: Any) -> Equations:
         xp = namespace(v.speed)
         ratio, rated = v.speed / v.rated_speed, v.rated_power / v.rated_speed
-        most = rated * _torque(ratio, v.torque_rise)
+        full_load = rated * _torque(ratio, v.torque_rise)
         drag = v.drag * rated * ratio
-        torque = v.rack * (most + drag) - drag
+        torque = v.rack * (full_load + drag) - drag
         flow = v.displacement * v.speed * v.volumetric_efficiency
-        given = clip_above(v.load_power, xp.fmax(v.pressure * flow, 1e-6 * v.rated_power))
-        # Driving, the pump's losses add to the load; braking, they take from what comes back.
-        load = xp.if_else(given > 0.0, given / v.efficiency, given * v.efficiency) / v.speed
+        delivered = clip_above(v.load_power, xp.fmax(v.pressure * flow, 1e-6 * v.rated_power))
+        # Pump losses add to a driving load, and reduce the power that braking returns.
+        load = xp.if_else(delivered > 0.0, delivered / v.efficiency, delivered * v.efficiency) / v.speed
         rack = _within((1.0 + v.droop - ratio) / v.droop)
-        held = v.charge_pressure + (v.relief_pressure - v.charge_pressure) * _within(
+        available = v.charge_pressure + (v.relief_pressure - v.charge_pressure) * _within(
             (ratio - STALLING) / (LUGGED - STALLING)
         )
         return Equations(
             rates={
                 "speed": (torque - load) / v.inertia,
                 "rack": (rack - v.rack) / v.governor_time,
-                "pressure": (held - v.pressure) / v.pressure_time,
+                "pressure": (available - v.pressure) / v.pressure_time,
             },
             outputs={
                 "flow": flow,
-                "given_power": given,
+                "given_power": delivered,
                 "torque": torque,
                 "power": torque * v.speed,
                 "speed_ratio": ratio,
@@ -177,5 +223,5 @@ def _torque(ratio: Any, rise: Any) -> Any:
 
 
 def _within(share: Any) -> Any:
-    """A share between 0 and 1."""
+    """A ratio limited to 0 to 1."""
     return 0.5 + clip(share - 0.5, 0.5, 0.5)

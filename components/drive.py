@@ -1,7 +1,7 @@
-"""What turns a control sheave: an ideal drive, or a hydraulic motor with its limits.
+"""Drives of control sheaves: ideal, or a hydraulic motor with its limits.
 
-Turk's thesis (1988) treats hydraulically driven intermediate supports in chapters 4 to 6, of which only the
-headings survive: the equations here are ours, from the textbook relations of a hydrostatic drive.
+Chapters 4 to 6 of Turk's thesis (1988) treat hydraulically driven intermediate supports. Only their headings are
+available: the equations here are our own, from the textbook relations of a hydrostatic drive.
 """
 
 from __future__ import annotations
@@ -22,12 +22,23 @@ from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
 
 STANDSTILL = 0.01
-"""Speed within which a drive passes from driving to braking [m/s]."""
+"""Width of the smooth transition between driving and braking [m/s]."""
 
 
 class DriveMotion(NamedTuple):
-    """What a drive does to its sheave: `speed` of the rope [m/s], `force` on the rope [N], and by name the rates of its
-    states and its outputs."""
+    """Effect of a drive on its sheave.
+
+    Parameters
+    ----------
+    speed : float or symbol
+        Speed of the rope [m/s].
+    force : float or symbol
+        Force on the rope [N].
+    rates : mapping of str, optional
+        Time derivatives of the drive's states.
+    outputs : mapping of str, optional
+        Outputs of the drive.
+    """
 
     speed: Any
     force: Any
@@ -37,44 +48,95 @@ class DriveMotion(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Drive(ABC):
-    """What turns a control sheave. A drive of your own is a frozen dataclass that inherits from this one.
+    """Base class of drives. A drive of your own is a frozen dataclass that inherits from this one.
 
-    Its equations read `v`: its own variables; of the sheave `tension_in`, `tension_out`, `bearing_load` [N], the input
-    `speed` [m/s], the `correction` of its response [m/s], `brake` (1: it holds); and where it takes a power unit the
+    Its equations read `v`: its own variables; `tension_in`, `tension_out` and `bearing_load` of the sheave [N], the
+    input `speed` [m/s], the `correction` of the response [m/s], `brake` (1: applied); and, with a power unit, the
     shares `flow_share` and `power_share`.
     """
 
     rope_speed: ClassVar[str] = "speed"
-    """The variable of the sheave that is the rope's speed, or is commanded."""
+    """Variable of the sheave with the actual or the commanded rope speed."""
     shares: ClassVar[tuple[str, ...]] = ()
-    """What it takes from a power unit."""
+    """Outputs of a power unit that it reads."""
 
     @abstractmethod
     def motion(self, v: Any) -> DriveMotion:
-        """The rope's speed, the force on it, rates of the drive's states and its outputs."""
+        """Motion of the rope, on symbols.
+
+        Parameters
+        ----------
+        v : object
+            Variables of the drive and its sheave, as attributes.
+
+        Returns
+        -------
+        DriveMotion
+            Rope speed, force on the rope, rates and outputs of the drive.
+        """
 
     def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
-        """Variables that the drive adds to its sheave: force is a typical tension [N], speed the rope's at the start
-        [m/s]."""
+        """Variables that the drive adds to its sheave.
+
+        Parameters
+        ----------
+        force : float
+            Typical tension, for nominals [N].
+        speed : float
+            Rope speed at the start [m/s].
+
+        Returns
+        -------
+        tuple of Variable
+            By default none.
+        """
         return ()
 
     def limits(self) -> tuple[Limit, ...]:
-        """What is reported when it happens."""
+        """Outputs that must stay within bounds.
+
+        Returns
+        -------
+        tuple of Limit
+            Each is reported as an event when its output leaves the bounds.
+        """
         return ()
 
     def demand(self, v: Any) -> Mapping[str, Any]:
-        """What the drive asks of its power unit: `flow` [m3/s] and `power` [W]."""
+        """Demand on a power unit.
+
+        Parameters
+        ----------
+        v : object
+            Variables of the drive and its sheave, as attributes.
+
+        Returns
+        -------
+        dict of float or symbol
+            `flow` [m3/s] and `power` [W]; empty for a drive that takes no power unit.
+        """
         return {}
 
     def energies(self, read: Callable[[str], Any]) -> Energies:
-        """Kinetic energy and losses over a run; see `Component.energies`."""
+        """Kinetic energy and losses over a run; see `Component.energies`.
+
+        Parameters
+        ----------
+        read : callable
+            `read(name)` returns a variable of the sheave over time.
+
+        Returns
+        -------
+        Energies
+            Arrays over the records of the run.
+        """
         return Energies()
 
 
 @checked
 @dataclass(frozen=True, slots=True)
 class IdealDrive(Drive):
-    """Turns its sheave at the commanded speed, whatever force that needs."""
+    """Turns its sheave at the commanded speed, whatever the force."""
 
     def motion(self, v: Any) -> DriveMotion:
         return DriveMotion((v.speed + v.correction) * (1 - v.brake), v.tension_in - v.tension_out)
@@ -85,17 +147,46 @@ class IdealDrive(Drive):
 class HydraulicDrive(Drive):
     """A hydraulic motor on a sheave, in a closed circuit with its pump.
 
-    displacement of the motor [m3/rad]; gear_ratio: turns of the motor per turn of the sheave; sheave_radius
-    [m]; mechanical_efficiency and volumetric_efficiency, 0 to 1; relief_pressure [Pa] and pump_flow [m3/s],
-    None: left open as an input of the model, for a power unit to give; engine_power [W]; inertia: of all that
-    rotates, referred to the rope [kg]; command_lag: time constant from command to pump [s], 0 for none;
-    response_time: time constant of the speed control [s]; recovers: braking returns energy to the engine (and is
-    limited by its power) instead of burning it; friction of the sheave's bearing, referred to the rope; drag:
-    viscous loss at the rope [N s/m]; brake_force: most that the brake holds [N], by default ten times the relief
-    valve's force.
+    The drive exerts the force that its speed control demands, limited by the relief valve (force), the pump flow
+    (speed) and the engine (force times speed).
 
-    The drive gives the force that its speed control asks for, unless the relief valve (force), the pump flow
-    (speed) or the engine (force times speed) limits it. Raises InputError.
+    Parameters
+    ----------
+    displacement : float
+        Displacement of the motor [m3/rad].
+    gear_ratio : float
+        Turns of the motor per turn of the sheave.
+    sheave_radius : float
+        Radius of the sheave [m].
+    relief_pressure : float or None
+        Opening pressure of the relief valve [Pa]; None: an input of the model, for a power unit.
+    pump_flow : float or None
+        Largest flow of the pump [m3/s]; None: an input of the model, for a power unit.
+    engine_power : float
+        Largest power of the engine [W].
+    inertia : float
+        Inertia of all rotating parts, referred to the rope [kg].
+    mechanical_efficiency : float, default 0.92
+        Of the motor, 0 to 1.
+    volumetric_efficiency : float, default 0.95
+        Of motor and pump, 0 to 1.
+    command_lag : float, default 0.3
+        Time constant from command to pump [s]; 0: no lag.
+    response_time : float, default 0.2
+        Time constant of the speed control [s].
+    recovers : bool, default True
+        Whether braking returns energy to the engine, whose power then limits it; otherwise the energy is dissipated.
+    friction : float, default 0
+        Friction of the sheave's bearing, referred to the rope.
+    drag : float, default 0
+        Viscous loss at the rope [N s/m].
+    brake_force : float, optional
+        Largest force of the brake [N]; by default ten times the force at which the relief valve opens.
+
+    Raises
+    ------
+    InputError
+        A value out of its range, or neither brake_force nor relief_pressure.
     """
 
     rope_speed: ClassVar[str] = "rope_speed"
@@ -147,50 +238,59 @@ class HydraulicDrive(Drive):
 
     @property
     def relief_force(self) -> float:
-        """Force at the rope at which the relief valve opens when driving [N]; nan where the pressure is left open."""
+        """Force at the rope at which the relief valve opens when driving [N]; nan if the pressure is an input."""
         pressure = math.nan if self.relief_pressure is None else self.relief_pressure
         return pressure * self.volume_per_metre * self.mechanical_efficiency
 
     @property
     def top_speed(self) -> float:
-        """Rope speed at full pump flow [m/s]; nan where that is left open."""
+        """Rope speed at full pump flow [m/s]; nan if the flow is an input."""
         flow = math.nan if self.pump_flow is None else self.pump_flow
         return flow * self.volumetric_efficiency / self.volume_per_metre
 
     @property
     def structure(self) -> Hashable:
-        """What shapes the equations; see `form_of`."""
+        """What determines the form of the equations; see `form_of`."""
         return (self.command_lag > 0.0, self.recovers, self.relief_pressure is None, self.pump_flow is None)
 
     def variables(self, force: float, speed: float) -> tuple[Variable, ...]:
-        """Variables that the drive adds to its sheave, which starts at a rope speed [m/s]."""
         par, dis, out = Kind.PARAMETER, Kind.DISCRETE, Kind.OUTPUT
         limit = 10.0 * self.relief_force if self.brake_force is None else self.brake_force
         lag = Variable("command", Kind.STATE, "m/s", "command after its lag", speed, kept_at_rest=True)
-        delayed = (lag, _given("command_lag", "s", "time constant of the command", self.command_lag))
+        delayed = (lag, _parameter_or_input("command_lag", "s", "time constant of the command", self.command_lag))
         return (
             Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", speed, kept_at_rest=True),
             *(delayed if self.command_lag > 0.0 else ()),
-            _given("volume_per_metre", "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3),
-            _given("relief_pressure", "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7),
-            _given("pump_flow", "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
-            _given("engine_power", "W", "largest power of the engine", self.engine_power, 1e4),
-            _given("inertia", "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
-            _given("mechanical_efficiency", "1", "mechanical efficiency", self.mechanical_efficiency, within=SHARE),
-            _given("volumetric_efficiency", "1", "volumetric efficiency", self.volumetric_efficiency, within=SHARE),
-            _given("response_time", "s", "time constant of the speed control", self.response_time),
+            _parameter_or_input(
+                "volume_per_metre", "m3/m", "motor volume per metre of rope", self.volume_per_metre, 1e-3
+            ),
+            _parameter_or_input(
+                "relief_pressure", "Pa", "opening pressure of the relief valve", self.relief_pressure, 1e7
+            ),
+            _parameter_or_input("pump_flow", "m3/s", "largest flow of the pump", self.pump_flow, 1e-3),
+            _parameter_or_input("engine_power", "W", "largest power of the engine", self.engine_power, 1e4),
+            _parameter_or_input("inertia", "kg", "rotating inertia referred to the rope", self.inertia, 1e3),
+            _parameter_or_input(
+                "mechanical_efficiency", "1", "mechanical efficiency", self.mechanical_efficiency, within=SHARE
+            ),
+            _parameter_or_input(
+                "volumetric_efficiency", "1", "volumetric efficiency", self.volumetric_efficiency, within=SHARE
+            ),
+            _parameter_or_input("response_time", "s", "time constant of the speed control", self.response_time),
             Variable(
                 "bearing_friction", par, "1", "bearing friction referred to the rope", self.friction, range=NOT_NEGATIVE
             ),
             Variable("drag", par, "N.s/m", "viscous loss at the rope", self.drag, range=NOT_NEGATIVE),
-            _given("brake_force", "N", "most that the brake holds", limit, force),
-            Variable("pressure_lost", dis, "1", "1: the drive has no pressure"),
+            _parameter_or_input("brake_force", "N", "largest force of the brake", limit, force),
+            Variable("pressure_lost", dis, "1", "1: the drive has lost its pressure"),
             Variable("pressure", out, "Pa", "pressure difference over the motor", nominal=1e7),
             Variable("flow", out, "m3/s", "flow of the pump", nominal=1e-3),
-            Variable("hydraulic_power", out, "W", "power in the circuit: from the pump, below zero to it", nominal=1e4),
+            Variable(
+                "hydraulic_power", out, "W", "power in the circuit, positive from the pump to the motor", nominal=1e4
+            ),
             Variable("loss", out, "W", "power lost in bearing and drag", nominal=1e3),
             Variable("relief_open", out, "1", "1: the relief valve is open"),
-            Variable("flow_limited", out, "1", "1: more speed is asked for than the pump gives"),
+            Variable("flow_limited", out, "1", "1: the pump flow limits the speed"),
             Variable("power_limited", out, "1", "1: the engine's power limits the force"),
         )
 
@@ -201,17 +301,17 @@ class HydraulicDrive(Drive):
         return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2, loss=read("loss"))
 
     def demand(self, v: Any) -> Mapping[str, Any]:
-        wish = self._wish(v)
-        flow = namespace(wish).fabs(wish) * v.volume_per_metre / v.volumetric_efficiency
-        power = self._needed(v, wish) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
+        demanded = self._demanded_speed(v)
+        flow = namespace(demanded).fabs(demanded) * v.volume_per_metre / v.volumetric_efficiency
+        power = self._control_force(v, demanded) * v.rope_speed / (v.mechanical_efficiency * v.volumetric_efficiency)
         return {"flow": flow, "power": clip_above(namespace(power).fmax(power, 0.0), v.engine_power)}
 
-    def _wish(self, v: Any) -> Any:
-        """Speed demanded of the pump."""
+    def _demanded_speed(self, v: Any) -> Any:
+        """Speed that the pump is set to."""
         return v.command if self.command_lag > 0.0 else v.speed + v.correction
 
-    def _needed(self, v: Any, reference: Any) -> Any:
-        """Force that the speed control asks for."""
+    def _control_force(self, v: Any, reference: Any) -> Any:
+        """Force that the speed control demands."""
         pull = v.tension_out - v.tension_in
         return v.inertia * (reference - v.rope_speed) / v.response_time - pull + self._loss(v)
 
@@ -221,12 +321,12 @@ class HydraulicDrive(Drive):
     def motion(self, v: Any) -> DriveMotion:
         xp = namespace(v.rope_speed)
         speed, volume = v.rope_speed, v.volume_per_metre
-        wish = self._wish(v)
+        demanded = self._demanded_speed(v)
         top = v.pump_flow * v.volumetric_efficiency / volume
-        reference = clip(wish * v.flow_share, top, top)
-        needed = self._needed(v, reference)
+        reference = clip(demanded * v.flow_share, top, top)
+        control_force = self._control_force(v, reference)
         eta_m, eta = v.mechanical_efficiency, v.mechanical_efficiency * v.volumetric_efficiency
-        # Driving, the motor's losses take from the valve's force; braking, they add to it.
+        # Motor losses reduce the force at the relief pressure when driving, and increase it when braking.
         driving, braking = v.relief_pressure * volume * eta_m, v.relief_pressure * volume / eta_m
         power = v.engine_power
         fast = xp.sqrt(speed * speed + (0.1 * STANDSTILL) ** 2)
@@ -236,8 +336,8 @@ class HydraulicDrive(Drive):
         alive = 1.0 - v.pressure_lost + 1e-9
         high = alive * (forward * drive_limit + (1.0 - forward) * brake_limit)
         low = alive * (forward * brake_limit + (1.0 - forward) * drive_limit)
-        force = clip(needed, low, high)
-        # A power unit that feeds others too leaves a share of the power to those that drive.
+        force = clip(control_force, low, high)
+        # A shared power unit limits the power of driving drives; braking is not limited by it.
         force = force * xp.if_else(force * speed > 0.0, v.power_share, 1.0)
         loss = self._loss(v)
         pull = v.tension_out - v.tension_in
@@ -245,8 +345,8 @@ class HydraulicDrive(Drive):
         total = (1.0 - v.brake) * force + v.brake * brake
         drive = (1.0 - v.brake) * force
         is_driving = drive * speed >= 0.0
-        toward = xp.if_else(drive >= 0.0, forward, 1.0 - forward)  # 1 where the drive pulls with the rope
-        relief = toward * driving + (1.0 - toward) * braking
+        assisting = xp.if_else(drive >= 0.0, forward, 1.0 - forward)  # 1: the drive pulls in the direction of travel
+        relief = assisting * driving + (1.0 - assisting) * braking
         pressure = v.relief_pressure * xp.fabs(drive) / relief
         motor_flow = xp.fabs(speed) * volume
         eta_v = v.volumetric_efficiency
@@ -265,13 +365,13 @@ class HydraulicDrive(Drive):
                 "hydraulic_power": pressure * flow * xp.if_else(is_driving, 1.0, -1.0),
                 "loss": loss * speed,
                 "relief_open": xp.fabs(drive) >= 0.999 * relief,
-                "flow_limited": xp.fabs(wish * v.flow_share) > top,
+                "flow_limited": xp.fabs(demanded * v.flow_share) > top,
                 "power_limited": xp.fabs(drive) >= 0.999 * limit,
             },
         )
 
 
-def _given(
+def _parameter_or_input(
     name: str, unit: str, description: str, value: float | None, nominal: float = 1.0, within: Range = POSITIVE
 ) -> Variable:
     """A parameter, or an input where it has no value."""

@@ -1,4 +1,4 @@
-"""A drum at an end of a rope: it pays rope out and winds it in."""
+"""A drum at an end of a rope: it pays out and winds in."""
 
 from __future__ import annotations
 
@@ -18,11 +18,27 @@ from ropeway.components.errors import InputError
 @checked
 @dataclass(frozen=True)
 class Drum(Node):
-    """An end of a rope that stores rope. Travel counts from a to b as everywhere: at a rope's start a
-    positive travel pays out, at its end it winds in.
+    """An end of a rope that stores rope.
 
-    speed: commanded [m/s], a Schedule, or None for a model input. tension: instead of a speed, the drum
-    keeps this tension [N] by itself. Raises InputError.
+    Travel counts from a to b: at the start of a rope a positive travel pays out, at its end it winds in.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    speed : float, Schedule or None, default 0
+        Commanded speed [m/s]; None: an input of the model.
+    tension : float, optional
+        Constant tension that the drum holds instead of a speed [N].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+
+    Raises
+    ------
+    InputError
+        An invalid value, or both speed and tension.
     """
 
     role: ClassVar[str] = "drum"
@@ -64,7 +80,7 @@ class Drum(Node):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         pull = Variable("rope_tension", Kind.OUTPUT, "N", "tension of the rope at the drum", nominal=site.force)
-        travel = "unstretched rope that has left (at a rope's start) or been wound (at its end)"
+        travel = "unstretched length of rope paid out (at a rope's start) or wound in (at its end)"
         if self.tension is None:
             return (
                 *self.place(),
@@ -74,9 +90,9 @@ class Drum(Node):
             )
         return (
             *self.place(),
-            Variable("tension", Kind.PARAMETER, "N", "tension kept", self.tension, site.force, range=POSITIVE),
+            Variable("tension", Kind.PARAMETER, "N", "constant tension", self.tension, site.force, range=POSITIVE),
             Variable("travel", Kind.ALGEBRAIC, "m", travel, 0.0, site.length),
-            Variable("tension_kept", Kind.RESIDUAL, "N", "the drum keeps its tension", 0.0, site.force),
+            Variable("tension_kept", Kind.RESIDUAL, "N", "the drum holds its tension", 0.0, site.force),
             pull,
         )
 

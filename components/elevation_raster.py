@@ -13,19 +13,22 @@ from ropeway.components.errors import InputError
 from ropeway.components.map_lengths import ground_steps, horizontal, vertical_unit
 
 LOWEST, HIGHEST = -450.0, 9000.0
-"""Elevations of dry ground on this earth [m]."""
+"""Plausible elevations of the ground [m]."""
 _LARGE_JUMP, _STEEP = 50.0, 3.0
-"""Neighbouring cells that differ by more than this [m], and by more than this times their distance, are no ground."""
+"""Neighbouring cells are implausible if they differ by more than this [m] and by more than this times their distance.
+"""
 _JUMP_TO_ZERO, _STEEP_TO_ZERO = 20.0, 2.5
-"""The same where one of them is exactly zero, which often stands for missing data."""
-_ASK_JUMP = "Give nodata= if one of them stands for no data, or largest_jump= [m] if it is a cliff"
+"""The same if one of them is exactly zero, which often means missing data."""
+_ASK_JUMP = "Give nodata= if one of them means missing data, or largest_jump= [m] if it is a cliff"
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What the user says of a raster: `spacing` of stations [m], `band` (from 1), `unit` of the elevations, the value
-    that stands for no data, and the largest jump between neighbouring cells that is ground [m]; None: as the raster
-    says."""
+    """How the user wants a raster to be read; None: as the raster declares.
+
+    `spacing` of stations [m]; `band` (from 1); `unit` of the elevations; `nodata`, the value for missing data;
+    `largest_jump` between neighbouring cells of real ground [m].
+    """
 
     spacing: float | None = None
     band: int | None = None
@@ -52,7 +55,7 @@ def along(
     ----------
     raster : rasterio.DatasetReader
     name : str
-        Of the raster, for errors.
+        Name of the raster, for error messages.
     start, end : tuple of float
         Easting and northing in the raster's coordinate system; longitude and latitude where that is geographic.
     reading : Reading
@@ -60,12 +63,12 @@ def along(
     Returns
     -------
     station, elevation : ndarray, shape (n,)
-        On the ground from the start on, and height [m].
+        Length on the ground from the start, and elevation [m].
 
     Raises
     ------
     InputError
-        The line leaves the raster or its data; or the raster leaves open what its numbers are.
+        The line leaves the raster or its data, or the meaning of the raster's numbers is unclear.
     """
     band = _band(raster, name, reading.band)
     factor = _metres(raster, name, band, reading.unit)
@@ -81,14 +84,14 @@ def along(
     return station, _elevations(raster, name, band, factor, station, row, column, reading)
 
 
-def _band(raster: Any, name: str, asked: int | None) -> int:
-    """The band with the elevations: the only one besides masks, or the one asked for. Raises InputError."""
+def _band(raster: Any, name: str, requested: int | None) -> int:
+    """The band with the elevations: the requested one, or the only one besides masks. Raises InputError."""
     kinds = [kind.name for kind in raster.colorinterp]
     bands = [i for i, kind in enumerate(kinds, 1) if kind != "alpha"]
-    if asked is not None:
-        if not 1 <= asked <= raster.count:
-            raise InputError(f"{name} has no band {asked}", f"It has {raster.count}")
-        band = asked
+    if requested is not None:
+        if not 1 <= requested <= raster.count:
+            raise InputError(f"{name} has no band {requested}", f"It has {raster.count}")
+        band = requested
     elif len(bands) == 1:
         band = bands[0]
     else:
@@ -99,26 +102,26 @@ def _band(raster: Any, name: str, asked: int | None) -> int:
     return band
 
 
-def _metres(raster: Any, name: str, band: int, asked: str | None) -> float:
-    """What a unit of the elevations is in metres. Raises InputError where the raster leaves it open."""
-    if asked is not None:
-        return units.factor(asked, "m")
-    told = {"its band": raster.units[band - 1] or "", "its coordinate system": vertical_unit(name, raster.crs)}
-    for source, unit in told.items():
+def _metres(raster: Any, name: str, band: int, requested: str | None) -> float:
+    """The unit of the elevations in metres. Raises InputError if it is unclear."""
+    if requested is not None:
+        return units.factor(requested, "m")
+    declared = {"its band": raster.units[band - 1] or "", "its coordinate system": vertical_unit(name, raster.crs)}
+    for source, unit in declared.items():
         if unit and not _is_length(unit):
             raise InputError(f"Elevations of {name} are in {unit!r}, by {source}", 'Give unit=, such as "m" or "ft"')
-    said = {source: units.factor(unit, "m") for source, unit in told.items() if unit}
-    if len({round(f, 9) for f in said.values()}) > 1:
-        each = ", ".join(f"{told[source]} by {source}" for source in said)
+    factors = {source: units.factor(unit, "m") for source, unit in declared.items() if unit}
+    if len({round(f, 9) for f in factors.values()}) > 1:
+        each = ", ".join(f"{declared[source]} by {source}" for source in factors)
         raise InputError(f"Elevations of {name} are in two units: {each}", "Give the right one as unit=")
-    if said:
-        return next(iter(said.values()))
+    if factors:
+        return next(iter(factors.values()))
     if raster.crs is not None:
         system = horizontal(name, raster.crs)
         axis = system.axis_info[0]
         if not system.is_geographic and axis.unit_conversion_factor != 1.0:
             raise InputError(
-                f"{name} is in a unit named {axis.unit_name!r}, and does not say in which its elevations are",
+                f"{name} has coordinates in {axis.unit_name!r} and does not declare the unit of its elevations",
                 'Give unit="m" or unit="ft"',
             )
     return 1.0
@@ -130,15 +133,16 @@ def _is_length(unit: str) -> bool:
 
 
 def _require_places(raster: Any, name: str) -> None:
-    """Raises InputError where a raster does not say where its cells are."""
+    """Raises InputError if a raster has no georeference."""
     if raster.crs is None and raster.transform.is_identity:
-        raise InputError(f"{name} does not say where it lies", "Give a raster with georeference")
+        raise InputError(f"{name} has no georeference", "Give a georeferenced raster")
     left, right, bottom, top = _extent(raster)
     if raster.crs is None and max(abs(left), abs(right)) <= 360.0 and max(abs(bottom), abs(top)) <= 90.0:
         size = math.hypot(raster.transform.a, raster.transform.d)
         if size < 0.05:
             raise InputError(
-                f"{name} has no coordinate system, and cells of {size:g}", "Are these degrees? Give it its system"
+                f"{name} has no coordinate system, and cells of {size:g}",
+                "Are these degrees? Add its coordinate system",
             )
 
 
@@ -157,7 +161,7 @@ def _count(raster: Any, name: str, start: tuple[float, float], end: tuple[float,
 
 
 def _cells(raster: Any, name: str, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Row and column of points, whole at the centres of cells. Raises InputError outside the raster."""
+    """Row and column of points, integers at the centres of cells. Raises InputError outside the raster."""
     back = ~raster.transform
     column = back.a * east + back.b * north + back.c - 0.5
     row = back.d * east + back.e * north + back.f - 0.5
@@ -180,7 +184,7 @@ def _elevations(
     column: np.ndarray,
     reading: Reading,
 ) -> np.ndarray:
-    """Elevations [m] at places between the centres of cells. Raises InputError where there are none."""
+    """Elevations [m] between the centres of cells. Raises InputError where data are missing."""
     i = np.clip(np.floor(row).astype(int), 0, max(raster.height - 2, 0))
     j = np.clip(np.floor(column).astype(int), 0, max(raster.width - 2, 0))
     di, dj = np.clip(row - i, 0.0, 1.0), np.clip(column - j, 0.0, 1.0)
@@ -189,7 +193,7 @@ def _elevations(
     raw = raster.read(band, window=window, masked=True).astype(float).filled(np.nan)
     if reading.nodata is not None:
         raw[raw == reading.nodata] = np.nan
-    # The corners of each place's square of four centres: those before, right, below, and both.
+    # The four cell centres around each point: own, right, below, below right.
     corners = [raw[a - window[0][0], b - window[1][0]] for a, b in ((i, j), (i, j1), (i1, j), (i1, j1))]
     heights = factor * (raster.scales[band - 1] * np.array(corners) + raster.offsets[band - 1])
     if np.any(~np.isfinite(heights)):
@@ -208,14 +212,16 @@ def _require_plausible(
     raw: np.ndarray,
     largest_jump: float | None,
 ) -> None:
-    """Raises InputError for elevations that no ground has, such as values that stand for no data but are not declared
-    so. `heights`, `raw`: at the corners of the square of each station, in metres and as they are in the raster."""
+    """Raises InputError for implausible elevations, such as undeclared values for missing data.
+
+    `heights`, `raw`: at the four cell centres around each station, in metres and as in the raster.
+    """
     wrong = (heights < LOWEST) | (heights > HIGHEST)
     if np.any(wrong):
         corner, k = (int(v[0]) for v in np.nonzero(wrong))
         raise InputError(
             f"{name}: elevation {heights[corner, k]:.6g} m at station {station[k]:g} m (value {raw[corner, k]:.7g})",
-            f"Give nodata={raw[corner, k]:.7g} if that stands for no data, or unit= if its numbers are not metres",
+            f"Give nodata={raw[corner, k]:.7g} if that means missing data, or unit= if its numbers are not metres",
         )
     cell = _cell_on_ground(raster, name)
     for one, other in ((0, 1), (0, 2), (1, 3), (2, 3)):
@@ -246,13 +252,13 @@ def _cell_on_ground(raster: Any, name: str) -> float:
 
 
 def _extent(raster: Any) -> tuple[float, float, float, float]:
-    """Least and greatest easting, least and greatest northing, of a turned raster too."""
+    """Smallest and largest easting, smallest and largest northing, also of a rotated raster."""
     corners = [_point(raster, c, r) for c in (0.0, raster.width) for r in (0.0, raster.height)]
     east, north = zip(*corners, strict=True)
     return min(east), max(east), min(north), max(north)
 
 
 def _point(raster: Any, column: float, row: float) -> tuple[float, float]:
-    """Easting and northing of a place in the raster."""
+    """Easting and northing of a point in the raster."""
     t = raster.transform
     return t.a * column + t.b * row + t.c, t.d * column + t.e * row + t.f

@@ -1,4 +1,4 @@
-"""What can go wrong, as types. Each error carries its cause and the remedy, in the user's terms."""
+"""Error types. Each has a cause and a remedy in the user's terms."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import Any
 
 
 class _Portable(BaseException):
-    """An exception that pickles and copies with all its attributes, whatever its `__init__` takes.
+    """An exception that can be pickled and copied with all its attributes, whatever the arguments of its `__init__`.
 
-    Python would call the class with `args`, which are the message alone; a process pool waits for ever for an
-    error that it cannot rebuild.
+    Python would call the class with `args`, which holds the message only. A process pool that receives an error that it
+    cannot rebuild never returns.
     """
 
     def __reduce__(self) -> tuple[Any, ...]:
         kept = {name: value for name, value in self.__dict__.items() if _pickles(value)}
         lost = [name for name in self.__dict__ if name not in kept]
         if lost:
-            notes = [f"{name} is not here: it cannot be sent to another process" for name in lost]
+            notes = [f"{name} was dropped: it cannot be sent to another process" for name in lost]
             kept = {**kept, **dict.fromkeys(lost), "__notes__": [*kept.get("__notes__", []), *notes]}
         return _rebuilt, (type(self), self.args, kept)
 
@@ -37,7 +37,7 @@ def _rebuilt(kind: type[_Portable], arguments: tuple[Any, ...], attributes: dict
 
 
 def _pickles(value: object) -> bool:
-    """Whether a value can be pickled and read again. Its own code decides that, so any exception says no."""
+    """Whether a value can be pickled and unpickled. User code runs here, so any exception counts as no."""
     try:
         pickle.loads(pickle.dumps(value))
     except Exception:  # noqa: BLE001
@@ -46,9 +46,14 @@ def _pickles(value: object) -> bool:
 
 
 class Interrupted(_Portable, KeyboardInterrupt):
-    """The user has interrupted a call (Ctrl-C). `result`: what the call has found so far, None where that is nothing.
+    """The user interrupted a call (Ctrl-C).
 
-    It is a `KeyboardInterrupt`, so that `except Exception` and `except RopewayError` let it pass.
+    A `KeyboardInterrupt`, so `except Exception` and `except RopewayError` do not catch it.
+
+    Attributes
+    ----------
+    result : object
+        Results of the call up to the interrupt; None if there are none.
     """
 
     def __init__(self, message: str = "Interrupted", result: object = None) -> None:
@@ -57,7 +62,15 @@ class Interrupted(_Portable, KeyboardInterrupt):
 
 
 class RopewayError(_Portable, Exception):
-    """Any error of this library: `cause` says what is wrong, `remedy` what to do about it."""
+    """Base class of all errors of this library.
+
+    Attributes
+    ----------
+    cause : str
+        What is wrong.
+    remedy : str
+        How to correct it.
+    """
 
     def __init__(self, cause: str, remedy: str = "") -> None:
         self.cause = cause
@@ -66,38 +79,44 @@ class RopewayError(_Portable, Exception):
 
 
 class RopewayWarning(UserWarning):
-    """A result that is right, and that a user should not build on: it says why."""
+    """The result is correct, but it is not safe to build or needs the user's attention."""
 
 
 class InputError(RopewayError, ValueError):
-    """A value that no component or system can have. Raised before anything is built."""
+    """Invalid input. Raised before anything is solved."""
 
 
 class CompilerError(RopewayError):
-    """There is no C compiler, or it failed: its messages are in the cause."""
+    """The C compiler is missing, or it failed; the cause contains its messages."""
 
 
 class UnbalancedSystemError(InputError):
-    """Equations and unknowns of a system do not match: a port left open, or an over-determined one."""
+    """Numbers of equations and unknowns differ: an open port, or an over-determined system."""
 
 
 class WriteError(RopewayError, OSError):
-    """A file could not be written: the disk is full, the folder is read-only. What was there before is unchanged."""
+    """A file could not be written (full disk, no permission). An earlier version of the file is unchanged."""
 
 
 class UnknownNameError(InputError, KeyError):
     """A name that the system does not have."""
 
-    def __str__(self) -> str:  # KeyError would show the repr of its arguments
+    def __str__(self) -> str:  # KeyError shows the repr of its arguments
         return Exception.__str__(self)
 
 
 class SlackRopeError(RopewayError):
-    """The rope is too long, or its tension too low, to hang between its supports as asked."""
+    """The rope is too long, or its tension too low, to hang between its supports."""
 
 
 class EquilibriumError(RopewayError):
-    """No valid equilibrium was found. `component` names the one with the worst residual, if any."""
+    """No valid equilibrium was found.
+
+    Attributes
+    ----------
+    component : str or None
+        The component with the largest residual.
+    """
 
     def __init__(self, cause: str, remedy: str = "", component: str | None = None) -> None:
         self.component = component
@@ -105,7 +124,13 @@ class EquilibriumError(RopewayError):
 
 
 class OutOfReachError(EquilibriumError):
-    """A place where the carriage cannot be: `limit` says in two words what keeps it from there."""
+    """The carriage cannot reach a station.
+
+    Attributes
+    ----------
+    limit : str
+        The condition that limits its path, in two words.
+    """
 
     def __init__(self, cause: str, remedy: str, component: str, limit: str) -> None:
         self.limit = limit
@@ -113,7 +138,15 @@ class OutOfReachError(EquilibriumError):
 
 
 class SimulationError(RopewayError):
-    """A simulation stopped before its end. `result` holds everything up to `time` [s], None where there was no run."""
+    """A simulation failed before its end time.
+
+    Attributes
+    ----------
+    time : float or None
+        Time of the failure [s].
+    result : Result or None
+        The results up to that time.
+    """
 
     def __init__(self, cause: str, remedy: str = "", time: float | None = None, result: object = None) -> None:
         self.time = time
@@ -125,7 +158,13 @@ class SimulationError(RopewayError):
 
 
 class WorkerError(RopewayError):
-    """Workers of a long study were lost. `result`: a table of the cases finished so far."""
+    """Worker processes of a study were lost.
+
+    Attributes
+    ----------
+    result : DataFrame or None
+        The completed cases.
+    """
 
     def __init__(self, cause: str, remedy: str = "", result: object = None) -> None:
         self.result = result
@@ -133,7 +172,13 @@ class WorkerError(RopewayError):
 
 
 class ScheduleError(RopewayError):
-    """No schedule was found, or none that its simulation bears out. `plan` is the last one, if any."""
+    """No schedule was found, or its simulation does not confirm it.
+
+    Attributes
+    ----------
+    plan : SchedulePlan or None
+        The last plan.
+    """
 
     def __init__(self, cause: str, remedy: str = "", plan: object = None) -> None:
         self.plan = plan
@@ -141,8 +186,15 @@ class ScheduleError(RopewayError):
 
 
 class InfeasibleScheduleError(ScheduleError):
-    """No schedule satisfies all limits. `relaxation`: the smallest change of each limit that would do, by
-    name, in its unit; `colliding`: a table of the limits that then bind, with component and time [s]."""
+    """No schedule satisfies all limits.
+
+    Attributes
+    ----------
+    relaxation : dict of str to float
+        The smallest relaxation of each limit that makes the problem feasible, in the unit of the limit.
+    colliding : DataFrame
+        The limits that are then active, with component and time [s].
+    """
 
     def __init__(self, cause: str, remedy: str, relaxation: object, colliding: object) -> None:
         self.relaxation = relaxation

@@ -1,4 +1,4 @@
-"""A guyed spar: a rigid mast pinned at its foot and held by guylines."""
+"""A guyed spar: a rigid mast with a hinged foot, held by guylines."""
 
 from __future__ import annotations
 
@@ -25,8 +25,26 @@ from ropeway.components.terrain import Profile
 @checked
 @dataclass(frozen=True)
 class Guyline:
-    """A guyline: its rope, its anchor `at` (x, y, z) [m], and its `pretension` at the anchor [N] in set-up, with
-    the spar held upright. stiffness: of the anchor [N/m], inf for a rigid one. Raises InputError."""
+    """A guyline of a guyed spar.
+
+    Parameters
+    ----------
+    name : str
+        Identifier.
+    rope : Rope
+        Its rope.
+    at : tuple of float
+        Position of the anchor, (x, y, z) or (x, z) [m].
+    pretension : float
+        Tension at the anchor when it is set up, with the spar upright [N].
+    stiffness : float, default inf
+        Stiffness of the anchor [N/m]; inf: rigid.
+
+    Raises
+    ------
+    InputError
+        An invalid value, or a pretension above the minimum breaking load.
+    """
 
     name: str
     rope: Rope
@@ -44,20 +62,48 @@ class Guyline:
             raise InputError(
                 f"{label}: pretension {self.pretension:g} N is above its minimum breaking load "
                 f"{self.rope.breaking_load:g} N",
-                "Ask for less or take a stronger rope",
+                "Reduce the pretension or use a stronger rope",
             )
 
 
 @checked
 @dataclass(frozen=True, kw_only=True)
 class GuyedSpar(HeadSpar):
-    """A rigid mast of `height` [m], pinned at its foot, held upright by `guylines`: two-force member, so that
-    the ropes at its top balance with its axial force alone (p-delta included: the balance is taken where the
-    top has gone). Place it by its foot, foot=(x, z) or (x, y, z), or by station and height on a terrain.
+    """A rigid mast with a hinged foot, held upright by guylines.
 
-    mass: of the mast [kg], half of it counts at the top. blocks: names of ropes that run through a block of their own
-    at the top, each from `block(name)` on. The skyline is fixed at the top, or runs through a block, or stays open.
-    As a tailspar it can have a `tailhold` that the skyline runs on to. Raises InputError.
+    The mast is a two-force member: its axial force alone balances the ropes at its top. The balance is taken at the
+    displaced top, so P-delta is included. Give its position by its foot, or by station and height on a terrain. The
+    skyline is fixed at the top, or runs through a block, or stays open.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, optional
+        Not to be given: the position of the top follows from foot and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    station : float, optional
+        Station of the foot on a terrain [m].
+    height : float
+        Length of the mast [m].
+    capacity : float, optional
+        Largest compression that it can carry [N].
+    foot : tuple of float, optional
+        Position of the foot, (x, z) or (x, y, z) [m].
+    mass : float, default 0
+        Mass of the mast [kg]; half of it acts at the top.
+    guylines : sequence of Guyline
+        Two or more.
+    blocks : sequence of str, default ()
+        Names of the ropes that run through a block at the top, each with a seat `block(name)`.
+    tailhold : Tailhold, optional
+        Where the skyline ends behind a tailspar.
+
+    Raises
+    ------
+    InputError
+        No height, no position, fewer than two guylines, or an invalid value.
     """
 
     foot: tuple[float, ...] = ()
@@ -85,9 +131,11 @@ class GuyedSpar(HeadSpar):
             raise InputError(f"{self.described} is placed by its top", "Give foot=, or station and height")
         super().__post_init__()
         if len(self.guylines) < 2:
-            raise InputError(f"{self.described} has {len(self.guylines)} guylines", "A pinned mast needs two or more")
+            raise InputError(
+                f"{self.described} has {len(self.guylines)} guylines", "A mast with a hinged foot needs two or more"
+            )
         if len({g.name for g in self.guylines}) < len(self.guylines):
-            raise InputError(f"{self.described} has two guylines of one name", "Give each a name of its own")
+            raise InputError(f"{self.described} has two guylines of one name", "Give each its own name")
 
     def placed(self, ground: Profile | None) -> Self:
         if self.foot:
@@ -105,7 +153,18 @@ class GuyedSpar(HeadSpar):
         return Seat(self, "skyline", optional=True)
 
     def block(self, rope: str) -> Seat:
-        """Where a rope comes to its block."""
+        """The seat where a rope arrives at its block.
+
+        Parameters
+        ----------
+        rope : str
+            Name of the rope, one of `blocks`.
+
+        Returns
+        -------
+        Seat
+            Its port.
+        """
         return Seat(self, f"{rope}_in", travel=f"{rope}_travel")
 
     def block_out(self, rope: str) -> Seat:
@@ -113,7 +172,18 @@ class GuyedSpar(HeadSpar):
         return Seat(self, f"{rope}_out", travel=f"{rope}_travel")
 
     def guy(self, name: str) -> Seat:
-        """Where a guyline is fixed."""
+        """The seat where a guyline is fixed.
+
+        Parameters
+        ----------
+        name : str
+            Name of the guyline.
+
+        Returns
+        -------
+        Seat
+            Its port.
+        """
         return Seat(self, f"guy_{name}")
 
     @property
@@ -137,7 +207,7 @@ class GuyedSpar(HeadSpar):
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
-        # z follows from the mast's length, the axial force from the vertical balance.
+        # The length of the mast determines z, the vertical balance its axial force.
         return (("x", "balance_x"), ("y", "balance_y"))
 
     def limits(self) -> tuple[Limit, ...]:
@@ -159,12 +229,15 @@ class GuyedSpar(HeadSpar):
             Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0, range=NOT_NEGATIVE),
             *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
             Variable("axial", alg, "N", "compression of the mast", upright, force),
-            *(Variable(f"{r}_travel", alg, "m", f"{r} run through its block", 0.0, site.length) for r in self.blocks),
+            *(
+                Variable(f"{r}_travel", alg, "m", f"unstretched length of {r} run through its block", 0.0, site.length)
+                for r in self.blocks
+            ),
             *(Variable(f"{r}_law", res, "N", f"{r} on both sides of its block", 0.0, force) for r in self.blocks),
             *(Variable(f"balance_{a}", res, "N", f"forces at the top, {a}", 0.0, 0.01 * force) for a in "xyz"),
-            Variable("rigid", res, "m", "the mast keeps its length", 0.0, 10.0),
+            Variable("rigid", res, "m", "length of the mast", 0.0, 10.0),
             Variable("compression", out, "N", "compression of the mast", nominal=force),
-            Variable("lean", out, "m", "horizontal way of the top from upright"),
+            Variable("lean", out, "m", "horizontal displacement of the top"),
             Variable("tension", out, "N", "tension of the skyline at the top", nominal=force),
         )
 
@@ -176,7 +249,7 @@ class GuyedSpar(HeadSpar):
         total = [sum(f[i] for f in forces) + v.axial * along[i] / v.height for i in range(3)]
         total[2] = total[2] - v.mass / 2.0 * v.gravity
         residuals = {f"balance_{a}": total[i] for i, a in enumerate("xyz")}
-        # (|p|^2 - h^2) / 2h is the length's error to first order, and smooth.
+        # (|p|^2 - h^2) / 2h equals the error of the length to first order, and is smooth.
         residuals["rigid"] = (along[0] ** 2 + along[1] ** 2 + along[2] ** 2 - v.height**2) / (2.0 * v.height)
         for rope, (coming, going) in zip(self.blocks, at_blocks, strict=True):
             residuals[f"{rope}_law"] = norm(going) - norm(coming)

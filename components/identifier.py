@@ -1,4 +1,4 @@
-"""Any text as the name of a component: identifiers for dotted names, made from what people write."""
+"""Identifiers for dotted names, from any text."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def identifier(label: str) -> str:
     Parameters
     ----------
     label : str
-        Any text. Umlauts become ae, oe, ue and ss, accents are dropped, anything else that is no letter, digit or
-        underscore becomes an underscore; before a digit at the start stands an n.
+        Any text. Umlauts become ae, oe, ue and ss, accents are dropped, any other character that is not a letter, digit
+        or underscore becomes an underscore; n precedes a digit at the start.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def identifier(label: str) -> str:
     """
     text = unicodedata.normalize("NFC", label.strip())
     if not text:
-        raise InputError("A name is blank", "Give each its name")
+        raise InputError("A name is blank", "Give a name")
     plain = unicodedata.normalize("NFD", text.translate(_LETTERS))
     name = _OTHER.sub("_", "".join(c for c in plain if not unicodedata.combining(c)))
     return f"n{name}" if name[0].isdigit() else name

@@ -20,16 +20,46 @@ from ropeway.components.spar import Standing
 @checked
 @dataclass(frozen=True, kw_only=True)
 class IntermediateSupport(Standing, Wheel):
-    """A jack that carries the skyline in a saddle. Frictionless: equal tension on both sides.
+    """A jack that carries the skyline in a saddle.
 
-    friction: coefficient of the rope in the saddle. The tension ratio is then exp(friction * wrap) against the
-    way in which the rope has slid (capstan), reached smoothly within `slip` metres of travel from where the
-    rope lay at rest, which was at a travel of `rest` metres.
+    Without friction the tension is equal on both sides. With friction the tension ratio is exp(friction * wrap) against
+    the direction of sliding (capstan equation). It builds up smoothly within `slip` metres of travel from the rest
+    position. A saddle with a radius is a circular shoe in the vertical plane of the line. The rope wraps it, and a
+    carriage rolls over it without a jump of its pull.
 
-    radius: of the saddle's shoe [m], an arc in the vertical plane of the line with its middle at the support's
-    place, where it has a `slope` (rise over run; in a rig by default along the bisector of the chords, alone
-    level). The rope wraps it and a carriage rolls over it, so that its pull does not jump. 0: a point.
-    Raises InputError.
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    hold_down : bool, default False
+        Whether the rope runs below the sheave, which presses it down. Otherwise lift-off is reported where the support
+        pulls the rope down.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+    friction : float, default 0
+        Friction coefficient of the rope in the saddle.
+    slip : float, default 0.005
+        Travel in which friction builds up [m].
+    rest : float, default 0
+        Travel at which the rope was at rest [m].
+    radius : float, default 0
+        Radius of the shoe [m]; 0: a point.
+    slope : float, optional
+        Slope of the shoe at its middle, rise over run; by default along the bisector of the chords in a rig, else
+        level.
+
+    Raises
+    ------
+    InputError
+        An invalid value, or no position.
     """
 
     friction: float = 0.0
@@ -49,10 +79,12 @@ class IntermediateSupport(Standing, Wheel):
 
     @property
     def a(self) -> Seat:
+        """Where the skyline arrives."""
         return replace(super().a, offset="a" if self.radius > 0.0 else None)
 
     @property
     def b(self) -> Seat:
+        """Where the skyline leaves."""
         return replace(super().b, offset="b" if self.radius > 0.0 else None)
 
     @property
@@ -73,12 +105,12 @@ class IntermediateSupport(Standing, Wheel):
         return (self.friction > 0.0, self.radius > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
-        rough = (
+        friction_vars = (
             Variable(
                 "friction", Kind.PARAMETER, "1", "friction of the rope in the saddle", self.friction, range=NOT_NEGATIVE
             ),
             Variable("slip", Kind.PARAMETER, "m", "travel in which friction builds up", self.slip, range=POSITIVE),
-            Variable("grip", Kind.PARAMETER, "m", "travel at which the rope lay at rest", self.rest, site.length),
+            Variable("grip", Kind.PARAMETER, "m", "travel at which the rope was at rest", self.rest, site.length),
         )
         arc = (
             Variable("radius", Kind.PARAMETER, "m", "radius of the shoe", self.radius, range=POSITIVE),
@@ -89,8 +121,8 @@ class IntermediateSupport(Standing, Wheel):
         return (
             *self.place(),
             *(arc if self.radius > 0.0 else ()),
-            *(rough if self.friction > 0.0 else ()),
-            Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
+            *(friction_vars if self.friction > 0.0 else ()),
+            Variable("travel", Kind.ALGEBRAIC, "m", "unstretched length of rope that has run over", 0.0, site.length),
             Variable("tension_law", Kind.RESIDUAL, "N", "tensions on both sides", 0.0, site.force),
             *self.wheel_outputs(site),
         )
@@ -103,8 +135,8 @@ class IntermediateSupport(Standing, Wheel):
         residuals = {"tension_law": t_out - t_in}
         if self.radius > 0.0:
             normal = shoe.normal_at(v.slope)
-            ways = (("a", v.a, shoe.towards_a(normal), 1), ("b", v.b, shoe.towards_b(normal), -1))
-            for name, seat, along, way in ways:
+            sides = (("a", v.a, shoe.towards_a(normal), 1), ("b", v.b, shoe.towards_b(normal), -1))
+            for name, seat, along, way in sides:
                 turn = shoe.turn(seat.force, normal, along)
                 found = shoe.side(turn, normal, along, v.radius, seat.force, seat.carried)
                 residuals.update(shoe.side_residuals(v, name, found, way))

@@ -1,4 +1,4 @@
-"""A place where ropes meet: ropes in series, bridles and nets."""
+"""A point where ropes meet: ropes in series, bridles and nets."""
 
 from __future__ import annotations
 
@@ -15,26 +15,28 @@ from ropeway.components.component import Equations, Kind, Node, Seat, Site, Vari
 @checked
 @dataclass(frozen=True)
 class Joint(Node):
-    """A shackle, ring or knot that nothing but its ropes holds: it goes to where their forces balance its weight.
+    """A shackle, ring or knot held by its ropes only; its position follows from the balance of forces and weight.
 
     Each rope that is strung to it, or connected to `rope`, takes an end of its own. After Broughton and Ndumbaro (1994)
     and Peyrot and Goulois (1979), who assemble cable nets from exact catenaries at such points.
 
     Parameters
     ----------
-    name
-        Of the joint.
-    at
-        Where it is about, (x, z) or (x, y, z) [m]: the initial guess.
-    mass
-        Of the joint and what is fixed to it [kg].
-    ends
-        Most rope ends that meet.
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Initial guess of its position, (x, z) or (x, y, z) [m].
+    mass : float, default 0
+        Mass of the joint and of anything fixed to it [kg].
+    ends : int, default 8
+        Largest number of rope ends.
+    label : str, optional
+        Text in pictures and messages; by default the name.
 
     Raises
     ------
     InputError
-        A negative mass, or less than two ends.
+        A negative mass, or fewer than two ends.
     """
 
     interchangeable: ClassVar[bool] = True
@@ -49,7 +51,7 @@ class Joint(Node):
 
     @property
     def rope(self) -> Seat:
-        """An open end."""
+        """A seat for a rope end."""
         return self.seats[0]
 
     @property

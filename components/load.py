@@ -11,7 +11,20 @@ from ropeway.components.argument_checks import checked
 @checked
 @dataclass(frozen=True, slots=True)
 class Load:
-    """A point load clamped to a rope; mass [kg]. It travels with the rope. Raises InputError."""
+    """A point load clamped to a rope; it travels with the rope.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    mass : float
+        Mass [kg].
+
+    Raises
+    ------
+    InputError
+        A mass that is not positive, or an invalid name.
+    """
 
     name: str
     mass: float

@@ -1,4 +1,4 @@
-"""A log under a carriage: lifted at its front, its rear dragging on the ground or free."""
+"""A log below a carriage: its front is lifted, its rear drags on the ground or hangs free."""
 
 from __future__ import annotations
 
@@ -15,26 +15,55 @@ from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
 from ropeway.components.errors import InputError
 
-_FORCE = 1e4  # the contact's normal force is measured in this [N], its gap in metres
+_FORCE = 1e4
+"""Unit of the normal force in the contact law [N]; that of the gap is 1 m."""
 
 
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Log(Node):
-    """A rigid log of a `length` [m] and a `mass` [kg], held at its front by a tagline or dropline (seat `front`).
+    """A rigid log, held at its front by a tagline or dropline.
 
-    Partial suspension: its rear drags on ground with a `slope` (rise over run) up to a vertex (ground_x, ground_z)
-    and `slope_after` beyond it (None: the same); within `rounding` [m] of the vertex the ground is a parabola that
-    goes from one segment into the other, so that there is one normal everywhere. Coulomb `friction` acts against
-    its motion; `moving` is the sign of its way in x (-1 towards smaller x, 0 at rest without friction). Full
-    suspension: it hangs free. Which of both follows from the contact law, normal force * gap = 0, both not
-    negative, written as Fischer and Burmeister's function; `smoothing` [m]
-    rounds its corner: normal force / 1e4 N * gap = smoothing^2 / 2. With friction a log just about to come off
-    the ground can be at rest in both ways, dragging on a line that slopes or hanging on a plumb one: which of
-    them is found depends on where the search starts.
-    `at`: where its front is about; centre: of gravity, in parts of the length from the front. It trails its
-    front to start from. After the rigid-log statics of Kendrick and Sessions, derived anew here.
-    Raises InputError.
+    Partial suspension: its rear drags on the ground, two straight segments that a parabola joins at a vertex, so that
+    the normal is continuous. Full suspension: it hangs free. The contact law decides: normal force times gap is zero
+    and neither is negative, written as the Fischer-Burmeister function, with its corner rounded by `smoothing`: normal
+    force / 1e4 N * gap = smoothing^2 / 2. With friction, a log that is about to leave the ground can have two states of
+    rest: dragging on an inclined line, or hanging on a vertical one. The initial guess determines which one is found;
+    it starts behind its front. After the rigid-log statics of Kendrick and Sessions, derived anew.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, default (0, 0, 0)
+        Initial guess of the position of its front, (x, z) or (x, y, z) [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    mass : float
+        Mass [kg].
+    length : float
+        Length [m].
+    friction : float, default 0.6
+        Coulomb friction coefficient on the ground.
+    centre : float, default 0.5
+        Distance of the centre of gravity from the front, over the length.
+    slope : float, default 0
+        Slope of the ground up to the vertex, rise over run.
+    slope_after : float, optional
+        Slope of the ground beyond the vertex; by default the same.
+    ground_x, ground_z : float, default 0, -1000
+        Position of the vertex [m].
+    rounding : float, default 1
+        Half the width of the parabola at the vertex [m].
+    moving : {-1, 0, 1}, default -1
+        Sign of its motion in x, against which friction acts; 0: at rest without friction.
+    smoothing : float, default 1e-8
+        Rounding of the contact law [m].
+
+    Raises
+    ------
+    InputError
+        A value out of its range.
     """
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
@@ -62,7 +91,8 @@ class Log(Node):
         check.number(self.after, self.described, "slope_after")
         if not 0.0 < self.centre < 1.0:
             raise InputError(
-                f"{self.described}: centre is {self.centre!r}", "Give the part of the length from the front"
+                f"{self.described}: centre is {self.centre!r}",
+                "Give a fraction of the length from the front, between 0 and 1",
             )
         if self.moving not in (-1.0, 0.0, 1.0):
             raise InputError(f"{self.described}: moving is {self.moving!r}", "Give -1, 0 or 1")
@@ -96,12 +126,10 @@ class Log(Node):
             Variable("friction", par, "1", "friction of the log on the ground", self.friction, range=NOT_NEGATIVE),
             Variable("slope", par, "1", "slope of the ground up to its vertex", self.slope),
             Variable("slope_after", par, "1", "slope of the ground beyond its vertex", self.after),
-            Variable(
-                "rounding", par, "m", "half the width in which the vertex is rounded", self.rounding, range=POSITIVE
-            ),
+            Variable("rounding", par, "m", "half the width of the rounded vertex", self.rounding, range=POSITIVE),
             Variable("ground_x", par, "m", "x of the ground's vertex", self.ground_x, 100.0),
             Variable("ground_z", par, "m", "z of the ground's vertex", self.ground_z, 100.0),
-            Variable("moving", par, "1", "sign of the log's way in x", self.moving),
+            Variable("moving", par, "1", "sign of the log's motion in x", self.moving),
             Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3, range=POSITIVE),
             Variable("x", alg, "m", "x of the front", x, 100.0),
             Variable("y", alg, "m", "y of the front", y, 100.0),
@@ -111,27 +139,33 @@ class Log(Node):
             Variable("normal", alg, "N", "force of the ground, normal to it", normal, weight),
             *(Variable(f"balance_{a}", res, "N", f"forces on the log, {a}", 0.0, weight) for a in "xyz"),
             Variable("moment", res, "N.m", "moments about the front", 0.0, weight * self.length),
-            Variable("rigid", res, "m", "the log keeps its length", 0.0, 10.0),
+            Variable("rigid", res, "m", "length of the log", 0.0, 10.0),
             Variable("contact", res, "m", "normal force or gap is zero"),
             Variable("gap", out, "m", "height of the rear over the ground, normal to it"),
             Variable("ground_slope", out, "1", "slope of the ground under the rear"),
             Variable("ground_force", out, "N", "force of the ground on the log, normal to it", nominal=weight),
             Variable("line_pull", out, "N", "tension of the line at the front", nominal=weight),
-            Variable("inclination", out, "rad", "of the log from its rear up to its front"),
+            Variable("inclination", out, "rad", "angle of the log from its rear up to its front"),
         )
 
     def rear_start(self) -> tuple[float, float, float]:
-        """Where the rear is about, and the normal force: on the ground behind the front, or below the front."""
+        """Initial guess of the rear: on the ground behind the front, or below the front.
+
+        Returns
+        -------
+        x, z, normal : float
+            Position of the rear [m] and normal force [N].
+        """
         x, _, z = self.at
-        trailing = -self.moving or (-1.0 if self.slope + self.after > 0.0 else 1.0)  # at rest it lies downhill
+        behind = -self.moving or (-1.0 if self.slope + self.after > 0.0 else 1.0)  # at rest the rear is downhill
         slope = self.slope if x < self.ground_x else self.after
         over = z - self.ground_z - slope * (x - self.ground_x)
         if over >= self.length:
-            return x + 1e-3 * trailing * self.length, z - self.length, 0.0
+            return x + 1e-3 * behind * self.length, z - self.length, 0.0
         over = max(over, 0.0)
         # On the plane: (x + d, ground + slope d) at the log's length from the front.
         a, b, c = 1.0 + slope**2, -2.0 * over * slope, over**2 - self.length**2
-        d = (-b + trailing * (b * b - 4.0 * a * c) ** 0.5) / (2.0 * a)
+        d = (-b + behind * (b * b - 4.0 * a * c) ** 0.5) / (2.0 * a)
         return x + d, z - over + slope * d, 4.0 * self.mass
 
     def equations(self, v: Any) -> Equations:
@@ -177,14 +211,14 @@ class Log(Node):
         moment = back * (ground[2] + v.centre * own[2]) + up * ground[0]
         found["moment"] = laws.Law(moment, v.length * v.mass * v.gravity)
         found["rigid"] = laws.Law(np.hypot(back, up) - v.length, v.length)
-        # The slope grows evenly within the rounding; beside it, the ground is straight.
+        # The slope varies linearly within the rounding; outside it the ground is straight.
         x, r = v.rear_x - v.ground_x, v.rounding
         bend = np.clip(x + r, 0.0, 2.0 * r) ** 2 / (4.0 * r) + np.maximum(x - r, 0.0)
         ground_z = v.ground_z + v.slope * x + (v.slope_after - v.slope) * bend
         gap = (v.rear_z - ground_z) * np.cos(steep)
-        # Smoothing rounds the corner, where both are about that size.
+        # Smoothing rounds the corner, where both are of that magnitude.
         found["contact"] = laws.Law(np.minimum(v.normal / _FORCE, gap), np.maximum(1.0, 1e8 * v.smoothing))
-        # Free of the ground it hangs below its front; on its head it would fall over.
+        # Free of the ground it hangs below its front; upside down it is unstable.
         free = v.normal < 1e-4 * v.mass * v.gravity
         found["upright"] = laws.Law(np.where(free, np.minimum(up, 0.0), 0.0), v.length)
         return found

@@ -1,4 +1,4 @@
-"""Lengths on the ground between points of a map: degrees, Mercator and other projections have scales of their own."""
+"""Ground lengths between points on a map, from degrees or from coordinates of a projection with its scale error."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ropeway.components.errors import InputError
 
 _BEYOND = 10.0
-"""Farther than this outside the area that a coordinate system is made for [degrees], coordinates are local ones."""
+"""Coordinates farther than this outside the area of use of their system are treated as local [degrees]."""
 _REPROJECT = "Reproject the raster to a metric coordinate system"
 
 
@@ -19,22 +19,22 @@ def ground_steps(name: str, crs: Any, east: np.ndarray, north: np.ndarray) -> np
     Parameters
     ----------
     name : str
-        Of the map, for errors.
+        Name of the map, for error messages.
     crs : rasterio.crs.CRS or None
-        Coordinate system of the points; without one they are metres.
+        Coordinate system of the points; None: metres.
     east, north : ndarray, shape (n,)
         The points, longitude and latitude in degrees where the system is geographic.
 
     Returns
     -------
     ndarray, shape (n - 1,)
-        Geodesics on the system's ellipsoid [m]. Where no place on the earth has such coordinates in that system, they
-        are local ones, and their distances count.
+        Geodesics on the ellipsoid of the system [m]. Coordinates that are invalid in that system are treated as local:
+        plane distances.
 
     Raises
     ------
     InputError
-        The system has no lengths, or pyproj is not installed.
+        The system defines no lengths, or pyproj is not installed.
     """
     flat = np.hypot(np.diff(east), np.diff(north))
     if crs is None:
@@ -69,13 +69,14 @@ def horizontal(name: str, crs: Any) -> Any:
 
 
 def vertical_unit(name: str, crs: Any) -> str:
-    """Symbol of the unit of heights in a raster's coordinate system, "" where it says nothing of them. Raises
-    InputError for depths."""
+    """Symbol of the unit of heights in a raster's coordinate system, "" if undefined. Raises InputError for depths."""
     if crs is None:
         return ""
     for axis in as_pyproj(name, crs).axis_info:
         if axis.direction == "down":
-            raise InputError(f"{name} has depths, by its coordinate system", "Give a raster of elevations")
+            raise InputError(
+                f"{name} contains depths according to its coordinate system", "Give a raster of elevations"
+            )
         if axis.direction == "up":
             return str(axis.unit_name)
     return ""
@@ -94,7 +95,7 @@ def as_pyproj(name: str, crs: Any) -> Any:
 
 
 def _degrees(name: str, system: Any, east: np.ndarray, north: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Longitudes and latitudes of points; infinite where they are at no place of the earth."""
+    """Longitudes and latitudes of points; infinite for invalid coordinates."""
     import pyproj
 
     around = system.geodetic_crs
@@ -105,7 +106,7 @@ def _degrees(name: str, system: Any, east: np.ndarray, north: np.ndarray) -> tup
 
 
 def _is_local(system: Any, longitude: np.ndarray, latitude: np.ndarray) -> bool:
-    """Whether points lie far outside the area that a coordinate system is made for, or nowhere."""
+    """Whether points are invalid, or far outside the area of use of a coordinate system."""
     import pyproj
 
     if not np.all(np.isfinite(longitude)) or not np.all(np.isfinite(latitude)):

@@ -1,7 +1,7 @@
-"""The parabola: a taut rope as a string with the shear of a simple beam. Starting values, never results.
+"""The parabola: a taut rope as a string with the shear of a simple beam. Used for initial guesses only.
 
-The excess of a rope's stretched length over its chord is S/(2 T^2), S the integral of the squared beam
-shear across the chord; it adds up over spans that share a tension.
+The stretched length of a rope exceeds its chord by S/(2 T^2), where S is the integral of the squared beam shear along
+the chord. It adds up over spans with one tension.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ def beam(chords: Chords, weight: float, lengths: np.ndarray, distances: np.ndarr
 
 
 def tensions(chords: Chords, weight: float, spans: Beam, reference: np.ndarray | float) -> np.ndarray:
-    """Mean tension of each span [N] from the tension at the height of the first support, kept above what
-    its own weight needs."""
+    """Mean tension of each span [N] from the tension at the height of the first support, with a lower bound from the
+    weight of the rope."""
     floor = 0.05 * spans.reaction + 0.5 * weight * np.abs(chords.rise)
     return np.maximum(reference + weight * chords.middle, floor)
 
@@ -69,8 +69,8 @@ def rope_lengths(chords: Chords, spans: Beam, strain: Strain, tension: np.ndarra
 def common_tension(
     chords: Chords, weight: float, spans: Beam, strain: Strain, total: np.ndarray, group: np.ndarray
 ) -> np.ndarray:
-    """Tension at the first support's height [N] of each group of spans that share a rope of unstretched
-    length `total` (groups,); `group` (n,) is each span's group. Bisection, to a part in 1e6."""
+    """Tension at the height of the first support [N] of each group of spans with one rope of unstretched length `total`
+    (groups,); `group` (n,) is the group of each span. Bisection to a relative error of 1e-6."""
     count = len(total)
     low = np.full(count, 1e-3)
     high = np.full(count, 1e9)

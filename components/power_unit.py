@@ -16,10 +16,24 @@ from ropeway.components.smooth import clip_above
 @checked
 @dataclass(frozen=True)
 class HydraulicPowerUnit(Component):
-    """One pump and engine for several drives. pump_flow [m3/s] and engine_power [W] in all.
+    """A pump and an engine that several drives share.
 
-    While the drives ask for less they get what they ask for; beyond, each gets the same part of its demand.
-    Each drive's own limits hold besides. Raises InputError.
+    If the drives demand more than the pump flow or the engine power, each receives the same fraction of its demand. The
+    limits of each drive apply as well.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    pump_flow : float
+        Total flow [m3/s].
+    engine_power : float
+        Total power [W].
+
+    Raises
+    ------
+    InputError
+        A value that is not positive.
     """
 
     pump_flow: float
@@ -47,14 +61,14 @@ class HydraulicPowerUnit(Component):
         return (
             Variable("pump_flow", par, "m3/s", "largest flow of the pump", self.pump_flow, 1e-3, range=POSITIVE),
             Variable("engine_power", par, "W", "largest power of the engine", self.engine_power, 1e4, range=POSITIVE),
-            Variable("flow_demand", out, "m3/s", "flow that the drives ask for", nominal=1e-3),
-            Variable("power_demand", out, "W", "power that the drives ask for", nominal=1e4),
-            Variable("flow_share", out, "1", "part of the flow asked for that each drive gets"),
-            Variable("power_share", out, "1", "part of the power asked for that each driving drive gets"),
+            Variable("flow_demand", out, "m3/s", "flow demand of the drives", nominal=1e-3),
+            Variable("power_demand", out, "W", "power demand of the drives", nominal=1e4),
+            Variable("flow_share", out, "1", "fraction of its flow demand that each drive receives"),
+            Variable("power_share", out, "1", "fraction of its power demand that each driving drive receives"),
         )
 
     def equations(self, v: Any) -> Equations:
-        """`v.flow` and `v.power` are the sums of what the drives ask for."""
+        """`v.flow` and `v.power` are the sums of the demands."""
         return Equations(
             outputs={
                 "flow_demand": v.flow,

@@ -1,11 +1,11 @@
-"""How a control sheave reacts to the tensions on its two sides.
+"""How a control sheave responds to the tensions on its two sides.
 
-A response samples the tensions every `period` and sets a correction to the commanded speed, which takes
-effect `delay` later. Turning the sheave faster takes rope from the span before it and gives it to the span
-behind: the tension coming in rises, the tension going out falls.
+A response samples the tensions every `period` and sets a correction of the commanded speed, which takes effect after
+`delay`. A faster sheave takes rope from the span before it and adds it to the span behind: the incoming tension rises,
+the outgoing tension falls.
 
-Turk's thesis (1988) compares response speeds, response magnitudes and precedences in chapters 4 and 5, of
-which only the headings survive: the rules here are ours.
+Chapters 4 and 5 of Turk's thesis (1988) compare response speeds, response magnitudes and precedences. Only their
+headings are available: the rules here are our own.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 
 PRECEDENCES = ("all at once", "upstream first", "downstream first", "worst first", "neighbours locked out")
-"""Who may act when several sheaves want to at one sample: all of them; the first or the last one along the
-rope; the one with the greatest need; those with a greater need than their neighbours."""
+"""Which sheaves may act if several request it at one sample: all; the first or the last along the rope; the one with
+the largest deviation; those with a larger deviation than their neighbours."""
 
 
 def check_precedence(precedence: str) -> None:
@@ -37,8 +37,11 @@ def check_precedence(precedence: str) -> None:
 
 
 class Decision(NamedTuple):
-    """What a sheave wants at a sample: 1 if it wants to act, how much it needs to, and its discrete variables
-    afterwards, by name, when it may and when it may not."""
+    """Decision of a response at a sample.
+
+    `wants`: 1 if it requests to act; `need`: its deviation, by which precedence is decided; `granted` and `refused`:
+    values of its discrete variables, by name, if it may act and if not.
+    """
 
     wants: Any
     need: Any
@@ -49,7 +52,17 @@ class Decision(NamedTuple):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Response(ABC):
-    """period: between samples [s]; delay: from a sample to its effect [s]; limit: largest correction [m/s]."""
+    """Base class of responses.
+
+    Parameters
+    ----------
+    period : float, default 1
+        Time between samples [s].
+    delay : float, default 0
+        Time from a sample to its effect [s].
+    limit : float, default 0.2
+        Largest correction of the speed [m/s].
+    """
 
     period: float = 1.0
     delay: float = 0.0
@@ -68,12 +81,12 @@ class Response(ABC):
 
     @property
     def waiting(self) -> int:
-        """Samples that can be waiting to take effect."""
+        """Number of samples that wait to take effect."""
         return math.ceil(self.delay / self.period - 1e-9)
 
     @property
     def phase(self) -> float:
-        """Time from a sample to when the oldest waiting one takes effect [s]; 0 without delay."""
+        """Time from a sample to the effect of the oldest waiting one [s]; 0 without delay."""
         return self.delay - (self.waiting - 1) * self.period if self.waiting else 0.0
 
     @abstractmethod
@@ -86,9 +99,18 @@ class Response(ABC):
         return (
             Variable("response_limit", Kind.PARAMETER, "m/s", "largest correction", self.limit, range=POSITIVE),
             *self.own_variables(),
-            Variable("response_target", dis, "m/s", "correction decided on"),
+            Variable("response_target", dis, "m/s", "latest correction"),
             *(
-                (Variable("response_waiting", dis, "m/s", "decided, the oldest first", (0.0,) * queue, size=queue),)
+                (
+                    Variable(
+                        "response_waiting",
+                        dis,
+                        "m/s",
+                        "waiting corrections, the oldest first",
+                        (0.0,) * queue,
+                        size=queue,
+                    ),
+                )
                 if queue
                 else ()
             ),
@@ -99,7 +121,7 @@ class Response(ABC):
         """The rule on symbols: `v` has time, tension_in, tension_out and the variables."""
 
     def queued(self, v: Any, target: Any) -> dict[str, Any]:
-        """Discrete variables after a decision: at once, or behind those that wait."""
+        """Discrete variables after a decision, which takes effect at once or joins the queue."""
         if not self.waiting:
             return {"response_target": target, "correction": target}
         waiting = v.response_waiting
@@ -115,22 +137,41 @@ def response_of(component: Component) -> Response | None:
 
 
 def _clean(correction: Any) -> Any:
-    """Without what rounding leaves of a correction that has gone back to zero."""
+    """A correction without the rounding error of a return to zero."""
     return ca.if_else(ca.fabs(correction) < 1e-12, 0.0, correction)
 
 
 @checked
 @dataclass(frozen=True, kw_only=True)
 class ThresholdResponse(Response):
-    """Keeps both tensions in a range: acts by steps when one leaves it.
+    """Keeps both tensions in a range: changes the speed in steps when one is outside.
 
-    low, high: tension range [N]; increment: of speed at each action [m/s] (response magnitude); period,
-    delay: response speed; initiation: how far outside the range it begins to act [N], below zero how near
-    the limit already; hold: time without need after which the correction goes back, by one increment a
-    sample [s]; this needs no turn. Whichever side is further outside decides.
+    The side that is further outside the range decides. The rule integrates twice, as a step of speed is a rate of
+    tension; only the return of the correction damps it. A long hold, or a large increment times delay, makes a line
+    oscillate.
 
-    The rule integrates twice, as a step of speed is a rate of tension: only going back damps it. A long hold,
-    or a large increment times delay, makes a line swing. Raises InputError.
+    Parameters
+    ----------
+    period : float, default 1
+        Time between samples [s].
+    delay : float, default 0
+        Time from a sample to its effect [s].
+    limit : float, default 0.2
+        Largest correction of the speed [m/s].
+    low, high : float
+        Range of the tensions [N].
+    increment : float
+        Step of speed at each action [m/s].
+    initiation : float, default 0
+        Distance outside the range at which it acts [N]; negative: inside the range.
+    hold : float, default 3
+        Time within the range after which the correction returns, by one increment at each sample [s]. The return needs
+        no precedence.
+
+    Raises
+    ------
+    InputError
+        A value out of its range, or an initiation that exceeds the range.
     """
 
     low: float
@@ -151,7 +192,7 @@ class ThresholdResponse(Response):
             raise InputError(f"{owner}: low is {self.low} N, high is {self.high} N", "Give low below high")
         if self.low - self.initiation >= self.high + self.initiation:
             raise InputError(
-                f"{owner}: initiation {self.initiation} N leaves nothing of the range", "Choose it nearer to zero"
+                f"{owner}: initiation {self.initiation} N is larger than the range", "Choose it closer to zero"
             )
 
     @property
@@ -160,7 +201,7 @@ class ThresholdResponse(Response):
 
     @property
     def structure(self) -> Hashable:
-        """What shapes the variables; see `form_of`."""
+        """What determines the variables; see `form_of`."""
         return self.waiting
 
     def own_variables(self) -> tuple[Variable, ...]:
@@ -171,9 +212,13 @@ class ThresholdResponse(Response):
             Variable(
                 "response_increment", par, "m/s", "step of speed at an action", self.increment, 0.01, range=POSITIVE
             ),
-            Variable("response_initiation", par, "N", "how far outside the range it acts", self.initiation, 1e3),
-            Variable("response_hold", par, "s", "time without need before it goes back", self.hold, range=NOT_NEGATIVE),
-            Variable("response_calm", Kind.DISCRETE, "s", "time without need"),
+            Variable(
+                "response_initiation", par, "N", "distance outside the range at which it acts", self.initiation, 1e3
+            ),
+            Variable(
+                "response_hold", par, "s", "time within the range before it returns", self.hold, range=NOT_NEGATIVE
+            ),
+            Variable("response_calm", Kind.DISCRETE, "s", "time within the range"),
         )
 
     def decide(self, v: Any) -> Decision:
@@ -188,7 +233,7 @@ class ThresholdResponse(Response):
         back = _clean(ca.sign(target) * ca.fmax(ca.fabs(target) - v.response_increment, 0.0))
         rest = ca.if_else(outside, target, ca.if_else(calm >= v.response_hold, back, target))
         return Decision(
-            # One at its limit has nothing left to do, and leaves the turn to others.
+            # A sheave at its limit cannot act and does not block others.
             outside * (moved != target),
             need,
             {**self.queued(v, moved), "response_calm": calm},
@@ -199,11 +244,29 @@ class ThresholdResponse(Response):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class ProportionalResponse(Response):
-    """Corrects in proportion to the tension going out less that coming in, or less a target.
+    """Corrects in proportion to the difference of the tensions, or to the deviation from a target.
 
-    gain [m/s per N]; target of the tension going out [N], None: the tension coming in; difference: what the tension
-    going out is to be above the one coming in where there is no target [N], as a Schedule whose values are newtons
-    when it is planned in advance; limit and rate of the correction [m/s, m/s2]. Raises InputError.
+    Parameters
+    ----------
+    period : float, default 1
+        Time between samples [s].
+    delay : float, default 0
+        Time from a sample to its effect [s].
+    limit : float, default 0.2
+        Largest correction of the speed [m/s].
+    gain : float
+        Correction per tension [m/s per N].
+    target : float, optional
+        Target of the outgoing tension [N]; by default the incoming tension.
+    difference : float or Schedule, default 0
+        Outgoing minus incoming tension without a target [N]; a Schedule has it over time, with values in newtons.
+    rate : float, default 0.05
+        Largest rate of the correction [m/s2].
+
+    Raises
+    ------
+    InputError
+        A value out of its range, or both target and difference.
     """
 
     gain: float
@@ -225,6 +288,7 @@ class ProportionalResponse(Response):
 
     @property
     def structure(self) -> Hashable:
+        """What determines the form of the equations; see `form_of`."""
         planned = self.difference if isinstance(self.difference, Schedule) else None
         return (self.waiting, 0 if planned is None else len(planned.times))
 
@@ -234,11 +298,13 @@ class ProportionalResponse(Response):
             n = len(plan.times)
             aims: tuple[Variable, ...] = (
                 Variable("response_times", par, "s", "times of the planned difference", plan.times, 1.0, n),
-                Variable("response_planned", par, "N", "planned difference of tension", plan.speeds, 1e3, n),
+                Variable("response_planned", par, "N", "planned tension difference", plan.speeds, 1e3, n),
             )
         else:
             aim = plan if self.target is None else self.target
-            aims = (Variable("response_aim", par, "N", "tension, or difference of tension, aimed at", aim, 1e4),)
+            aims = (
+                Variable("response_aim", par, "N", "target of the tension, or of the tension difference", aim, 1e4),
+            )
         return (
             Variable("response_gain", par, "m/(N.s)", "correction per tension", self.gain, 1e-5, range=POSITIVE),
             *aims,
@@ -251,9 +317,9 @@ class ProportionalResponse(Response):
         else:
             aim = v.response_aim
         error = v.tension_out - (v.tension_in if self.target is None else 0.0) - aim
-        wish = ca.fmin(ca.fmax(v.response_gain * error, -v.response_limit), v.response_limit)
+        demanded = ca.fmin(ca.fmax(v.response_gain * error, -v.response_limit), v.response_limit)
         step = v.response_rate * self.period
-        move = ca.fmin(ca.fmax(wish - v.response_target, -step), step)
+        move = ca.fmin(ca.fmax(demanded - v.response_target, -step), step)
         target = v.response_target
         return Decision(ca.fabs(move) > 1e-12, ca.fabs(error), self.queued(v, target + move), self.queued(v, target))
 

@@ -1,4 +1,4 @@
-"""The wheel at which an endless rope turns back, drawn by a counterweight or a hydraulic take-up."""
+"""The return wheel of an endless rope, with a counterweight or a hydraulic take-up."""
 
 from __future__ import annotations
 
@@ -19,11 +19,31 @@ from ropeway.components.sheave import Wheel, free_or_held, held_variables, tensi
 @checked
 @dataclass(frozen=True)
 class TensionedReturn(Wheel):
-    """A frictionless wheel that slides along `direction` (x, y, z), drawn by a constant force.
+    """A return wheel without friction on a slide, pulled by a constant take-up force.
 
-    at: its place at zero slide [m]; take_up: the force along the direction [N], of a counterweight or a
-    hydraulic cylinder at constant pressure. The wheel is a point: both parts of the rope end on its axle.
-    As on a `Sheave`, a load that both sides push back stays on the wheel. Raises InputError.
+    The wheel is a point: both parts of the rope end on its axle. A load that both sides push back stays on the wheel,
+    as on a `Sheave`.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position at zero slide, (x, z) or (x, y, z) [m].
+    hold_down : bool, default False
+        Whether the rope runs below the sheave, which presses it down. Otherwise lift-off is reported where the support
+        pulls the rope down.
+    direction : tuple of float, default (1, 0, 0)
+        Direction of the take-up force, (x, y, z).
+    take_up : float
+        Force of the counterweight or the hydraulic cylinder [N].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+
+    Raises
+    ------
+    InputError
+        A force that is not positive, or an invalid direction.
     """
 
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
@@ -37,7 +57,7 @@ class TensionedReturn(Wheel):
         for value in self.direction:
             check.number(value, self.described, "a component of direction")
         if not any(self.direction):
-            raise InputError(f"{self.described}: direction is zero", "Give the way in which the take-up draws")
+            raise InputError(f"{self.described}: direction is zero", "Give the direction of the take-up force")
 
     @property
     def balance(self) -> str:
@@ -67,8 +87,8 @@ class TensionedReturn(Wheel):
                 Variable(x, alg, "m", f"{x} coordinate of the wheel", a, 100.0)
                 for x, a in zip("xyz", self.at, strict=True)
             ),
-            Variable("slide", alg, "m", "way of the wheel along its direction"),
-            Variable("travel", alg, "m", "unstretched rope that has run over", 0.0, site.length),
+            Variable("slide", alg, "m", "displacement of the wheel along its direction"),
+            Variable("travel", alg, "m", "unstretched length of rope that has run over", 0.0, site.length),
             *held_variables(),
             *(Variable(f"guide_{x}", res, "m", f"the wheel is on its slide, {x}", 0.0, 1.0) for x in "xyz"),
             Variable("drawn", res, "N", "rope and take-up balance along the slide", 0.0, site.force),

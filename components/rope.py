@@ -1,4 +1,4 @@
-"""A rope: weight, stiffness, strength, and how it stretches."""
+"""A rope: mass, stiffness, strength and stretch."""
 
 from __future__ import annotations
 
@@ -15,33 +15,57 @@ from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.rope_catalogue import MODULUS, CatalogueRope, all_ropes, by_factors, constructions
 
 HEAVIEST, SOFTEST, WEAKEST, THICKEST = 200.0, 1e5, 1e3, 0.2
-"""What no rope goes beyond: mass per length [kg/m], axial stiffness [N], breaking load [N], diameter [m]."""
+"""Limits of plausible ropes: mass per length [kg/m], axial stiffness [N], breaking load [N], diameter [m]."""
 
 
 class StretchLaw(Protocol):
-    """A stretch law as a value: gives the coefficients of eps(T) = c1 T + c2 T^2."""
+    """A stretch law: returns the coefficients of eps(T) = c1 T + c2 T^2."""
 
     def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
-        """Coefficients for a rope of this axial stiffness and minimum breaking load [N]."""
+        """Coefficients for a rope of this axial stiffness [N] and minimum breaking load [N]."""
         ...
 
 
 @checked
 @dataclass(frozen=True, slots=True)
 class Elastic:
-    """eps = T/EA: a used rope, whose construction stretch has been pulled out."""
+    """Elastic stretch eps = T/EA: a used rope, without construction stretch left."""
 
     def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
+        """Coefficients of the strain of a rope.
+
+        Parameters
+        ----------
+        axial_stiffness : float
+            EA [N]; inf: inextensible.
+        breaking_load : float
+            Minimum breaking load [N].
+
+        Returns
+        -------
+        Strain
+            c1 and c2 of eps(T) = c1 T + c2 T^2.
+        """
         return Strain(1.0 / axial_stiffness, 0.0)
 
 
 @checked
 @dataclass(frozen=True, slots=True)
 class ConstructionStretch:
-    """eps = T/EA + coefficient * (T/MBL)^2: a new rope under its first load (Lyons 2008, eq. 14).
+    """Elastic and construction stretch, eps = T/EA + coefficient * (T/MBL)^2: a new rope under its first load.
 
-    0.0414 is Lyons' fit for a heavily loaded 6-strand IWRC rope on MBL/T = 2 to 8; it is 34-48 % low at
-    MBL/T = 5 to 8. Construction stretch does not come back: T is the highest tension ever seen.
+    After Lyons 2008, eq. 14. The default is his fit for a heavily loaded 6-strand IWRC rope at MBL/T = 2 to 8; it is
+    34-48 % low at MBL/T = 5 to 8. Construction stretch is permanent: T is the highest tension of the rope's life.
+
+    Parameters
+    ----------
+    coefficient : float, default 0.0414
+        Strain at a tension equal to the minimum breaking load.
+
+    Raises
+    ------
+    InputError
+        A negative coefficient.
     """
 
     coefficient: float = 0.0414
@@ -50,18 +74,49 @@ class ConstructionStretch:
         check.not_negative(self.coefficient, "ConstructionStretch", "coefficient")
 
     def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
+        """Coefficients of the strain of a rope.
+
+        Parameters
+        ----------
+        axial_stiffness : float
+            EA [N]; inf: inextensible.
+        breaking_load : float
+            Minimum breaking load [N].
+
+        Returns
+        -------
+        Strain
+            c1 and c2 of eps(T) = c1 T + c2 T^2.
+        """
         return Strain(1.0 / axial_stiffness, self.coefficient / breaking_load**2)
 
 
 @checked
 @dataclass(frozen=True)
 class Rope:
-    """A rope.
+    """A rope, by its values.
 
-    mass_per_length [kg/m, unstretched]; axial_stiffness EA [N], inf for an inextensible rope; breaking_load:
-    minimum breaking load MBL [N]; diameter [m] where known; stretch: Elastic() or ConstructionStretch(c);
-    safety_factor: MBL over safe working load. Raises InputError, also for values that no rope has: those of a
-    datasheet in kg/km, MN, kN or mm.
+    Parameters
+    ----------
+    mass_per_length : float
+        Mass per unstretched length [kg/m].
+    axial_stiffness : float
+        EA [N]; inf: inextensible.
+    breaking_load : float
+        Minimum breaking load MBL [N].
+    diameter : float, optional
+        Diameter [m].
+    stretch : Elastic or ConstructionStretch, optional
+        Stretch law; by default elastic.
+    safety_factor : float, default 3
+        Minimum breaking load over safe working load.
+    name : str, default "rope"
+        Name in messages.
+
+    Raises
+    ------
+    InputError
+        A value that no rope has, such as one in kg/km, MN, kN or mm.
     """
 
     mass_per_length: float
@@ -79,11 +134,11 @@ class Rope:
         check.positive(self.breaking_load, owner, "breaking_load", "N")
         check.positive(self.safety_factor, owner, "safety_factor")
         if self.mass_per_length > HEAVIEST:
-            raise _asking(owner, "mass_per_length", self.mass_per_length, "kg/m", "kg/km")
+            raise _implausible(owner, "mass_per_length", self.mass_per_length, "kg/m", "kg/km")
         if self.axial_stiffness < SOFTEST:
-            raise _asking(owner, "axial_stiffness", self.axial_stiffness, "N", "kN or MN")
+            raise _implausible(owner, "axial_stiffness", self.axial_stiffness, "N", "kN or MN")
         if self.breaking_load < WEAKEST:
-            raise _asking(owner, "breaking_load", self.breaking_load, "N", "kN or t")
+            raise _implausible(owner, "breaking_load", self.breaking_load, "N", "kN or t")
         if self.diameter is not None:
             _require_diameter(self.diameter, owner)
 
@@ -94,7 +149,7 @@ class Rope:
 
     @property
     def safe_working_load(self) -> float:
-        """SWL [N]."""
+        """Safe working load SWL [N]."""
         return self.breaking_load / self.safety_factor
 
     @classmethod
@@ -108,11 +163,34 @@ class Rope:
         stretch: StretchLaw | None = None,
         safety_factor: float = 3.0,
     ) -> Rope:
-        """From the EN 12385-4 factors.
+        """A rope by the factors of EN 12385-4.
 
-        construction: of the catalogue, such as "6x19 IWRC" (`docs/catalogue.md`); diameter [m]; grade: rope grade
-        [N/mm2], 1770, 1960 (EIPS) or 2160 (EEIPS); modulus on the metallic area [Pa]. Raises InputError,
-        UnknownNameError.
+        Parameters
+        ----------
+        construction : str
+            Of the catalogue, such as "6x19 IWRC" (`docs/catalogue.md`).
+        diameter : float
+            Nominal diameter [m].
+        grade : float, default 1960
+            Rope grade [N/mm2]: 1770, 1960 (EIPS) or 2160 (EEIPS).
+        modulus : float, default 93.1e9
+            Modulus of elasticity on the metallic area [Pa].
+        stretch : Elastic or ConstructionStretch, optional
+            Stretch law; by default elastic.
+        safety_factor : float, default 3
+            Minimum breaking load over safe working load.
+
+        Returns
+        -------
+        Rope
+            The rope, named after its construction.
+
+        Raises
+        ------
+        InputError
+            A value that no rope has.
+        UnknownNameError
+            An unknown construction.
         """
         known = constructions()
         if construction not in known:
@@ -122,8 +200,7 @@ class Rope:
         check.positive(grade, owner, "grade", "N/mm2")
         check.positive(modulus, owner, "modulus", "Pa")
         name = f"{construction} {diameter * 1e3:g} mm {grade:g}"
-        entry = by_factors(name, known[construction], diameter, grade, modulus)
-        return cls._of(entry, stretch, safety_factor)
+        return cls._of(by_factors(name, known[construction], diameter, grade, modulus), stretch, safety_factor)
 
     @classmethod
     def named(
@@ -134,22 +211,28 @@ class Rope:
         safety_factor: float = 3.0,
         catalogue: table.Source | None = None,
     ) -> Rope:
-        """A rope of the catalogue by its name.
+        """A rope of the catalogue by its name; `rw.ropes()` shows it.
 
         Parameters
         ----------
         name : str
-            `rw.ropes()` lists them.
-        stretch : optional
-            By default `Elastic()`.
-        safety_factor : float, default 3.0
+            Such as "compacted skyline 22" or "6x19 IWRC 22 1960".
+        stretch : Elastic or ConstructionStretch, optional
+            Stretch law; by default elastic.
+        safety_factor : float, default 3
+            Minimum breaking load over safe working load.
         catalogue : str, Path or DataFrame, optional
             A table of yours (CSV, Excel, TOML), which is looked up first.
+
+        Returns
+        -------
+        Rope
+            The rope.
 
         Raises
         ------
         UnknownNameError
-            There is no such rope.
+            An unknown name.
         InputError
             The table cannot be read.
         """
@@ -175,14 +258,14 @@ class Rope:
 def _require_diameter(diameter: float, owner: str) -> None:
     check.positive(diameter, owner, "diameter", "m")
     if diameter > THICKEST:
-        raise _asking(owner, "diameter", diameter, "m", "mm")
+        raise _implausible(owner, "diameter", diameter, "m", "mm")
 
 
-def _asking(owner: str, field: str, value: float, unit: str, meant: str) -> InputError:
-    """An error for a value that no rope has."""
+def _implausible(owner: str, field: str, value: float, unit: str, meant: str) -> InputError:
+    """An error for an implausible value."""
     return InputError(f"{owner}: {field} is {value} {unit}, which no rope has", f"Give {unit}. Is it in {meant}?")
 
 
 def hanging_limit(rope: Rope, gravity: float) -> float:
-    """Longest rope that can hang straight down without breaking under its own weight [m]."""
+    """Longest rope that can hang vertically without breaking under its own weight [m]."""
     return math.inf if gravity == 0.0 else rope.breaking_load / (rope.mass_per_length * gravity)

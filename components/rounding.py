@@ -1,4 +1,4 @@
-"""Limits as text, rounded to the safe side: what a rope may carry down, what it has to carry up."""
+"""Limits as text, rounded to the safe side: payloads and working loads down, tensions up."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import math
 from collections.abc import Callable
 
 NOISE = 1e-9
-"""Relative error of a computed value, which must not carry it to the next digit."""
+"""Relative error of a computed value, which must not change the rounded digit."""
 
 
 def at_most(value: float, places: int = 0) -> str:
-    """A value that must not be taken for larger (a payload, a safe working load, a clearance), rounded down."""
+    """An upper limit (payload, safe working load, clearance), rounded down."""
     return _text(math.floor, value, places, 1.0)
 
 
 def at_least(value: float, places: int = 0) -> str:
-    """A value that must not be taken for smaller (a tension, a force on an anchor), rounded up."""
+    """A value that must not be underestimated (tension, anchor force), rounded up."""
     return _text(math.ceil, value, places, -1.0)
 
 

@@ -1,4 +1,4 @@
-"""A quantity over time, given in advance."""
+"""A quantity over time, known in advance."""
 
 from __future__ import annotations
 
@@ -17,10 +17,22 @@ from ropeway.components.whole_files import whole
 @checked
 @dataclass(frozen=True)
 class Schedule:
-    """Piecewise linear over time: `times` [s], strictly increasing, and as many `speeds` [m/s].
+    """A speed over time, piecewise linear.
 
-    Before its first time it keeps the first speed; a run beyond its last time is an InputError. A steep
-    pair of times stands for a step. Raises InputError.
+    Before its first time it has the first speed; a run beyond its last time is an InputError. Two close times represent
+    a step.
+
+    Parameters
+    ----------
+    times : sequence of float
+        Times [s], strictly increasing.
+    speeds : sequence of float
+        Speeds at these times [m/s].
+
+    Raises
+    ------
+    InputError
+        Unequal numbers of values, values that are not finite, or times that do not increase.
     """
 
     times: tuple[float, ...]
@@ -43,11 +55,38 @@ class Schedule:
             )
 
     def at(self, time: float) -> float:
-        """Speed at a time [s]."""
+        """Speed at a time.
+
+        Parameters
+        ----------
+        time : float
+            Time [s].
+
+        Returns
+        -------
+        float
+            Speed [m/s].
+        """
         return float(np.interp(time, self.times, self.speeds))
 
     def to_csv(self, path: str | Path) -> Path:
-        """Writes columns time [s] and speed [m/s]; returns the path. Raises WriteError."""
+        """Write the schedule with the columns time [s] and speed [m/s].
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        WriteError
+            The file could not be written.
+        """
         rows = "".join(f"{time!r},{speed!r}\n" for time, speed in zip(self.times, self.speeds, strict=True))
         with whole(path) as file:
             file.write_text(f"time,speed\n{rows}", encoding="utf-8")
@@ -55,20 +94,25 @@ class Schedule:
 
     @classmethod
     def from_csv(cls, path: table.Source, column: str = "speed") -> Schedule:
-        """From a table, see `docs/files.md`.
+        """A schedule from a table, see `docs/files.md`.
 
         Parameters
         ----------
         path : str, Path or DataFrame
-            With a column time [s] and the column of the speeds.
+            A table with a column time [s] and the column of the speeds.
         column : str, default "speed"
             The column of the speeds [m/s], or of another quantity in SI units; a header such as "c1.speed [km/h]" is
             converted.
 
+        Returns
+        -------
+        Schedule
+            The schedule.
+
         Raises
         ------
         InputError
-            With file, line and column.
+            The table is invalid; the message has file, line and column.
         """
         layout = table.TableLayout(
             {"time": "s", column: "m/s" if column == "speed" else ""}, f"time,{column}\n0,0.5\n10,1"
@@ -79,24 +123,66 @@ class Schedule:
         return cls(values[:, 0].tolist(), values[:, 1].tolist())
 
     def breaks(self) -> np.ndarray:
-        """Times where it bends, and where it passes through zero [s]."""
+        """Times of its vertices and zeros.
+
+        Returns
+        -------
+        ndarray
+            Times [s], increasing.
+        """
         t, v = np.array(self.times), np.array(self.speeds)
         turn = np.flatnonzero(v[:-1] * v[1:] < 0.0)
         zeros = t[turn] - v[turn] * (t[turn + 1] - t[turn]) / (v[turn + 1] - v[turn])
         return np.unique(np.concatenate([t, zeros]))
 
     def require(self, time: float) -> None:
-        """Raises InputError when it ends before a time [s]."""
+        """Check that the schedule covers a time.
+
+        Parameters
+        ----------
+        time : float
+            Time [s].
+
+        Raises
+        ------
+        InputError
+            The schedule ends before it.
+        """
         if self.times[-1] < time - 1e-9:
             raise InputError(
-                f"The schedule ends at {self.times[-1]:g} s, before {time:g} s", "Make it longer or ask for less"
+                f"The schedule ends at {self.times[-1]:g} s, before {time:g} s",
+                "Extend the schedule or shorten the run",
             )
 
     def on(self, times: Sequence[float]) -> Schedule:
-        """The schedule with its speeds at other times [s] only."""
+        """The schedule sampled at other times.
+
+        Parameters
+        ----------
+        times : sequence of float
+            Times [s], strictly increasing.
+
+        Returns
+        -------
+        Schedule
+            Piecewise linear between these times.
+        """
         return Schedule(times, [self.at(float(t)) for t in times])
 
     def later(self, by: float, until: float) -> Schedule:
-        """The schedule as it is `by` seconds later: from there on, for `until` seconds; it keeps its last speed."""
+        """The schedule shifted in time, for a run that starts later.
+
+        Parameters
+        ----------
+        by : float
+            Time that becomes zero [s].
+        until : float
+            Duration of the new schedule [s]; beyond the old one the last speed holds.
+
+        Returns
+        -------
+        Schedule
+            From 0 to `until`.
+        """
         times = [0.0, *(t - by for t in self.times if by + 1e-9 < t < by + until - 1e-9), until]
         return Schedule(times, [self.at(by + t) for t in times])

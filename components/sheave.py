@@ -1,4 +1,4 @@
-"""An idler sheave, and what all sheaves share: the rope's forces on both sides."""
+"""An idler sheave, and the forces of the rope on any sheave."""
 
 from __future__ import annotations
 
@@ -19,19 +19,31 @@ from ropeway.components.smooth import angle_between, sign
 @checked
 @dataclass(frozen=True)
 class Wheel(Node):
-    """A support that a rope runs over, coming in at seat a and going out at seat b. hold_down: the rope runs
-    below the sheave, which presses it down; otherwise a support that pulls the rope down reports lift-off."""
+    """A support that a rope runs over, from seat a to seat b.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    hold_down : bool, default False
+        Whether the rope runs below the sheave, which presses it down. Otherwise lift-off is reported where the support
+        pulls the rope down.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    """
 
     hold_down: bool = False
 
     @property
     def a(self) -> Seat:
-        """Where the rope comes in."""
+        """Where the rope arrives."""
         return Seat(self, "a", travel="travel")
 
     @property
     def b(self) -> Seat:
-        """Where the rope goes out."""
+        """Where the rope leaves."""
         return Seat(self, "b", travel="travel")
 
     @property
@@ -48,12 +60,12 @@ class Wheel(Node):
         """Outputs of any sheave."""
         out, force = Kind.OUTPUT, site.force
         return (
-            Variable("tension_in", out, "N", "tension of the rope coming in", nominal=force),
-            Variable("tension_out", out, "N", "tension of the rope going out", nominal=force),
-            Variable("differential_tension", out, "N", "tension going out less tension coming in", nominal=force),
+            Variable("tension_in", out, "N", "tension of the incoming rope", nominal=force),
+            Variable("tension_out", out, "N", "tension of the outgoing rope", nominal=force),
+            Variable("differential_tension", out, "N", "outgoing minus incoming tension", nominal=force),
             Variable("bearing_load", out, "N", "resultant of the rope's forces on the sheave", nominal=force),
             Variable("support_force", out, "N", "upward force of the support on the rope", nominal=force),
-            Variable("wrap", out, "rad", "angle by which the rope is turned"),
+            Variable("wrap", out, "rad", "wrap angle of the rope"),
         )
 
     @staticmethod
@@ -73,7 +85,7 @@ class Wheel(Node):
 
 
 def held_variables() -> tuple[Variable, Variable]:
-    """Discrete variables of a wheel that turns freely: whether a load stands on it, and where."""
+    """Discrete variables of an idler: whether a load stands on it, and at which travel."""
     return (
         Variable("held", Kind.DISCRETE, "1", "1: a load that cannot pass stands on the sheave"),
         Variable("held_travel", Kind.DISCRETE, "m", "travel at which the load stands on the sheave"),
@@ -81,32 +93,48 @@ def held_variables() -> tuple[Variable, Variable]:
 
 
 def tension_law(v: Any, t_in: Any, t_out: Any) -> Any:
-    """Residual of a wheel that turns freely: equal tensions, or the travel at which a load stands on it."""
-    # One newton per millimetre keeps the held residual in the scale of the free one.
+    """Residual of an idler: equal tensions, or the travel at which a load stands on it."""
+    # One newton per millimetre scales the residual of the travel like that of the tensions.
     return (1 - v.held) * (t_out - t_in) + v.held * (v.travel - v.held_travel) * 1e3
 
 
 def free_or_held(v: Any, by: np.ndarray | float = 1.0) -> laws.Law:
-    """The law of a wheel that turns freely: tensions in the ratio `by`, or the travel at which a load stands on it."""
+    """Law of an idler: tensions in the ratio `by`, or the travel at which a load stands on it."""
     free, held = laws.ratio(v.a.force, v.b.force, by), v.held > 0.0
     if not held.any():
         return free
-    standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as the residual has it
+    standing = (v.travel - v.held_travel) * 1e3  # one newton per millimetre, as in the residual
     return laws.Law(np.where(held, standing, free.miss), free.size)
 
 
 @checked
 @dataclass(frozen=True)
 class Sheave(Wheel):
-    """An idler sheave. Frictionless: equal tension on both sides.
+    """An idler sheave; without friction the tension is equal on both sides.
 
-    friction: bearing friction referred to the rope (bearing coefficient times axle radius over sheave
-    radius). The tension ratio is then exp(friction * wrap) in the direction of the run's driven speed,
-    smooth through rest, where it is one: N = 2 T sin(wrap/2), T_out - T_in = friction * N, integrated.
-    Without it the equations have none, and the model no parameter of that name.
+    With friction the tension ratio is exp(friction * wrap) in the direction of the driven speed, smooth through zero
+    speed, where it is one: T_out - T_in = friction * N with N = 2 T sin(wrap/2), integrated. Without friction the model
+    has no parameter `friction`. A load that is pushed back from both sides of a hold-down sheave stays on it: `held` =
+    1 keeps the travel at `held_travel`, and the tensions are independent.
 
-    A load that a hold-down geometry pushes back stays on the sheave: `held` = 1 keeps the travel at
-    `held_travel` and leaves the tensions free. Raises InputError.
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float
+        Position, (x, z) or (x, y, z) [m].
+    hold_down : bool, default False
+        Whether the rope runs below the sheave, which presses it down. Otherwise lift-off is reported where the support
+        pulls the rope down.
+    friction : float, default 0
+        Bearing friction referred to the rope: bearing coefficient times axle radius over sheave radius.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+
+    Raises
+    ------
+    InputError
+        An invalid name, position or friction.
     """
 
     role: ClassVar[str] = "idler sheave"
@@ -126,11 +154,11 @@ class Sheave(Wheel):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         described = "bearing friction referred to the rope"
-        rough = Variable("friction", Kind.PARAMETER, "1", described, self.friction, range=NOT_NEGATIVE)
+        friction_var = Variable("friction", Kind.PARAMETER, "1", described, self.friction, range=NOT_NEGATIVE)
         return (
             *self.place(),
-            *((rough,) if self.friction > 0.0 else ()),
-            Variable("travel", Kind.ALGEBRAIC, "m", "unstretched rope that has run over", 0.0, site.length),
+            *((friction_var,) if self.friction > 0.0 else ()),
+            Variable("travel", Kind.ALGEBRAIC, "m", "unstretched length of rope that has run over", 0.0, site.length),
             *held_variables(),
             Variable("tension_law", Kind.RESIDUAL, "N", "tensions on both sides", 0.0, site.force),
             *self.wheel_outputs(site),

@@ -1,4 +1,4 @@
-"""A rope piece between two supports, with loads clamped to it."""
+"""A piece of rope between two supports, with loads clamped to it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,25 @@ from ropeway.components.rope import Rope
 @checked
 @dataclass(frozen=True)
 class Span(Component):
-    """A rope from support a to support b. length: unstretched, at zero travel of both supports [m].
+    """A piece of rope from support a to support b.
 
-    Loads sit in slots, in order from a. Load j hangs `slot_at + slot_ride * travel_a + slot_empty * length`
-    from end a along the unstretched rope: a load clamped to the rope rides (1) with the travel at a, one
-    pinned at a distance does not (0), and an empty slot is a massless point at end b.
+    Loads occupy slots, in order from a. Load j hangs `slot_at + slot_ride * travel_a + slot_empty * length` from end a
+    along the unstretched rope: a clamped load moves with the travel at a (1), one fixed at a distance does not (0), and
+    an empty slot is a massless point at end b.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    rope : Rope
+        Its rope.
+    length : float
+        Unstretched length at zero travel of both supports [m].
+
+    Raises
+    ------
+    InputError
+        A length that is not positive, or an invalid name.
     """
 
     rope: Rope
@@ -32,12 +46,12 @@ class Span(Component):
 
     @property
     def a(self) -> RopeEnd:
-        """The end where the rope comes from."""
+        """The end at the first support."""
         return RopeEnd(self, "a")
 
     @property
     def b(self) -> RopeEnd:
-        """The end where the rope goes to."""
+        """The end at the second support."""
         return RopeEnd(self, "b")
 
     @property
@@ -55,7 +69,7 @@ class Span(Component):
 
     @property
     def _constructional(self) -> bool:
-        """Whether the rope has construction stretch: an elastic one has simpler equations."""
+        """Whether the rope has construction stretch; elastic ropes have simpler equations."""
         return bool(self.rope.strain.c2 > 0.0)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
@@ -86,7 +100,7 @@ class Span(Component):
             ),
             slots("slot_mass", "kg", "mass of the load in each slot"),
             slots("slot_at", "m", "unstretched distance of each slot from end a at zero travel"),
-            slots("slot_ride", "1", "1: the slot's load rides with the rope, 0: pinned or empty"),
+            slots("slot_ride", "1", "1: the load moves with the rope, 0: fixed or empty"),
             slots("slot_empty", "1", "1: the slot is empty", 1.0),
             *(Variable(f"closure_{axis}", res, "m", f"span reaches end b, {axis}", 0.0, length) for axis in "xyz"),
             Variable("tension_a", out, "N", "tension at end a", nominal=force),
@@ -94,9 +108,9 @@ class Span(Component):
             Variable("horizontal", out, "N", "horizontal tension", nominal=force),
             Variable("vertical_a", out, "N", "upward force of the support on the rope at end a", nominal=force),
             Variable("vertical_b", out, "N", "upward force of the support on the rope at end b", nominal=force),
-            Variable("length", out, "m", "unstretched length now", nominal=length, freed_by="length_start"),
+            Variable("length", out, "m", "current unstretched length", nominal=length, freed_by="length_start"),
             Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
-            Variable("gravity_energy", out, "J", "energy of the weight of rope and loads over z = 0", nominal=1e6),
+            Variable("gravity_energy", out, "J", "potential energy of rope and loads relative to z = 0", nominal=1e6),
             Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
             *(Variable(f"slot_{x}", out, "m", f"{x} of each slot", nominal=length, size=n, hidden=True) for x in "xyz"),
             Variable(
@@ -152,7 +166,7 @@ class Span(Component):
     def _energy(
         v: Any, force: catenary.Vector, weight: Any, length: Any, distance: Any, stations: list[catenary.Segment]
     ) -> tuple[Any, Any]:
-        """Elastic energy, and energy of all weights over z = 0 [J]. Construction stretch is not elastic."""
+        """Elastic energy, and potential energy relative to z = 0 [J]. Construction stretch stores none."""
         elastic, gravity, at, height = 0, 0, 0, v.a.position[2]
         n = distance.numel()
         for j, station in enumerate(stations):

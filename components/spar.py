@@ -1,7 +1,6 @@
-"""What a skyline ends at or runs over: headspar, tailspar, intermediate support, tailhold, block.
+"""Ends and supports of a skyline: headspar, tailspar, tailhold, block.
 
-Each is placed either by position, `at`, or on a terrain by `station` and `height` over the ground; `placed`
-gives the one that stands on a terrain.
+Each has a position `at`, or a `station` and a `height` on a terrain; `placed` returns the one with its position.
 """
 
 from __future__ import annotations
@@ -21,9 +20,27 @@ from ropeway.components.terrain import Profile
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Standing(Node):
-    """A support at a point `at`, or at a `station` [m] of a terrain and a `height` [m] above the ground there.
+    """A support at a position, or at a station and a height on a terrain.
 
-    capacity: largest resultant of the ropes that it can carry [N], if it is known. Raises InputError.
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+
+    Raises
+    ------
+    InputError
+        No position, or an invalid value.
     """
 
     at: tuple[float, ...] = ()
@@ -37,11 +54,15 @@ class Standing(Node):
         if self.at:
             super().__post_init__()
             if (self.station is None) != (self.height is None):
-                raise InputError(f"{self.described} has one of station and height", "Give at=, or station and height")
+                raise InputError(
+                    f"{self.described} has only one of station and height", "Give at=, or station and height"
+                )
             return
         check.name(self.name, type(self).__name__)
         if self.station is None or self.height is None:
-            raise InputError(f"{self.described} has no place", "Give at=(x, z), or station and height above the ground")
+            raise InputError(
+                f"{self.described} has no position", "Give at=(x, z), or station and height above the ground"
+            )
         check.number(self.station, self.described, "station", "m")
         check.number(self.height, self.described, "height", "m")
         if self.height < 0.0:
@@ -50,7 +71,7 @@ class Standing(Node):
             )
 
     def placed(self, ground: Profile | None) -> Self:
-        """The same at its point on a terrain. Raises InputError where that cannot be."""
+        """The same with its position on a terrain. Raises InputError."""
         if self.station is None or self.height is None:
             self.require_above(ground)
             return self
@@ -62,7 +83,7 @@ class Standing(Node):
         return replace(self, at=(self.station, 0.0, elevation + self.height))
 
     def require_above(self, ground: Profile | None) -> None:
-        """Raises InputError where its point lies below a terrain."""
+        """Raises InputError if its position is below a terrain."""
         if ground is not None and self.at[2] < ground.elevation_at(self.at[0]):
             raise InputError(
                 f"{self.described} at z = {self.at[2]:g} m lies below the ground, "
@@ -74,7 +95,28 @@ class Standing(Node):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class HeadSpar(Standing, Anchor):
-    """The yarder's spar: the skyline ends at its top."""
+    """The yarder's spar: the skyline ends at its top.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+
+    Raises
+    ------
+    InputError
+        No position, or an invalid value.
+    """
 
     def limits(self) -> tuple[Limit, ...]:
         return _capacity(self, "tension")
@@ -83,7 +125,28 @@ class HeadSpar(Standing, Anchor):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Tailhold(Standing, Anchor):
-    """A stump or other anchor at the ground that holds the end of a rope."""
+    """A stump or other anchor at the ground that holds the end of a rope.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+
+    Raises
+    ------
+    InputError
+        No position, or an invalid value.
+    """
 
     def limits(self) -> tuple[Limit, ...]:
         return _capacity(self, "tension")
@@ -92,8 +155,30 @@ class Tailhold(Standing, Anchor):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class TailSpar(Standing, Anchor):
-    """A tail tree or mast: the skyline ends at its top, or, with a `tailhold`, runs there through a block and
-    on to the tailhold, which may stand off the corridor's line."""
+    """A tail tree or mast: the skyline ends at its top, or runs through a block there on to a tailhold.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+    tailhold : Tailhold, optional
+        Where the skyline ends behind the tailspar; it may stand off the line of the corridor.
+
+    Raises
+    ------
+    InputError
+        No position, or an invalid value.
+    """
 
     tailhold: Tailhold | None = None
 
@@ -104,8 +189,32 @@ class TailSpar(Standing, Anchor):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class Block(Standing, Sheave):
-    """A block that a rope runs through; `friction` of its bearing as for a sheave. The rope may pull at it in
-    any direction."""
+    """A block that a rope runs through; the rope may pull at it in any direction.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    friction : float, default 0
+        Bearing friction referred to the rope, as of a `Sheave`.
+    at : tuple of float, optional
+        Position, (x, z) or (x, y, z) [m]; or give station and height.
+    label : str, optional
+        Text in pictures and messages; by default the name.
+    hold_down : bool, default True
+        False: lift-off is reported where the block pulls the rope down.
+    station : float, optional
+        Station on a terrain [m].
+    height : float, optional
+        Height above the ground [m].
+    capacity : float, optional
+        Largest resultant of the ropes that it can carry [N].
+
+    Raises
+    ------
+    InputError
+        No position, or an invalid value.
+    """
 
     hold_down: bool = True
 

@@ -1,4 +1,4 @@
-"""Tables of numbers and names: text files in all the ways in which they are written, Excel files and DataFrames."""
+"""Tables of numbers and names from text files, Excel files and DataFrames."""
 
 from __future__ import annotations
 
@@ -17,18 +17,20 @@ from ropeway.components.table_file import RawTable, name_and_unit, read_file
 from ropeway.components.table_numbers import Cell
 
 Source: TypeAlias = str | Path | pd.DataFrame
-"""What a table is read from."""
+"""Source of a table."""
 
 
 HEADER = -1
-"""The header, as the row of an error."""
+"""Row number of the header in errors."""
 
 
 @dataclass(frozen=True)
 class TableLayout:
-    """What a table must have. `columns`: names of those that it needs, with the unit of those that hold numbers
-    ("" for any) and None for text; `example`: its first lines, as errors show them; `differences`: columns whose values
-    are differences, for which the zero of a scale does not count."""
+    """Required columns of a table.
+
+    `columns`: their names, with the unit of numeric columns ("" for any) and None for text; `example`: the first lines,
+    for error messages; `differences`: columns whose values are differences, without the zero of a temperature scale.
+    """
 
     columns: Mapping[str, str | None]
     example: str
@@ -41,11 +43,11 @@ class TableLayout:
 
 @dataclass(frozen=True)
 class Table:
-    """A table whose rows are as long as its header and whose columns have names of their own.
+    """A table with unique column names and rows as long as its header.
 
-    `source` names it in errors, `columns` are as written, `keys` as its layout names them, `units` those that the
-    header gives in brackets ("" where it gives none); `rows` has the cells, `lines` the place of each row and `first`
-    that of the header ("" in a DataFrame). `layout` is the one that it follows, `separator` that of a text file.
+    `source`: its name in errors; `columns`: as written; `keys`: as named in the layout; `units`: from the header ("" if
+    absent); `rows`: the cells; `lines`: the location of each row; `first`: that of the header ("" in a DataFrame);
+    `layout`: the one that it follows; `separator`: of a text file.
     """
 
     source: str
@@ -62,7 +64,7 @@ class Table:
         return len(self.rows)
 
     def error(self, cause: str, remedy: str, row: int | None = None, key: str | None = None) -> InputError:
-        """An error with the place, of a row or of the `HEADER`, and an example of the format."""
+        """An error with the location of a row, or of the `HEADER`, and an example of the format."""
         line = "" if row is None else self.first if row == HEADER else self.lines[row]
         place = f"{self.source}, {line}" if line else self.source
         if key is not None:
@@ -70,19 +72,19 @@ class Table:
         return InputError(f"{place}: {cause}", _with_example(remedy, self.layout))
 
     def texts(self, key: str) -> list[str]:
-        """The cells of a column as text, "" where they are blank."""
+        """Cells of a column as text, "" if blank."""
         column = self.keys.index(key)
         return [table_numbers.text(row[column]) for row in self.rows]
 
     def numbers(self, *keys: str, optional: Sequence[str] = ()) -> np.ndarray:
-        """Numbers of columns, in the units of the layout, or in SI units where it names none.
+        """Numbers of columns, in the units of the layout, else in SI units.
 
         Parameters
         ----------
         keys : str
-            Columns; all that hold numbers are asked for together, as they share one decimal mark.
+            All numeric columns, as they share one decimal mark.
         optional : sequence of str
-            More columns, whose cells may be blank: NaN.
+            Further columns, whose cells may be blank (NaN).
 
         Returns
         -------
@@ -91,7 +93,7 @@ class Table:
         Raises
         ------
         InputError
-            With line and column of a cell that is no finite number, or can be read in two ways.
+            A cell is not a finite number, or is ambiguous; the message has line and column.
         """
         names = [*keys, *optional]
         at = [self.keys.index(name) for name in names]
@@ -108,7 +110,7 @@ class Table:
         return found
 
     def require_increase(self, values: np.ndarray, key: str, unit: str) -> None:
-        """Raises InputError where values, one a row, do not increase."""
+        """Raises InputError if values, one a row, do not increase."""
         falls = np.flatnonzero(np.diff(values) <= 0.0)
         if len(falls):
             k = int(falls[0]) + 1
@@ -116,7 +118,7 @@ class Table:
             raise self.error(f"{key} does not increase: {cause}", "Sort the rows, and give each value once", k)
 
     def _converted(self, values: np.ndarray, key: str) -> np.ndarray:
-        """Values of a column in the unit of the layout, or in SI units where it names none."""
+        """Values of a column in the unit of the layout, else in SI units."""
         given, wanted = self.units[self.keys.index(key)], self.layout.columns.get(key) or ""
         difference = key in self.layout.differences
         try:
@@ -136,8 +138,8 @@ def read(source: Source, *layouts: TableLayout) -> Table:
     source : str, Path or DataFrame
         A text file (separated by commas, semicolons, tabs or bars; UTF-8, UTF-16 or Windows-1252; lines that begin
         with # are comments), an Excel file (.xlsx, needs the extra `excel`), or a DataFrame.
-    layouts : Layout
-        What the table must have: the columns of one of them. Others are left alone.
+    layouts : TableLayout
+        Required columns; those of one layout suffice. Other columns are ignored.
 
     Returns
     -------
@@ -146,7 +148,7 @@ def read(source: Source, *layouts: TableLayout) -> Table:
     Raises
     ------
     InputError
-        With the file, the line and an example of the format.
+        The table is invalid; the message has file, line and an example.
     """
     if isinstance(source, pd.DataFrame):
         raw = RawTable("the DataFrame", *_of_frame(source))
@@ -161,10 +163,10 @@ def read(source: Source, *layouts: TableLayout) -> Table:
 
 
 def _checked(raw: RawTable, layouts: Sequence[TableLayout]) -> Table:
-    """A table whose header and rows fit each other and one of the layouts. Raises InputError."""
+    """A table that matches its header and one of the layouts. Raises InputError."""
     wanted = {column.casefold(): column for layout in layouts for column in layout.columns}
     keys, given = list(raw.header), [""] * len(raw.header)
-    for i, column in enumerate(raw.header):  # the others keep their text: a capital may matter there
+    for i, column in enumerate(raw.header):  # other columns keep their case
         name, unit = name_and_unit(column)
         if name.casefold() in wanted:
             keys[i], given[i] = wanted[name.casefold()], unit
@@ -175,7 +177,7 @@ def _checked(raw: RawTable, layouts: Sequence[TableLayout]) -> Table:
     table = Table(raw.source, columns, tuple(keys), tuple(given), raw.rows, raw.lines, raw.first, layout, raw.separator)
     for i, column in enumerate(raw.header):
         if not column:
-            raise table.error(f"column {i + 1} has no name", "Name it, or remove its separator", HEADER)
+            raise table.error(f"column {i + 1} has no name", "Name the column, or remove its separator", HEADER)
         if keys.index(keys[i]) != i:
             raise table.error(f"two columns are named {column!r}", "Remove one, or rename it", HEADER)
     if missing := layout.missing(keys):
@@ -189,15 +191,15 @@ def _checked(raw: RawTable, layouts: Sequence[TableLayout]) -> Table:
 
 
 def _hint(missing: str, raw: RawTable) -> str:
-    """How to mend a header."""
+    """Remedy for a header."""
     if raw.header and all(table_numbers.is_number(name) for name in raw.header):
         return "Its first line holds numbers: name the columns there"
     near = difflib.get_close_matches(missing, [name.casefold() for name in raw.header], n=1, cutoff=0.7)
-    return f"Is {near[0]!r} meant for it?" if near else "Name the columns in its first line"
+    return f"Is it the column {near[0]!r}?" if near else "Name the columns in its first line"
 
 
 def _length_hint(row: Sequence[Cell], raw: RawTable) -> str:
-    """How to mend a row that is longer or shorter than the header."""
+    """Remedy for a row of a different length than the header."""
     if len(row) > len(raw.header) and raw.separator == ",":
         return "With decimal commas, separate the columns by semicolons"
     return "Give each row a value, or a blank, for each column"
@@ -209,7 +211,7 @@ def _with_example(remedy: str, layout: TableLayout) -> str:
 
 
 def _of_frame(frame: pd.DataFrame) -> tuple[list[str], list[list[Cell]], list[str], str, str]:
-    """Header, rows, their places, the place of the header, and no separator."""
+    """Header, rows, row locations, location of the header, separator of a DataFrame."""
     cells = frame.astype(object).where(frame.notna(), "")
     header = [str(name).strip() for name in frame.columns]
     return header, cells.to_numpy().tolist(), [f"row {i}" for i in range(len(frame))], "", ""

@@ -1,4 +1,4 @@
-"""Files with tables, read as text: encoding, separator and comments are recognised, Excel files as well."""
+"""Table files: encoding, separator and comments are recognised; Excel files."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ _SEPARATORS = (";", "\t", "|", ",")
 _HINT = re.compile(r"\s*sep=(.)\s*", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(.*?)\s*(?:\[([^\]]+)\]|\(([^()]+)\))")
 _OTHERS = (
-    (b"\xd0\xcf\x11\xe0", "an Excel file of before 2007", "Save it as .xlsx or CSV"),
+    (b"\xd0\xcf\x11\xe0", "an Excel file from before 2007", "Save it as .xlsx or CSV"),
     (b"\x1f\x8b", "compressed", "Unpack it"),
     (b"%PDF", "a PDF", "Save the table as CSV"),
 )
-"""First bytes of files that hold no table in text."""
+"""First bytes of files that are not text."""
 
 
 @dataclass(frozen=True)
 class RawTable:
-    """Cells of a table as they are in its file. `lines`: the place of each row; `first`: that of the header;
-    `separator`: of a text file, else ""."""
+    """Cells of a table as in its file.
+
+    `lines`: location of each row; `first`: that of the header; `separator`: of a text file, else "".
+    """
 
     source: str
     header: list[str]
@@ -38,8 +40,10 @@ class RawTable:
 
 
 def read_file(path: Path, layouts: Sequence[Sequence[str]]) -> RawTable:
-    """The table in a file; `layouts`: names of the columns that it may have, by which its separator, or the sheet of
-    an Excel file, is chosen. Raises InputError."""
+    """The table in a file. Raises InputError.
+
+    `layouts`: names of possible columns, which determine the separator, or the sheet of an Excel file.
+    """
     data = _bytes(path)
     for mark, what, remedy in _OTHERS:
         if data.startswith(mark):
@@ -50,7 +54,7 @@ def read_file(path: Path, layouts: Sequence[Sequence[str]]) -> RawTable:
 
 
 def _bytes(path: Path) -> bytes:
-    """What is in a file. Raises InputError where there is nothing to read."""
+    """Content of a file. Raises InputError if there is none."""
     try:
         if path.is_dir():
             raise InputError(f"{path} is a folder", "Give the path of a file with a table")
@@ -63,7 +67,7 @@ def _bytes(path: Path) -> bytes:
         if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path} cannot be read: {reason}", "Check its path and who may read it") from error
+        raise InputError(f"{path} cannot be read: {reason}", "Check its path and its permissions") from error
     if not data.strip():
         raise InputError(f"{path} is empty", "Write a header and rows into it")
     return data
@@ -72,15 +76,15 @@ def _bytes(path: Path) -> bytes:
 def _text(source: str, content: str, layouts: Sequence[Sequence[str]]) -> RawTable:
     """The table in a text."""
     lines = io.StringIO(content, newline=None).readlines()
-    told = None
+    declared = None
     start = next((i for i, line in enumerate(lines) if not _skipped(line)), None)
     if start is not None and (hint := _HINT.fullmatch(lines[start])):
-        told, lines[start] = hint[1], "\n"  # Excel's own hint
+        declared, lines[start] = hint[1], "\n"  # Excel's separator hint
         start = next((i for i, line in enumerate(lines) if not _skipped(line)), None)
     if start is None:
         raise InputError(f"{source} has no rows", "Write a header and rows into it")
     fields = {mark: lines[start].strip("\r\n").split(mark) for mark in _SEPARATORS}
-    separator = told or max(fields, key=lambda mark: (_found(fields[mark], layouts), len(fields[mark])))
+    separator = declared or max(fields, key=lambda mark: (_found(fields[mark], layouts), len(fields[mark])))
     rows: list[list[Cell]] = []
     places: list[str] = []
     reader = csv.reader(_cleaned(lines, separator), delimiter=separator, skipinitialspace=True, strict=True)
@@ -92,7 +96,7 @@ def _text(source: str, content: str, layouts: Sequence[Sequence[str]]) -> RawTab
                 places.append(f"line {reader.line_num}")
     except csv.Error as error:
         raise InputError(
-            f"{source}, line {reader.line_num}: {error}", "Close what is quoted, and double a quote inside quotes"
+            f"{source}, line {reader.line_num}: {error}", "Close the quotes, and double a quote inside quotes"
         ) from error
     return RawTable(source, [str(name) for name in rows[0]], rows[1:], places[1:], places[0], separator)
 
@@ -103,7 +107,7 @@ def _skipped(line: str) -> bool:
 
 
 def _cleaned(lines: Sequence[str], separator: str) -> Iterator[str]:
-    """The lines without comments, and without blanks between a closing quote and a separator."""
+    """Lines without comments, and without blanks between a closing quote and a separator."""
     padded = re.compile(rf'"[ \xa0]+(?={re.escape(separator)}|\r?\n|$)')
     for line in lines:
         yield "\n" if line.lstrip().startswith("#") else padded.sub('"', line)
@@ -116,13 +120,13 @@ def name_and_unit(column: str) -> tuple[str, str]:
 
 
 def _found(names: Sequence[str], layouts: Sequence[Sequence[str]]) -> int:
-    """How many of the columns of a layout are among the names in a header, at best."""
+    """Largest number of columns of a layout among the names in a header."""
     keys = {name_and_unit(name.strip().strip('"'))[0].casefold() for name in names}
     return max(sum(column.casefold() in keys for column in layout) for layout in layouts)
 
 
 def _excel(path: Path, data: bytes, layouts: Sequence[Sequence[str]]) -> RawTable:
-    """The table in an Excel file: the sheet that has the columns, or the only one with anything in it."""
+    """The table in an Excel file: the sheet with the columns, or the only sheet that is not empty."""
     try:
         import openpyxl
     except ImportError as error:
@@ -134,21 +138,19 @@ def _excel(path: Path, data: bytes, layouts: Sequence[Sequence[str]]) -> RawTabl
         book = openpyxl.load_workbook(io.BytesIO(data), read_only=True, data_only=True)
         sheets = {sheet.title: [list(row) for row in sheet.iter_rows(values_only=True)] for sheet in book.worksheets}
     except Exception as error:
-        raise InputError(
-            f"{path} is not an Excel file that can be read: {error}", "Save it again, or as CSV"
-        ) from error
+        raise InputError(f"{path} cannot be read as an Excel file: {error}", "Save it again, or as CSV") from error
     found = [t for title, rows in sheets.items() if (t := _sheet(f"{path}, sheet {title}", rows)) is not None]
     if not found:
         raise InputError(f"{path} is empty", "Write a header and rows into its first sheet")
     fitting = [t for t in found if any(_found(t.header, [columns]) == len(columns) for columns in layouts)]
     if len(found) > 1 and len(fitting) != 1:
         names = ", ".join(repr(t.source.rpartition(", sheet ")[2]) for t in fitting or found)
-        raise InputError(f"{path} has several sheets, and the table may be in any of {names}", "Leave one sheet only")
+        raise InputError(f"{path} has several sheets that may contain the table: {names}", "Keep one sheet")
     return found[0] if len(found) == 1 else fitting[0]
 
 
 def _sheet(source: str, rows: list[list[object]]) -> RawTable | None:
-    """The table in the cells of a sheet; None where it is blank."""
+    """The table in the cells of a sheet; None if it is blank."""
     cells: list[list[Cell]] = [["" if value is None else _stripped(value) for value in row] for row in rows]
     filled = [i for i, row in enumerate(cells) if any(v != "" for v in row) and not text(row[0]).startswith("#")]
     if not filled:

@@ -1,4 +1,4 @@
-"""Numbers as people write them in tables: with a decimal point or comma, and with thousands set apart."""
+"""Numbers in tables: with a decimal point or comma, and with thousands separators."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from ropeway.components.errors import InputError
 
 Cell = str | float | int | bool | object
-"""What a cell of a table holds: text, or a number from an Excel file or a DataFrame."""
+"""Content of a cell: text, or a number from an Excel file or a DataFrame."""
 
 Reading = tuple[float | None, float | None]
-"""A cell's number with a decimal point, and with a decimal comma; None where it is none."""
+"""Value of a cell read with a decimal point, and with a decimal comma; None if it is not a number."""
 
 _SPACES = re.compile(r"\s")
 _SIMPLE = re.compile(r"[-+]?[0-9]+(?:([.,])(?:[0-9]{1,2}|[0-9]{4,}))?")
@@ -25,14 +25,14 @@ _PATTERNS = {
     )
     for mark, m, g in ((".", r"\.", ","), (",", ",", r"\."))
 }
-"""By decimal mark: a plain number, or one whose thousands are set apart in threes."""
+"""By decimal mark: a plain number, or one with thousands separators."""
 WHOLE = re.compile(r"[-+]?[0-9]{1,15}")
-"""A whole number without anything else."""
+"""An integer."""
 _NOT_FINITE = {"nan": math.nan, "inf": math.inf, "+inf": math.inf, "-inf": -math.inf}
 
 
 class NumberError(InputError):
-    """A cell that is no number; `index`: which of the cells."""
+    """A cell that is not a number; `index`: its position."""
 
     def __init__(self, cause: str, remedy: str, index: int = 0) -> None:
         self.index = index
@@ -40,32 +40,33 @@ class NumberError(InputError):
 
 
 def text(cell: Cell) -> str:
-    """A cell as text: whole numbers without a decimal point."""
+    """A cell as text, integers without a decimal point."""
     if isinstance(cell, float) and cell.is_integer():
         return str(int(cell))
     return str(cell).strip()
 
 
 def is_number(cell: Cell) -> bool:
-    """Whether a cell can be read as a number in some way."""
+    """Whether a cell can be read as a number."""
     return cell != "" and _readings(cell) != (None, None)
 
 
 def numbers(cells: Sequence[Cell], may_be_blank: Sequence[bool], *, points: bool) -> np.ndarray:
-    """The numbers in cells that share one decimal mark: the one with which all of them can be read.
+    """Numbers of cells that share one decimal mark: the one with which all can be read.
 
     Parameters
     ----------
     cells : sequence of str or number
+        The cells.
     may_be_blank : sequence of bool
-        Whether a cell may be blank; it is NaN then.
+        Whether a cell may be blank (NaN).
     points : bool
-        Whether a number that can be read in two ways, such as 1.234, has a decimal point.
+        Whether an ambiguous number, such as 1.234, has a decimal point.
 
     Raises
     ------
     NumberError
-        With the index of a cell that is no finite number, or where the mark cannot be known.
+        A cell is not a finite number, or the decimal mark is ambiguous.
     """
     only: dict[str, int] = {}
     readings = [_readings(cell) for cell in cells]
@@ -90,25 +91,25 @@ def numbers(cells: Sequence[Cell], may_be_blank: Sequence[bool], *, points: bool
 
 
 def _require_clear(cells: Sequence[Cell], readings: Sequence[Reading], points: bool) -> None:
-    """Raises NumberError for a cell that is one number with a decimal point, and another with a comma."""
+    """Raises NumberError for a cell with two different readings."""
     for i, (one, other) in enumerate(readings):
         if one != other and math.isfinite(one or 0.0) and not (points and "," not in str(cells[i])):
             raise NumberError(
                 f"{cells[i]!r} is {one:g} with a decimal point and {other:g} with a decimal comma",
-                f"Write {max(one or 0.0, other or 0.0, key=abs):.0f} without setting thousands apart, "
+                f"Write {max(one or 0.0, other or 0.0, key=abs):.0f} without a thousands separator, "
                 f"or {str(cells[i]).strip()}0 for a decimal",
                 i,
             )
 
 
 def _readings(cell: Cell) -> Reading:
-    """The two readings of a cell."""
+    """Both readings of a cell."""
     if cell == "":
         return math.nan, math.nan
     if not isinstance(cell, str):
         value = _value(cell)
         return value, value
-    simple = _SIMPLE.fullmatch(cell)  # most cells: no thousands, and no three decimals that could be some
+    simple = _SIMPLE.fullmatch(cell)  # most cells: no thousands, and not three decimals, which would be ambiguous
     if simple is not None:
         value = float(cell.replace(",", "."))
         return (None if simple[1] == "," else value), (None if simple[1] == "." else value)
@@ -117,7 +118,7 @@ def _readings(cell: Cell) -> Reading:
 
 
 def _value(cell: Cell) -> float | None:
-    """The number that an Excel file or a DataFrame holds; a truth value is none."""
+    """A number from an Excel file or a DataFrame; None for a Boolean."""
     if isinstance(cell, bool | np.bool_):
         return None
     try:
@@ -127,7 +128,7 @@ def _value(cell: Cell) -> float | None:
 
 
 def _written(word: str, mark: str) -> float | None:
-    """The number of a word with a decimal mark."""
+    """Value of a text with a decimal mark."""
     if word.lower() in _NOT_FINITE:
         return _NOT_FINITE[word.lower()]
     match = _PATTERNS[mark].fullmatch(word)

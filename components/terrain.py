@@ -1,4 +1,4 @@
-"""A terrain profile along a corridor: piecewise linear ground, and how far ropes and loads are above it."""
+"""A terrain profile along a corridor: piecewise linear ground, and the clearance of ropes and loads above it."""
 
 from __future__ import annotations
 
@@ -23,15 +23,17 @@ _COORDINATES = table.TableLayout(
 
 
 class Clearance(NamedTuple):
-    """Least height over the ground [m], and the station where it is [m]."""
+    """Smallest height above the ground [m], and its station [m]."""
 
     height: float
     station: float
 
 
 class Piece(NamedTuple):
-    """A load-free rope piece in a corridor: its start (x, z) [m], tension vector there [N], weight [N/m],
-    unstretched length [m] and strain law. It runs towards growing x."""
+    """A load-free piece of rope in a corridor, towards increasing x.
+
+    Its start (x, z) [m], tension vector there [N], weight [N/m], unstretched length [m] and strain law.
+    """
 
     start: tuple[float, float]
     force: Vector
@@ -43,9 +45,19 @@ class Piece(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """The ground along a corridor: `station` [m], increasing, and `elevation` [m] there, straight between.
+    """The ground along a corridor, straight between its points.
 
-    Raises InputError.
+    Parameters
+    ----------
+    station : array_like
+        Stations [m], increasing.
+    elevation : array_like
+        Elevations at these stations [m].
+
+    Raises
+    ------
+    InputError
+        Unequal numbers of values, values that are not finite, or stations that do not increase.
     """
 
     station: np.ndarray
@@ -71,18 +83,23 @@ class Profile:
 
     @classmethod
     def from_csv(cls, path: table.Source) -> Profile:
-        """From a table, see `docs/files.md`.
+        """A profile from a table, see `docs/files.md`.
 
         Parameters
         ----------
         path : str, Path or DataFrame
-            With columns station and elevation [m]; or with columns x, y, z [m] of a broken line in map coordinates,
-            whose station is the horizontal length along it. Other columns are left alone.
+            A table with columns station and elevation [m]; or with columns x, y, z [m], the vertices of a line in map
+            coordinates, whose station is the horizontal length along it. Other columns are ignored.
+
+        Returns
+        -------
+        Profile
+            The profile.
 
         Raises
         ------
         InputError
-            With file, line and column.
+            The table is invalid; the message has file, line and column.
         """
         read = table.read(path, _STATIONS, _COORDINATES)
         if read.layout is _STATIONS:
@@ -113,29 +130,36 @@ class Profile:
         nodata: float | None = None,
         largest_jump: float | None = None,
     ) -> Profile:
-        """From a raster of elevations, see `docs/files.md`; needs the extra `gis`.
+        """A profile along a straight line over an elevation raster, see `docs/files.md`; needs the extra `gis`.
 
         Parameters
         ----------
         path : str or Path
+            The raster.
         start, end : tuple of float
-            Easting and northing in the raster's coordinate system; longitude and latitude [degrees] where that is
+            Easting and northing in the raster's coordinate system; longitude and latitude [degrees] if it is
             geographic.
         spacing : float, optional
-            Of the stations on the ground [m], about; by default half a cell.
+            Approximate distance between stations [m]; by default half a cell.
         band : int, optional
-            The one with the elevations, from 1; needed where there are several.
+            The band with the elevations, from 1; required if there are several.
         unit : str, optional
-            Of the elevations, such as "m" or "ft"; by default that of the band or of the vertical coordinate system.
+            Unit of the elevations, such as "m" or "ft"; by default that of the band or of the vertical coordinate
+            system.
         nodata : float, optional
-            A value that stands for no data, besides the one that the raster declares.
+            A value for missing data, in addition to the one that the raster declares.
         largest_jump : float, optional
-            Between neighbouring cells [m], above which they are no ground; by default 50 m and three cells.
+            Largest plausible difference between neighbouring cells [m]; by default 50 m and three times their distance.
+
+        Returns
+        -------
+        Profile
+            The profile, from start to end.
 
         Raises
         ------
         InputError
-            The line leaves the raster or its data; or the raster leaves open what its numbers are.
+            The line leaves the raster or its data, or the meaning of the raster's numbers is unclear.
         """
         try:
             import rasterio
@@ -148,12 +172,28 @@ class Profile:
         try:
             raster = rasterio.open(path)
         except (rasterio.errors.RasterioIOError, rasterio.errors.NotGeoreferencedWarning, TypeError) as error:
-            raise InputError(f"{path} is no raster: {error}", "Give the path of a raster of elevations") from error
+            raise InputError(f"{path} is not a raster: {error}", "Give the path of a raster of elevations") from error
         with raster:
             return cls(*along(raster, str(path), start, end, reading))
 
     def elevation_at(self, station: float) -> float:
-        """Elevation [m] at a station [m]. Raises InputError outside the profile."""
+        """Elevation at a station.
+
+        Parameters
+        ----------
+        station : float
+            Station [m].
+
+        Returns
+        -------
+        float
+            Elevation [m].
+
+        Raises
+        ------
+        InputError
+            The station is outside the profile.
+        """
         if not self.station[0] <= station <= self.station[-1]:
             raise InputError(
                 f"Station {station:g} m is outside the profile",
@@ -162,19 +202,56 @@ class Profile:
         return float(np.interp(station, self.station, self.elevation))
 
     def elevations(self, stations: float | np.ndarray) -> np.ndarray:
-        """Elevations [m] at stations [m], NaN outside the profile."""
+        """Elevations at stations.
+
+        Parameters
+        ----------
+        stations : float or ndarray
+            Stations [m].
+
+        Returns
+        -------
+        ndarray
+            Elevations [m], NaN outside the profile.
+        """
         return np.asarray(np.interp(stations, self.station, self.elevation, left=np.nan, right=np.nan))
 
     def slope_at(self, station: float) -> float:
-        """Slope of the ground (rise over run) at a station; at a vertex that of the segment after it. Raises
-        InputError outside the profile."""
+        """Slope of the ground at a station; at a vertex that of the segment after it.
+
+        Parameters
+        ----------
+        station : float
+            Station [m].
+
+        Returns
+        -------
+        float
+            Rise over run.
+
+        Raises
+        ------
+        InputError
+            The station is outside the profile.
+        """
         self.elevation_at(station)
         k = min(int(np.searchsorted(self.station, station, side="right")) - 1, len(self.station) - 2)
         return float(np.diff(self.elevation[k : k + 2])[0] / np.diff(self.station[k : k + 2])[0])
 
     def vertex_at(self, station: float) -> tuple[float, float, float, float, float]:
-        """The vertex nearest to a station (station, elevation), the slopes before and after it, beyond the profile's
-        ends those of its outermost segments, and half the shorter of its two segments [m]."""
+        """The vertex nearest to a station.
+
+        Parameters
+        ----------
+        station : float
+            Station [m].
+
+        Returns
+        -------
+        station, elevation, before, after, half : float
+            Position of the vertex [m], slopes before and after it (rise over run; at an end that of the outermost
+            segment), half the length of its shorter segment [m].
+        """
         k = int(np.argmin(np.abs(self.station - station)))
         last = len(self.station) - 2
         around = [max(k - 1, 0), min(k, last)]
@@ -183,13 +260,45 @@ class Profile:
         return float(self.station[k]), float(self.elevation[k]), float(before), float(after), 0.5 * float(runs.min())
 
     def chord_slope(self, start: float, end: float) -> float:
-        """Slope of the straight line between the ground at two stations (rise over run). Raises InputError."""
+        """Slope of the straight line between the ground at two stations.
+
+        Parameters
+        ----------
+        start, end : float
+            Stations [m].
+
+        Returns
+        -------
+        float
+            Rise over run.
+
+        Raises
+        ------
+        InputError
+            Equal stations, or one outside the profile.
+        """
         if start == end:
             raise InputError(f"Both stations are {start:g} m", "Give two different ones")
         return (self.elevation_at(end) - self.elevation_at(start)) / (end - start)
 
     def resampled(self, spacing: float) -> Profile:
-        """At even stations about `spacing` metres apart, first and last kept."""
+        """The profile at equidistant stations, with its first and last.
+
+        Parameters
+        ----------
+        spacing : float
+            Approximate distance of the stations [m].
+
+        Returns
+        -------
+        Profile
+            The resampled profile.
+
+        Raises
+        ------
+        InputError
+            A spacing that is not positive, or too small.
+        """
         check.positive(spacing, "Profile", "spacing", "m")
         check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations", 1_000_000)
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
@@ -197,13 +306,40 @@ class Profile:
         return Profile(stations, self.elevations(stations))
 
     def clearance(self, piece: Piece) -> Clearance:
-        """Least height of a rope piece over the ground, exact: at the ends, over the ground's vertices, and
-        where the rope is parallel to the ground between them. (inf, nan) where there is no ground below."""
+        """Smallest height of a piece of rope above the ground.
+
+        Exact: it is at the ends, above a vertex of the ground, or where the rope is parallel to the ground.
+
+        Parameters
+        ----------
+        piece : Piece
+            A load-free piece of rope.
+
+        Returns
+        -------
+        Clearance
+            Height and station [m]; (inf, nan) if there is no ground below.
+        """
         return least_height(self, piece)
 
     def clearance_of_line(self, points: Sequence[tuple[float, float]] | np.ndarray) -> Clearance:
-        """Least height of a broken line through `points` (x, z) [m] over the ground, exact; a single point
-        too. (inf, nan) where there is no ground below."""
+        """Smallest height of a polygonal line above the ground, exact.
+
+        Parameters
+        ----------
+        points : sequence of tuple of float
+            Its vertices (x, z) [m], one or more.
+
+        Returns
+        -------
+        Clearance
+            Height and station [m]; (inf, nan) if there is no ground below.
+
+        Raises
+        ------
+        InputError
+            No points.
+        """
         line = np.asarray(points, dtype=float).reshape(-1, 2)
         if not len(line):
             raise InputError("The line has no points", "Give one or more (x, z)")
@@ -217,7 +353,7 @@ class Profile:
 
 
 def least_height(ground: Profile, piece: Piece) -> Clearance:
-    """`Profile.clearance` without its check of arguments, for the many calls of a search."""
+    """`Profile.clearance` without its check of arguments, for repeated calls."""
     fx, fy, v0 = piece.force
     total, _, _ = segment(piece.force, piece.weight, piece.length, piece.strain).reach
     x0, z0 = piece.start
@@ -237,8 +373,10 @@ def least_height(ground: Profile, piece: Piece) -> Clearance:
 
 
 def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> float:
-    """Least height over the ground [m] of the tangents at a piece's start and `end` (x, z) [m]: the rope
-    lies above both. inf where there is no ground below."""
+    """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
+
+    The rope is above both tangents. inf if there is no ground below.
+    """
     (x0, z0), (x1, z1), force = piece.start, end, piece.force
     low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
     if not low <= high:
@@ -252,11 +390,13 @@ def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> f
 
 
 def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
-    """Unstretched distances from the start of a piece, which reaches over `total`, at which it is over `x`: Newton's
-    method, kept inside the piece."""
+    """Unstretched distances from the start of a piece at which it passes x; `total` is the reach of the piece.
+
+    Newton's method, limited to the piece.
+    """
     fx, fy, v0 = piece.force
     flat, wanted = math.hypot(fx, fy), x - piece.start[0]
-    # The first guess is exact without stretch: equal shares of the angle asinh(v / h).
+    # The initial guess is exact without stretch: linear in asinh(v / h).
     first, last = (math.asinh(v / flat) for v in (v0, v0 + piece.weight * piece.length))
     share = np.clip(wanted / total, 0.0, 1.0)
     d = np.clip((flat * np.sinh(first + share * (last - first)) - v0) / piece.weight, 0.0, piece.length)
@@ -266,7 +406,7 @@ def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
         rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
         move = (wanted - reach) / rate
         d = np.clip(d + move, 0.0, piece.length)
-        # Convergence is quadratic: after a move of 1e-8 nothing is left but rounding.
+        # Convergence is quadratic: after a step of 1e-8 only rounding errors are left.
         if np.abs(move).max(initial=0.0) <= 1e-8 * (1.0 + abs(total)):
             break
     return d

@@ -1,4 +1,4 @@
-"""The encoding of a text file: recognised, or an error that asks for UTF-8, so that no label is garbled silently."""
+"""Recognise the encoding of a text file, or ask for UTF-8, so that no label is garbled silently."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _MARKS = (
 """Byte order marks."""
 _CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 _SHARED = frozenset("äöüßéíóúâîôçë")
-"""Letters that Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey) have in the same places. So is á,
-but it is the ß of DOS."""
+"""Letters with the same code in Windows-1252, Windows-1250 (Central Europe) and Windows-1254 (Turkey). á is excluded:
+it is the ß of DOS."""
 _ALPHABETS = tuple(
     frozenset("äöüß" + letters)
     for letters in (
@@ -31,12 +31,12 @@ _ALPHABETS = tuple(
         "áâéèêëíîïóôúû",  # Dutch
     )
 )
-"""Letters beyond a to z of Western languages. German ones stand in place names and makers' names everywhere."""
+"""Letters of Western languages besides a to z. German ones occur in names of places and makers in any language."""
 _FOREIGN = "[À-ÖØ-öø-ÿŒœŠšŽžŸƒ]"
 _LETTER = f"[A-Za-z{_FOREIGN[1:]}"
 _BEFORE = r"\xa2-\xa6\xa8-\xaa\xac\xae\xaf\xb1-\xb4\xb6\xb8-\xba\xbc-\xbe\xf7\u2020\u2021\u02c6\u2030\u02dc\u2122"
 _AFTER = r"\xa1\xa3-\xa6\xa8\xac\xaf\xb1\xb4\xb6\xb8\xb9\xbc-\xbf\u201a\u201e\u2020\u2021\u02c6\u2030\u02dc"
-"""Signs that stand before no word, and behind none."""
+"""Characters that never precede or follow a word."""
 _WORD = re.compile(rf"{_LETTER}+")
 _GARBLED = re.compile(
     rf"{_LETTER}[^\x00-\x7f\xa0\xad\xb5\xb7\u2013\u2014\u2019{_LETTER[1:-1]}]{_LETTER}"  # Pi¹ta
@@ -52,7 +52,7 @@ _GARBLED = re.compile(
 
 
 _BETWEEN = ' \t\r\n,;|"'
-"""What stands between words and cells."""
+"""Separators of words and cells."""
 
 
 def decoded(path: Path, data: bytes) -> str:
@@ -61,9 +61,9 @@ def decoded(path: Path, data: bytes) -> str:
     Parameters
     ----------
     path : Path
-        For messages.
+        Name for messages.
     data : bytes
-        What the file holds: UTF-8, UTF-16 or UTF-32, else Windows-1252, which has the letters of Latin-1.
+        Content of the file: UTF-8, UTF-16 or UTF-32, else Windows-1252, which includes Latin-1.
 
     Returns
     -------
@@ -72,15 +72,15 @@ def decoded(path: Path, data: bytes) -> str:
     Raises
     ------
     InputError
-        It is none of these, or has words of no Western language as Windows-1252: its code page is another one.
+        None of these, or as Windows-1252 it contains words of no Western language: it has another code page.
 
     Warns
     -----
     RopewayWarning
-        Read as Windows-1252 it has letters whose bytes are letters of other languages in other code pages: è may be č.
+        As Windows-1252 it contains letters that are ambiguous: è may be č of another code page.
     """
     marked = next((name for mark, name in _MARKS if data.startswith(mark)), None)
-    zeros = data[:200].count(0) * 3 > len(data[:200])  # UTF-16 without a mark: every other byte is zero
+    zeros = data[:200].count(0) * 3 > len(data[:200])  # UTF-16 without a byte order mark: every second byte is zero
     unmarked = ("utf-16-le" if data[1:2] == b"\0" else "utf-16-be") if zeros else "utf-8"
     found = _read(data, marked or unmarked)
     western = found is None and marked is None
@@ -101,7 +101,7 @@ def _read(data: bytes, encoding: str) -> str | None:
 
 
 def _judge(path: Path, text: str) -> None:
-    """Raises InputError for a text that Windows-1252 garbles, and warns where it may."""
+    """Raises InputError for a text that Windows-1252 garbles, and warns where it is ambiguous."""
     words = {word: {c for c in word.lower() if c > "\x7f"} for word in _WORD.findall(text)}
     letters = set[str]().union(*words.values())
     unsure = next((word for word, own in words.items() if not own <= _SHARED), "")
@@ -109,8 +109,8 @@ def _judge(path: Path, text: str) -> None:
     if garbled or not any(letters <= alphabet for alphabet in _ALPHABETS):
         sample = _around(text, *garbled.span()) if garbled else unsure
         raise InputError(
-            f"{path} is in an encoding that is not known: it is not UTF-8, and as Windows-1252 it has {sample!r}, "
-            "which is of no Western language",
+            f"{path} has an unknown encoding: it is not UTF-8, and as Windows-1252 it contains {sample!r}, "
+            "which is not of a Western language",
             "Save the table as CSV UTF-8",
         )
     if unsure:
@@ -123,7 +123,7 @@ def _judge(path: Path, text: str) -> None:
 
 
 def _around(text: str, begin: int, end: int) -> str:
-    """The cell or word that a part of a text belongs to."""
+    """The cell or word around a position."""
     left = max(text.rfind(mark, 0, begin) for mark in _BETWEEN) + 1
     right = min(place for mark in _BETWEEN if (place := (text + mark).find(mark, end)) >= 0)
     return text[left:right]

@@ -1,7 +1,7 @@
-"""Units: what a symbol such as `kN`, `m/s2` or `L/min` measures, and how to convert one to another.
+"""Units: what a symbol such as `kN`, `m/s2` or `L/min` measures, and how to convert it.
 
-Symbols are read as FMI, Modelica and datasheets write them. A unit is a factor times a product of the SI base
-units; the angle `rad` counts as one of them, so that a frequency and an angular velocity differ.
+Symbols are read as in FMI, Modelica and data sheets. A unit is a factor times a product of the SI base units. The angle
+`rad` counts as a base unit, so that a frequency and an angular velocity differ.
 """
 
 from __future__ import annotations
@@ -21,26 +21,29 @@ BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: x of it are `factor * x + offset` of the product of the `BASE` units to their `exponents`."""
+    """A unit: x of it equals `factor * x + offset` of the product of the `BASE` units to their `exponents`."""
 
     factor: float
     exponents: tuple[int, ...]
     offset: float = 0.0
 
     def base(self) -> dict[str, int]:
-        """Exponents other than zero, by base unit."""
+        """Nonzero exponents by base unit."""
         return {symbol: n for symbol, n in zip(BASE, self.exponents, strict=True) if n}
 
     def fits(self, other: Unit) -> bool:
-        """Whether both measure one quantity. An angle counts as a pure number (N.m/rad is N.m), but not in a
-        rate: 1 Hz is one turn or one radian a second, nobody knows which."""
+        """Whether both measure the same quantity.
+
+        An angle counts as a pure number (N.m/rad is N.m), but not in a rate: 1 Hz may be one turn or one radian per
+        second.
+        """
         if self.exponents[:-1] != other.exponents[:-1]:
             return False
         return self.exponents == other.exponents or set(self.base()) | set(other.base()) != {"s", "rad"}
 
 
 class Conversion(NamedTuple):
-    """x of one unit are `factor * x + offset` of another."""
+    """x of one unit equals `factor * x + offset` of another."""
 
     factor: float
     offset: float
@@ -80,7 +83,7 @@ _PREFIXED: dict[str, Unit] = {
     "Wb": from_base({"kg": 1, "m": 2, "s": -2, "A": -1}),
     "T": from_base({"kg": 1, "s": -2, "A": -1}),
 }
-"""Symbols that take a prefix."""
+"""Symbols with prefixes."""
 
 
 def _force(newtons: float) -> Unit:
@@ -145,14 +148,7 @@ _PLAIN: dict[str, Unit] = {
     "degF": from_base({"K": 1}, 5.0 / 9.0, 459.67 * 5.0 / 9.0),
     "°F": from_base({"K": 1}, 5.0 / 9.0, 459.67 * 5.0 / 9.0),
 }
-"""Symbols that take none."""
-
-POUND, TONNE, INCH, FOOT, MILE, POUND_FORCE, KIP, KILOGRAM_FORCE, TONNE_FORCE, PSI, HORSEPOWER = (
-    _PLAIN[symbol].factor for symbol in ("lb", "t", "in", "ft", "mi", "lbf", "kip", "kgf", "tf", "psi", "hp")
-)
-SHORT_TON, POUND_PER_FOOT = 2000.0 * POUND, POUND / FOOT
-FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR = (_PLAIN[symbol].factor for symbol in ("fpm", "mph", "kmh"))
-"""Units in SI units, for scripts: `45.0 * rw.units.KIP` is a force in N, `length / rw.units.FOOT` a length in feet."""
+"""Symbols without prefixes."""
 
 _WORDS = {
     **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
@@ -162,13 +158,13 @@ _WORDS = {
     **dict.fromkeys(("ft us", "ft_us", "survey foot", "survey feet", "us_survey_foot", "sft"), "ftUS"),
     **dict.fromkeys(("u/min", "tr/min", "r/min"), "rpm"),
 }
-"""Words that stand for a symbol, in small letters."""
+"""Words for symbols, in lower case."""
 
 _SI = (
     *("1", "m", "s", "kg", "rad", "K", "N", "Pa", "J", "W", "m/s", "m/s2", "m2", "m3", "m3/s", "rad/s", "kg/m"),
     *("kg.m2", "N.m", "N/m", "N.s/m", "m3/rad", "Hz"),
 )
-"""Symbols that this library uses; the first one of a quantity names it."""
+"""Symbols used by this library; the first one of a quantity is its default."""
 
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _BRACKET = re.compile(r"\(([^()]*)\)")
@@ -182,13 +178,13 @@ def parse(symbol: str) -> Unit | None:
     Parameters
     ----------
     symbol : str
-        Such as `kg/m`, `1/N2`, `m/s^2`, `N.m/(rad/s)`, `daN`, `L/min`, `degC`. A dot, a star or a blank multiplies;
-        all that follows a slash divides.
+        Such as `kg/m`, `1/N2`, `m/s^2`, `N.m/(rad/s)`, `daN`, `L/min`, `degC`. A dot, an asterisk or a blank
+        multiplies; everything after a slash divides.
 
     Returns
     -------
     Unit or None
-        None where a part of the symbol is not known, or the symbol is empty.
+        None if a part of the symbol is unknown, or the symbol is empty.
     """
     text = symbol.strip()
     text = _WORDS.get(text.lower(), text)
@@ -197,7 +193,7 @@ def parse(symbol: str) -> Unit | None:
         return known
     text = text.translate(_RAISED).replace("**", "^")
     inner: dict[str, Unit] = {}
-    while (bracket := _BRACKET.search(text)) is not None:  # the innermost first; a letter of its own stands for it
+    while (bracket := _BRACKET.search(text)) is not None:  # innermost first; a private letter replaces it
         unit = _quotient(bracket[1], inner)
         if unit is None:
             return None
@@ -208,9 +204,9 @@ def parse(symbol: str) -> Unit | None:
 
 
 def read(symbol: str, defined: Mapping[str, Unit] | None = None) -> Unit | None:
-    """The unit of a symbol by its definition, else by the symbol itself; None where neither is known.
+    """The unit of a symbol by its definition, else by the symbol itself; None if both are unknown.
 
-    A definition that leaves out the angle takes it from the symbol: rad/s and rpm are often defined as 1/s.
+    A definition without the angle takes it from the symbol: rad/s and rpm are often defined as 1/s.
     """
     given, known = (defined or {}).get(symbol), parse(symbol)
     if given is None or known is None or given.exponents[:-1] != known.exponents[:-1] or given.exponents[-1]:
@@ -226,23 +222,23 @@ def conversion(
     *,
     differences: tuple[bool, bool] = (False, False),
 ) -> Conversion:
-    """How values in one unit become values in another.
+    """Conversion of values from one unit to another.
 
     Parameters
     ----------
     source, target : str
-        Symbols. An empty one says nothing of the unit: the values are taken as they are.
+        Symbols; if one is empty, the values are not converted.
     source_units, target_units : mapping of str to Unit, optional
-        Definitions on either side, which go before the meaning of a symbol.
+        Definitions on either side, which take precedence over the symbol.
     differences : (bool, bool), default (False, False)
-        Whether the values of the source, and those of the target, are differences: the zero of a scale does not count
-        for them, 10 degC of warming are 10 K.
+        Whether the values of the source and of the target are differences, without the zero of a scale: a difference of
+        10 degC is 10 K.
 
     Raises
     ------
     InputError
-        The units measure different quantities, or one of them is not known; or a difference is given for a value on a
-        scale with a zero of its own, or the reverse. Two equal symbols that neither side defines count as one unit.
+        The units measure different quantities, or one is unknown; or only one side is a difference on a scale with its
+        own zero. Two equal symbols that neither side defines count as one unit.
     """
     one, other = read(source, source_units), read(target, target_units)
     if not source or not target or (one is None and other is None and source == target):
@@ -250,7 +246,7 @@ def conversion(
     for symbol, unit in ((source, one), (target, other)):
         if unit is None:
             raise InputError(
-                f"The unit {symbol!r} is not known, so it cannot be converted ({source!r} to {target!r})",
+                f"The unit {symbol!r} is unknown, so it cannot be converted ({source!r} to {target!r})",
                 "Use symbols such as kN, m/s2, L/min, or define the unit by its SI base units",
             )
     if one is None or other is None:  # for the type checker: the loop has raised
@@ -260,7 +256,7 @@ def conversion(
     if any(differences):
         if not all(differences) and (other if differences[0] else one).offset:
             raise InputError(
-                f"A difference has no place on the scale of {(target if differences[0] else source)!r}",
+                f"A difference cannot become a value on the scale of {(target if differences[0] else source)!r}",
                 "Use two differences (relativeQuantity in an FMU), or two values",
             )
         return Conversion(one.factor / other.factor, 0.0)
@@ -268,8 +264,10 @@ def conversion(
 
 
 def factor(source: str, target: str) -> float:
-    """The number that converts values in `source` to values in `target`. Raises InputError, also for
-    temperatures on scales with different zeros."""
+    """Factor that converts values in `source` to values in `target`.
+
+    Raises InputError, also for scales with different zeros.
+    """
     found = conversion(source, target)
     if found.offset:
         raise InputError(f"{source!r} and {target!r} have different zeros", "Convert by factor and offset")
@@ -277,15 +275,17 @@ def factor(source: str, target: str) -> float:
 
 
 def same(one: str, other: str) -> bool:
-    """Whether two symbols are one unit: equal, or equal by what they stand for (N.m, Nm)."""
+    """Whether two symbols are the same unit, by text or by value (N.m, Nm)."""
     return one == other or (parse(one) is not None and parse(one) == parse(other))
 
 
 def to_si(
     symbol: str, defined: Mapping[str, Unit] | None = None, *, difference: bool = False
 ) -> tuple[str, float, float]:
-    """The SI unit of a symbol, and the factor and offset to it; the offset of a `difference` is 0. A symbol that is not
-    known stays as it is."""
+    """The SI unit of a symbol, and factor and offset to it; the offset of a `difference` is 0.
+
+    An unknown symbol is returned unchanged.
+    """
     unit = read(symbol, defined)
     if unit is None:
         return symbol, 1.0, 0.0
@@ -297,8 +297,8 @@ def to_si(
 
 def _mismatch(one: Unit, other: Unit) -> str:
     if {"s", "rad"} == set(one.base()) | set(other.base()):
-        return "Say whether turns or radians are counted: use rpm or rad/s"
-    return f"Connect one quantity; these are {_product(one)} and {_product(other)} in SI base units"
+        return "Hz may be turns or radians per second: use rpm or rad/s"
+    return f"Connect variables of the same quantity; these are {_product(one)} and {_product(other)} in SI base units"
 
 
 def _product(unit: Unit) -> str:
@@ -310,7 +310,7 @@ def _product(unit: Unit) -> str:
 
 
 def _quotient(text: str, inner: Mapping[str, Unit]) -> Unit | None:
-    """The unit of a symbol without brackets; `inner`: units of letters that stand for brackets."""
+    """The unit of a symbol without brackets; `inner`: units of the letters that replace brackets."""
     value, exponents = 1.0, [0] * len(BASE)
     parts = [[term for term in re.split(r"[.*·⋅\s]+", part) if term] for part in text.split("/")]
     if not all(parts):
@@ -323,7 +323,7 @@ def _quotient(text: str, inner: Mapping[str, Unit]) -> Unit | None:
         if match is None or unit is None:
             return None
         power = int(match[2] or 1) * (-1 if i else 1)
-        value *= unit.factor**power  # a temperature in a product is a difference: its zero does not count
+        value *= unit.factor**power  # a temperature in a product is a difference, without its zero
         exponents = [n + power * m for n, m in zip(exponents, unit.exponents, strict=True)]
     return Unit(value, tuple(exponents))
 

@@ -1,4 +1,4 @@
-"""Files are written whole or not at all."""
+"""Files are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ from ropeway.components.errors import WriteError
 
 @contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
-    """A path to write a file to, which takes the place of `path` when the block ends without an error.
+    """A path to write a file to, which replaces `path` when the block ends without an error.
 
-    The file is made in the same folder and moved in one step: readers see the old file or the new one. After an
-    error nothing of it is left, and what was at `path` before is unchanged. What is no ordinary file, as a pipe, is
-    written to as it is.
+    The file is written in the same folder and moved in one step: readers see the old or the new file. After an error it
+    is removed, and the file at `path` is unchanged. A pipe or device is written directly.
 
     Parameters
     ----------
     path : str or Path
-        The file to write. A link stays a link: what it points to is replaced.
+        The file to write. A symbolic link is kept: its target is replaced.
+
+    Yields
+    ------
+    Path
+        The temporary file.
 
     Raises
     ------
@@ -33,7 +37,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     target = beside = Path(path)
     if target.is_file() or not target.exists():
         target = target.resolve()
-        # The end of the name says in what format some writers write.
+        # Some writers choose their format by the suffix.
         beside = target.with_name(f".{uuid4().hex[:8]}-{target.name}")
     try:
         yield beside
@@ -46,7 +50,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise WriteError(
-            f"{path} cannot be written: {reason}", "Choose a folder that can be written to and has room"
+            f"{path} cannot be written: {reason}", "Choose a folder with write permission and free space"
         ) from error
     finally:
         if beside is not target:

@@ -11,9 +11,7 @@ import typer
 from ropeway.cli_options import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
 from ropeway.components.table_writer import write_table
 
-app = typer.Typer(
-    help="FMUs: export a line, show what is in an FMU, run one.", no_args_is_help=True, rich_markup_mode=None
-)
+app = typer.Typer(help="FMUs: export a line, describe an FMU, run an FMU.", no_args_is_help=True, rich_markup_mode=None)
 
 File = Annotated[Path, typer.Argument(help="An FMU.")]
 
@@ -53,7 +51,7 @@ def export_line(
 
 @app.command()
 def info(file: File) -> None:
-    """Show what an FMU is and its inputs, outputs and parameters."""
+    """Describe an FMU: inputs, outputs and parameters."""
     from ropeway.fmu.importing.fmu_file import load
 
     with errors_on_one_line():
@@ -77,7 +75,7 @@ def run(
         list[str] | None, typer.Option(help="A start value as name=value; repeat the option for more.")
     ] = None,
 ) -> None:
-    """Run an FMU, for Co-Simulation or Model Exchange; write its outputs as a table."""
+    """Run an FMU (Co-Simulation or Model Exchange) and write its outputs as a table."""
     from ropeway.components.errors import InputError, Interrupted
     from ropeway.fmu.cosimulation.cosimulation import CoSimulation
     from ropeway.fmu.errors import FmuRunError
@@ -86,7 +84,7 @@ def run(
 
     with errors_on_one_line():
         if not out.parent.is_dir():
-            raise InputError(f"There is no folder {out.parent}", "Make it, or choose another")
+            raise InputError(f"There is no folder {out.parent}", "Create it, or choose another")
         if out.is_dir():
             raise InputError(f"{out} is a folder", "Give the name of a file with --out")
         fmu = load(file)
@@ -94,12 +92,12 @@ def run(
         for text in start or []:
             name, equals, value = text.partition("=")
             if not equals:
-                raise InputError(f"{text!r} is not name=value", "Give a value after an equals sign")
+                raise InputError(f"{text!r} is not name=value", "Write name=value")
             values[name] = from_text(fmu.entry(name), value)
-        together = CoSimulation(step)
-        together.add("fmu", fmu, start=values)
+        master = CoSimulation(step)
+        master.add("fmu", fmu, start=values)
         try:
-            typer.echo(_table(together.run(until), out))
+            typer.echo(_table(master.run(until), out))
         except (FmuRunError, Interrupted) as error:
             if isinstance(error.result, pd.DataFrame) and len(error.result):
                 typer.echo(_table(error.result, out), err=True)
@@ -107,7 +105,7 @@ def run(
 
 
 def _table(frame: pd.DataFrame, out: Path) -> str:
-    """Writes the outputs of a run with their units, and says so."""
+    """Writes the outputs of a run with their units; returns a message."""
     named = frame.rename(columns=lambda name: name.removeprefix("fmu."))
     named.attrs = {"units": {name.removeprefix("fmu."): unit for name, unit in frame.attrs["units"].items()}}
     write_table(named, out)

@@ -1,4 +1,4 @@
-"""What can go wrong with an FMU, as types: each names the file, and the variable where there is one."""
+"""Error types of FMUs: each names the file, and the variable if any."""
 
 from __future__ import annotations
 
@@ -11,7 +11,13 @@ if TYPE_CHECKING:
 
 
 class FmuError(RopewayError):
-    """Any error of an FMU. `variable` is the one concerned, if any."""
+    """Base class of the errors of FMUs.
+
+    Attributes
+    ----------
+    variable : str or None
+        The variable concerned.
+    """
 
     def __init__(self, cause: str, remedy: str = "", variable: str | None = None) -> None:
         self.variable = variable
@@ -19,23 +25,32 @@ class FmuError(RopewayError):
 
 
 class FmuExportError(FmuError):
-    """An FMU could not be made: no compiler, or one that failed (its messages are in the cause)."""
+    """An FMU could not be exported, for example because the C compiler is missing or failed."""
 
 
 class FmuImportError(FmuError):
-    """A file is not an FMU that can be used here: not a zip, an unknown FMI version, no binary."""
+    """A file is not an FMU that can be used here: no zip archive, an unknown FMI version, no binary."""
 
 
 class FmuVariableError(FmuError, KeyError):
-    """A variable that the FMU does not have, or that cannot be used like that: causality, type or unit."""
+    """An unknown variable, or one that does not fit in causality, type or unit."""
 
-    def __str__(self) -> str:  # KeyError would show the repr of its arguments
+    def __str__(self) -> str:  # KeyError shows the repr of its arguments
         return Exception.__str__(self)
 
 
 class FmuRunError(FmuError):
-    """An FMU refused a call while it ran; the cause ends with what it logged. `time` [s] is when; `fatal`: it can
-    never be used again; `result`: the rows of a co-simulation so far, None where there are none."""
+    """An FMU rejected a call during a run; the cause ends with its log messages.
+
+    Attributes
+    ----------
+    time : float
+        Time of the call [s].
+    fatal : bool
+        Whether the instance is no longer usable.
+    result : DataFrame or None
+        The rows of a co-simulation up to that time.
+    """
 
     def __init__(
         self,

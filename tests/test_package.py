@@ -6,6 +6,7 @@ import sys
 import tomllib
 import zipfile
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -52,22 +53,27 @@ def test_wheel_holds_the_tree(tmp_path: Path) -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     wanted = {f"ropeway/{f}" for f in tracked if f.endswith(".py") and ("/" not in f or f.split("/")[0] in CODE)}
     assert wanted <= names
-    data = (
-        "py.typed",
-        "components/catalogue/ropes.csv",
-        "examples/line.csv",
-        "systems/native/ropeway.h",
-        "fmu/exporting/templates/fmi3.c",
-    )
-    assert {f"ropeway/{name}" for name in data} <= names
+    data = ("py.typed", "components/catalogue/ropes.csv", "__init__.pyi", "fmu/__init__.pyi", "examples/line.csv")
+    sources = ("systems/native/ropeway.h", "fmu/exporting/templates/fmi3.c")
+    assert {f"ropeway/{name}" for name in (*data, *sources)} <= names
+    assert wheel.name.startswith(f"ropeway-{rw.__version__}-")
     assert not any(n.startswith(("tests/", "ropeway/tests/", "ropeway/benchmarks/")) for n in names)
 
 
-def test_public_names_resolve() -> None:
-    for name in rw.__all__:
-        assert getattr(rw, name) is not None
-    with pytest.raises(AttributeError, match="no attribute 'rope_way'"):
-        _ = rw.rope_way
+@pytest.mark.parametrize("package", [rw, rw.fmu], ids=["ropeway", "ropeway.fmu"])
+def test_public_names_resolve(package: ModuleType) -> None:
+    assert set(dir(package)) == set(package.__all__)
+    for name in package.__all__:
+        assert getattr(package, name) is not None
+    with pytest.raises(AttributeError, match="attribute rope_way"):
+        _ = package.rope_way
+
+
+def test_stubs_with_the_public_names_are_installed() -> None:
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]
+    for package in packages():
+        folder = ROOT.joinpath(*package.split(".")[1:])
+        assert (folder / "__init__.pyi").is_file() == ("__init__.pyi" in data.get(package, [])), package
 
 
 def test_import_is_light() -> None:

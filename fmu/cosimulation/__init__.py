@@ -1,1 +1,1 @@
-"""FMUs and systems coupled by a master."""
+"""Co-simulation of FMUs and systems."""

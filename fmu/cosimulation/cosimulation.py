@@ -1,4 +1,4 @@
-"""Slaves coupled by a master: Jacobi or Gauss-Seidel, explicit or iterated with rollback, steps fixed or controlled."""
+"""Slaves coupled by a master: Jacobi or Gauss-Seidel, explicit or iterated, with fixed or controlled steps."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 @dataclass(frozen=True)
 class _Participant:
-    """`open`: inputs that somebody must give."""
+    """A slave of a co-simulation; `open`: inputs that need a value."""
 
     fmu: Fmu
     kind: str
@@ -49,10 +49,29 @@ class _Participant:
 class CoSimulation:
     """FMUs and systems that exchange values at communication points.
 
-    step: between two points [s]; with `control` the first one. master: "Jacobi" (all from the values at the last point)
-    or "Gauss-Seidel" (in the order in which they were added, each with the newest values). iterated: each step is
-    repeated until the values at its end agree to `tolerance` (relative, on changes of the inputs); inputs are then
-    linear in time where a slave can take that, else held at their mean. Raises InputError.
+    With `iterated`, each step is repeated until the values at its end agree. Inputs are then linear in time if the
+    slave supports it, otherwise constant at their mean.
+
+    Parameters
+    ----------
+    step : float
+        Communication step [s]; with a step control the first one.
+    master : {"Jacobi", "Gauss-Seidel"}, default "Jacobi"
+        Jacobi: all slaves use the values of the last communication point. Gauss-Seidel: slaves run in the order in
+        which they were added, each with the newest values.
+    iterated : bool, default False
+        Whether steps are repeated until they converge.
+    tolerance : float, default 1e-9
+        Relative tolerance of the iteration, on changes of the inputs.
+    iterations : int, default 50
+        Largest number of iterations.
+    control : StepControl, optional
+        Step size control; by default constant steps.
+
+    Raises
+    ------
+    InputError
+        A step or tolerance that is not positive, or no iterations.
     """
 
     def __init__(
@@ -84,32 +103,74 @@ class CoSimulation:
         kind: Literal["CoSimulation", "ModelExchange"] | None = None,
         start: Mapping[str, object] | None = None,
     ) -> Fmu:
-        """Adds an FMU, or a system, which is exported first; returns the FMU. kind: how it is moved on, "ModelExchange"
-        by an integrator here; by default "CoSimulation" where the FMU is for it.
+        """Add an FMU, or a system, which is exported first.
 
-        start: values of its parameters, structural ones too, and inputs: numbers, Booleans, texts, bytes, names or
-        values of an enumeration's items; of an array one element ("u[1]") or all ("u"). What a system leaves open must
-        be connected, driven or have a value here. Raises InputError, FmuImportError, FmuVariableError."""
+        Parameters
+        ----------
+        name : str
+            Name of the slave.
+        participant : System, Model, Equilibrium, Fmu, str or Path
+            The system, or the FMU or its file.
+        kind : {"CoSimulation", "ModelExchange"}, optional
+            How it is advanced: by its own solver, or by an integrator of this library. By default "CoSimulation" if the
+            FMU supports it.
+        start : mapping of str, optional
+            Start values of parameters (also structural ones) and inputs: numbers, Booleans, texts, bytes, names or
+            values of enumeration items; for an array one element ("u[1]") or all ("u"). An open input of a system must
+            be connected, driven, or have a start value.
+
+        Returns
+        -------
+        Fmu
+            The FMU.
+
+        Raises
+        ------
+        InputError
+            A name that is used twice, or an invalid value.
+        FmuImportError
+            The file cannot be used.
+        FmuVariableError
+            An unknown variable, or a value of the wrong type.
+        """
         check.name(name, "slave")
         if name in self._participants:
-            raise InputError(f"Two slaves are named {name!r}", "Give each a name of its own")
-        left: tuple[str, ...] = ()
+            raise InputError(f"Two slaves are named {name!r}", "Give each its own name")
+        open_inputs: tuple[str, ...] = ()
         if isinstance(participant, System | Model | Equilibrium):
             rest = participant if isinstance(participant, Equilibrium) else equilibrium(participant)
-            left = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
+            open_inputs = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
             participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
         if kind is None:
             kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
         require_kind(fmu, kind)
         fmu, values = _started(fmu, name, start or {})
-        self._participants[name] = _Participant(fmu, kind, values, left)
+        self._participants[name] = _Participant(fmu, kind, values, open_inputs)
         return fmu
 
     def connect(self, source: str, target: str) -> Connection:
-        """Lets an output drive an input, "slave.variable" each: numbers with their units converted, Booleans, integers,
-        enumerations, texts; a Boolean or an integer may drive a number too. Raises InputError for a slave that is not
-        there, FmuVariableError for a variable that is not, or does not fit."""
+        """Connect an output to an input.
+
+        Units are converted. A Boolean or an integer may drive a number.
+
+        Parameters
+        ----------
+        source, target : str
+            Output and input, "slave.variable" each.
+
+        Returns
+        -------
+        Connection
+            The connection, with the factor and offset of the units.
+
+        Raises
+        ------
+        InputError
+            An unknown slave, or an input that is already driven.
+        FmuVariableError
+            An unknown variable, or types or units that do not match.
+        """
         ends = []
         for end, causality in ((source, "output"), (target, "input")):
             slave, _, variable = end.partition(".")
@@ -119,12 +180,12 @@ class CoSimulation:
             require_connectable(fmu, variable, causality)
             ends.append((fmu, variable))
         if any(c.target == target for c in self._connections):
-            raise InputError(f"{target!r} is driven already", "An input takes one connection")
+            raise InputError(f"{target!r} is already driven", "An input takes one connection")
         one, other = (fmu.entry(variable) for fmu, variable in ends)
         if not fits(one, other):
             raise FmuVariableError(
-                f"{source!r} is of type {one.type}, {target!r} of type {other.type}: it cannot drive it",
-                "Connect variables of one kind, or an enumeration to one with the same items",
+                f"{source!r} is of type {one.type}, {target!r} of type {other.type}: they cannot be connected",
+                "Connect variables of the same kind, or enumerations with the same items",
                 ends[1][1],
             )
         conversion = _conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
@@ -142,19 +203,42 @@ class CoSimulation:
         inputs: Inputs | None = None,
         progress: bool | None = None,
     ) -> pd.DataFrame:
-        """Runs from `start_time` to `until` [s].
+        """Run the co-simulation.
 
-        inputs: values over time of inputs that nothing drives, and of tunable parameters, in their own units, as
-        `{"slave.variable": ...}`: a Schedule, a pandas Series with times [s] as its index, or a constant; or a table as
-        a DataFrame or its path, with a column for each and one `time`. Values are linear between rows where the
-        variable is continuous, two rows of one time being a jump; else each holds until the next. Communication points
-        are added where inputs bend or jump if all slaves can take steps of any length.
+        Communication points are added at vertices and jumps of the inputs if all slaves accept steps of any length.
 
-        Returns all outputs over time, columns "slave.variable", the real ones first; in `attrs` their "units"; "ended",
-        why an FMU has ended the run itself, else None; "left_out", outputs that cannot be shown, with reasons; with a
-        step control how many steps were "repeated" and the "inexact" times, where the least step missed the tolerance.
-        progress: show a bar (by default only on a terminal). Raises InputError, FmuImportError, FmuVariableError, and
-        FmuRunError or Interrupted, which have the rows so far as `result`."""
+        Parameters
+        ----------
+        until : float
+            End time [s].
+        start_time : float, default 0
+            Start time [s].
+        inputs : mapping of str, DataFrame, str or Path, optional
+            Values over time of unconnected inputs and of tunable parameters, in their own units: {"slave.variable":
+            value} with a Schedule, a pandas Series with times [s] as its index, or a constant; or a table with a column
+            for each and one `time`. Continuous variables are linear between rows, and two rows of one time are a jump;
+            others keep each value until the next.
+        progress : bool, optional
+            Whether to show a progress bar; by default only on a terminal.
+
+        Returns
+        -------
+        DataFrame
+            All outputs over time, columns "slave.variable", real ones first. `attrs`: "units"; "ended", why an FMU
+            ended the run, or None; "left_out", outputs that cannot be shown, with reasons; with a step control the
+            number of "repeated" steps and the "inexact" times, at which the smallest step missed the tolerance.
+
+        Raises
+        ------
+        InputError
+            Invalid times, or an open input.
+        FmuImportError
+            A binary cannot be loaded.
+        FmuVariableError
+            Unknown variables in `inputs`.
+        FmuRunError, Interrupted
+            An FMU failed, or the user interrupted; `result` has the rows up to then.
+        """
         check.number(until, "run", "until", "s")
         check.number(start_time, "run", "start_time", "s")
         if until <= start_time:
@@ -162,14 +246,14 @@ class CoSimulation:
         check.count((until - start_time) / self.step, "run", "steps")
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
-        given = signals(
+        driving = signals(
             {} if inputs is None else inputs, {name: p.fmu for name, p in self._participants.items()}, until
         )
-        self._require_driven(given)
+        self._require_driven(driving)
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
             slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            coupling = Coupling(slaves, self._connections, self._scheme, given, start_time)
+            coupling = Coupling(slaves, self._connections, self._scheme, driving, start_time)
             if self._scheme.iterated:
                 _require_rollback(slaves)
             stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
@@ -178,7 +262,7 @@ class CoSimulation:
                 self._begin(coupling, until)
                 record.add(start_time)
                 while record.times[-1] < until - 1e-9 * self.step and coupling.ended is None:
-                    time = self._take(coupling, stepper, given, len(record.times), start_time, until)
+                    time = self._take(coupling, stepper, driving, len(record.times), start_time, until)
                     if not coupling.aligned:
                         break
                     record.add(time)
@@ -188,14 +272,14 @@ class CoSimulation:
             frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
         return frame
 
-    def _require_driven(self, given: Mapping[str, Signal]) -> None:
-        """Raises InputError where an input is left open or driven twice."""
+    def _require_driven(self, driving: Mapping[str, Signal]) -> None:
+        """Raises InputError if an input is open or driven twice."""
         driven = {c.target for c in self._connections}
-        if twice := driven & given.keys():
-            raise InputError(f"{min(twice)!r} is driven already", "An input takes a connection or values over time")
+        if twice := driven & driving.keys():
+            raise InputError(f"{min(twice)!r} is already driven", "An input takes a connection or values over time")
         for name, participant in self._participants.items():
             for entry in participant.open:
-                if entry not in participant.start and f"{name}.{entry}" not in driven | given.keys():
+                if entry not in participant.start and f"{name}.{entry}" not in driven | driving.keys():
                     raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
 
     def _begin(self, coupling: Coupling, until: float) -> None:
@@ -211,18 +295,18 @@ class CoSimulation:
         self,
         coupling: Coupling,
         stepper: Stepper | None,
-        given: Mapping[str, Signal],
+        driving: Mapping[str, Signal],
         i: int,
         start: float,
         until: float,
     ) -> float:
-        """The step to point i, or to where an FMU ends the run; the time reached."""
+        """Step to point i, or to where an FMU ends the run; returns the time reached."""
         if stepper is not None:
-            return stepper.step(coupling.time, next_break(given, coupling.time, until))
+            return stepper.step(coupling.time, next_break(driving, coupling.time, until))
         end = until if i >= (until - start) / self.step - 1e-9 else start + i * self.step
         cuts = all(slave.varies_steps for slave in coupling.slaves.values())
         while coupling.ended is None and coupling.time < end - 1e-9 * self.step:
-            stop = next_break(given, coupling.time, end) if cuts else end
+            stop = next_break(driving, coupling.time, end) if cuts else end
             coupling.step(stop - coupling.time)
             if coupling.ended is None:
                 coupling.time = stop
@@ -230,8 +314,10 @@ class CoSimulation:
 
 
 def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dict[str, Value]]:
-    """The FMU in the sizes that structural parameters among its start values give it, and the other start values.
-    Raises InputError, FmuVariableError."""
+    """The FMU resized by structural parameters among its start values, and the other start values.
+
+    Raises InputError, FmuVariableError.
+    """
     structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
     if structural:
         fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
@@ -251,7 +337,7 @@ def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
     for name, slave in slaves.items():
         if not slave.can_restore:
             raise InputError(
-                f"{name!r} cannot go back in time, so its steps cannot be repeated",
+                f"{name!r} cannot restore its state, so its steps cannot be repeated",
                 'Use iterated=False, or add it with kind="ModelExchange"',
             )
 

@@ -1,4 +1,4 @@
-"""Open slaves and what passes between them: a common start, and one communication step after another."""
+"""Slaves and their connections: consistent start values, and communication steps."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ Master = Literal["Jacobi", "Gauss-Seidel"]
 
 @dataclass(frozen=True)
 class Scheme:
-    """How a step is taken. master: "Jacobi" (all from the values at the last point) or "Gauss-Seidel" (in the order in
-    which they were added, each with the newest values); iterated: repeated until the values at its end agree to
-    `tolerance`, relative, in at most so many iterations."""
+    """How a communication step is taken.
+
+    `master`: "Jacobi" (all slaves use the values of the last point) or "Gauss-Seidel" (in the order in which they were
+    added, each with the newest values); `iterated`: repeated until the values at the end agree to the relative
+    `tolerance`, in at most `iterations`.
+    """
 
     master: Master
     iterated: bool
@@ -31,15 +34,17 @@ class Scheme:
 
     @property
     def order(self) -> int:
-        """By which power of the step inputs within it are wrong: they are held, or linear."""
+        """Order of the input error in the step size: inputs are constant or linear."""
         return 2 if self.iterated else 1
 
 
 class Coupling:
-    """Slaves between two communication points, at `time` [s]. `values` is what the continuous connections carry,
-    `missed` by how much the values at the end of the last step differ from those that the slaves were given for it:
-    held ones, or, when iterated, those that the step before predicted. `aligned`: all slaves stand at `time`; they do
-    not where an FMU ends the run within a step after others have gone further."""
+    """Slaves at a communication point, at `time` [s].
+
+    `values`: those of the continuous connections; `missed`: their difference at the end of the last step from the
+    values that the slaves used (constant, or extrapolated when iterated). `aligned`: all slaves are at `time`; they are
+    not if an FMU ended the run within a step after others had gone further.
+    """
 
     def __init__(
         self,
@@ -52,8 +57,8 @@ class Coupling:
         self.slaves, self.scheme, self.time, self.aligned = slaves, scheme, time, True
         held = [c for c in connections if c.held]
         self.connections = connections = [c for c in connections if not c.held]
-        loose = {t: s for t, s in (signals or {}).items() if s.linear}
-        self._signals = {name: _owned(loose, name) for name in slaves}
+        continuous = {t: s for t, s in (signals or {}).items() if s.linear}
+        self._signals = {name: _owned(continuous, name) for name in slaves}
         jumps = {t: s for t, s in (signals or {}).items() if not s.linear}
         self.held = Exchange(slaves, held, jumps, scheme.iterations)
         self._sources = {name: _ends([c.source for c in connections], name) for name in slaves}
@@ -81,13 +86,13 @@ class Coupling:
         return np.concatenate([self.slaves[name].get(outputs) for name, outputs in self._outputs.items()])
 
     def _read(self, name: str, values: np.ndarray) -> None:
-        """Writes what a slave gives to its connections into `values`."""
+        """Writes the outputs of a slave into `values`."""
         ends, slave = self._sources[name], self.slaves[name]
         found = slave.get(list(ends.values()))
         for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
             if not math.isfinite(value):
                 cause = f"{name}.{variable} is {value} at t = {slave.time:.9g} s"
-                raise FmuRunError(cause, "Look at its inputs there", time=slave.time)
+                raise FmuRunError(cause, "Check its inputs at that time", time=slave.time)
             values[i] = self._factors[i] * value + self._offsets[i]
 
     def _read_all(self) -> np.ndarray:
@@ -100,25 +105,25 @@ class Coupling:
         return {variable: float(values[i]) for i, variable in self._targets[name].items()}
 
     def _now(self, name: str) -> dict[str, float]:
-        """What signals give a slave from now on."""
+        """Current values of the signals of a slave."""
         return {variable: float(signal.after(self.time)) for variable, signal in self._signals[name].items()}
 
-    def _miss(self, values: np.ndarray) -> np.ndarray:
-        """What the slaves answer to values, less these."""
+    def _residual(self, values: np.ndarray) -> np.ndarray:
+        """Response of the slaves to values, minus these values."""
         for name, slave in self.slaves.items():
             slave.set(self._inputs(name, values) | self._now(name))
         return self._read_all() - values
 
     def exchange(self) -> None:
-        """Passes all values on, with outputs that follow inputs at once. Raises FmuRunError."""
+        """Passes on all values, with direct feedthrough. Raises FmuRunError."""
         for _ in range(self.scheme.iterations):
             values = self._read_all()
-            self.values = values + self._miss(values)
+            self.values = values + self._residual(values)
             if not self.held.settle(self.time):
                 return
         raise FmuRunError(
             f"Values of the connections keep changing at t = {self.time:.9g} s",
-            "Discrete and real connections are a loop: cut it",
+            "Discrete and real connections form a loop: open it",
             time=self.time,
         )
 
@@ -132,37 +137,37 @@ class Coupling:
     def _solve(self) -> None:
         """Consistent values of the continuous connections by a damped Newton's method. Raises FmuRunError."""
         values = self._read_all()
-        miss = self._miss(values)
+        residual = self._residual(values)
         for _ in range(self.scheme.iterations):
-            if self._agree(miss, values):
+            if self._agree(residual, values):
                 self.values = values
                 return
-            move, share = np.linalg.lstsq(self._loop(values), -miss, rcond=None)[0], 1.0
-            before = np.linalg.norm(miss / self.input_nominals)
+            newton, share = np.linalg.lstsq(self._jacobian(values), -residual, rcond=None)[0], 1.0
+            before = np.linalg.norm(residual / self.input_nominals)
             while share > 1e-6:
                 try:
-                    miss = self._miss(values + share * move)
-                except FmuRunError as error:  # values that a slave refuses: too far
+                    residual = self._residual(values + share * newton)
+                except FmuRunError as error:  # a slave rejects the values: the step is too large
                     if error.fatal:
                         raise
                 else:
-                    if np.linalg.norm(miss / self.input_nominals) < (1.0 - 0.1 * share) * before:
+                    if np.linalg.norm(residual / self.input_nominals) < (1.0 - 0.1 * share) * before:
                         break
                 share /= 2.0
             else:
                 break
-            values = values + share * move
-        worst = self.connections[int(np.argmax(np.abs(miss) / self.input_nominals))]
+            values = values + share * newton
+        worst = self.connections[int(np.argmax(np.abs(residual) / self.input_nominals))]
         raise FmuRunError(
-            f"The slaves find no common start: {worst.source} and {worst.target} cannot be made to agree",
-            "Give start values nearer to a solution; the algebraic loop may have none",
+            f"The start values did not converge: {worst.source} and {worst.target} do not agree",
+            "Give start values closer to a solution; the algebraic loop may have none",
         )
 
     def _agree(self, change: np.ndarray, values: np.ndarray) -> bool:
         return bool(np.all(np.abs(change) <= self.scheme.tolerance * (1.0 + np.abs(values))))
 
-    def _loop(self, values: np.ndarray) -> np.ndarray:
-        """Derivatives of the slaves' answers, less the values, by the values."""
+    def _jacobian(self, values: np.ndarray) -> np.ndarray:
+        """Jacobian of `_residual`."""
         matrix = -np.eye(len(values))
         for name, slave in self.slaves.items():
             rows, columns = self._sources[name], self._targets[name]
@@ -173,21 +178,25 @@ class Coupling:
 
     @property
     def ended(self) -> str | None:
-        """Why an FMU has ended the run itself; None while none has."""
+        """Why an FMU ended the run; None if none has."""
         return next((slave.ended for slave in self.slaves.values() if slave.ended is not None), None)
 
     def step(self, size: float) -> None:
-        """Moves all slaves on by `size` seconds, or until an FMU ends the run. When it fails they stand anywhere.
-        Raises FmuRunError."""
+        """Advance all slaves by `size` seconds, or until an FMU ends the run.
+
+        After a failure their times are undefined. Raises FmuRunError.
+        """
         if self.scheme.iterated:
             self._iterate(size)
         else:
             self._once(size)
 
     def _advance(self, size: float, start: np.ndarray, end: np.ndarray, sent: np.ndarray) -> float:
-        """Moves all slaves on, with connections that go from `start` to `end`, which newest values are written into by
-        Gauss-Seidel; what each slave was given at its end goes into `sent`. Returns how far all come: less than `size`
-        where an FMU ends the run."""
+        """Advance all slaves, with connections that go from `start` to `end`.
+
+        Gauss-Seidel writes the newest values into `end`; the values that each slave used at its end go into `sent`.
+        Returns the step reached: less than `size` if an FMU ends the run.
+        """
         for name, slave in self.slaves.items():
             places = list(self._targets[name])
             sent[places] = end[places]
@@ -212,17 +221,17 @@ class Coupling:
             self.missed = np.abs(self.values - given)
 
     def _iterate(self, size: float) -> None:
-        foretold = self.values + size * self._slopes
-        end, sent = foretold.copy(), foretold.copy()
+        extrapolated = self.values + size * self._slopes
+        end, sent = extrapolated.copy(), extrapolated.copy()
         with self.saved() as back:
-            for turn in range(self.scheme.iterations):
+            for iteration in range(self.scheme.iterations):
                 before = end.copy()
-                if turn:
+                if iteration:
                     back()
                 reached = self._advance(size, self.values, end, sent)
-                if 0.0 < reached < (1.0 - 1e-9) * size:  # an FMU ends the run: nobody goes further
-                    size, foretold = reached, self.values + reached * self._slopes
-                    end = foretold.copy()
+                if 0.0 < reached < (1.0 - 1e-9) * size:  # an FMU ends the run: the step ends there for all
+                    size, extrapolated = reached, self.values + reached * self._slopes
+                    end = extrapolated.copy()
                     continue
                 end = self._read_all()
                 if reached == 0.0 or self._agree(end - before, end):
@@ -232,11 +241,11 @@ class Coupling:
                 raise FmuRunError(
                     f"The values at the end of the step of {size:g} s do not agree after {self.scheme.iterations} "
                     f"iterations, worst is {worst.source}",
-                    "Make the step smaller",
+                    "Use a smaller step",
                     time=self.time,
                 )
         self._slopes = (end - self.values) / size
-        self.missed = np.abs(end - foretold)
+        self.missed = np.abs(end - extrapolated)
         self.values = end
         self._arrive(reached)
         if self.aligned and self.held.settle(self.time):
@@ -244,7 +253,7 @@ class Coupling:
 
     @contextmanager
     def saved(self) -> Iterator[Callable[[], None]]:
-        """Keeps the present point; gives a function that goes back to it. Raises FmuRunError, InputError."""
+        """Save the present state; yields a function that restores it. Raises FmuRunError, InputError."""
         values, slopes, time, given = self.values, self._slopes, self.time, dict(self.held.given)
         states: dict[str, Any] = {}
 
@@ -264,7 +273,7 @@ class Coupling:
 
 
 def _ends(ends: Sequence[str], slave: str) -> dict[int, str]:
-    """Variables of a slave among the ends of connections, by place."""
+    """Variables of a slave among the ends of connections, by index."""
     found = ((i, *end.partition(".")[::2]) for i, end in enumerate(ends))
     return {i: variable for i, owner, variable in found if owner == slave}
 

@@ -1,4 +1,4 @@
-"""What slaves are given at communication points only: Booleans, integers, enumerations, texts, discrete reals."""
+"""Values exchanged only at communication points: Booleans, integers, enumerations, texts, discrete reals."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from ropeway.fmu.importing.variable_types import Entry, Value
 
 @dataclass(frozen=True)
 class Connection:
-    """An output that drives an input: names as "slave.variable"; a real input is factor times the output plus offset.
-    held: the input changes at communication points only."""
+    """An output that drives an input, "slave.variable" each.
+
+    A real input is factor times the output plus offset. `held`: the input changes at communication points only.
+    """
 
     source: str
     target: str
@@ -25,8 +27,10 @@ class Connection:
 
 @dataclass
 class Exchange:
-    """Held connections and signals, and what has been `given` so far, by "slave.variable". `switched`: an output other
-    than a real one has changed since this was set to False; it did so at some time within the last step."""
+    """Held connections and signals, and the values `given` last, by "slave.variable".
+
+    `switched`: a discrete output changed within the last step.
+    """
 
     slaves: Mapping[str, OpenFmu]
     connections: Sequence[Connection]
@@ -40,20 +44,22 @@ class Exchange:
         self._switches = {target for target, kind in kinds.items() if kind != "Real"}
 
     def settle(self, time: float) -> bool:
-        """Gives each slave what has changed, until outputs that follow inputs at once stay as they are. Returns whether
-        anything has changed. Raises FmuRunError."""
-        changed = self._give({target: signal.after(time) for target, signal in self.signals.items()})
+        """Pass on changed values until direct feedthrough changes none any more.
+
+        Returns whether any value changed. Raises FmuRunError.
+        """
+        changed = self._set_changed({target: signal.after(time) for target, signal in self.signals.items()})
         if not self.connections:
             return bool(changed)
         for _ in range(self.iterations):
-            now = self._give(self._read())
+            now = self._set_changed(self._read())
             if not now:
                 return bool(changed)
             changed = now
             self.switched |= bool(self._switches.intersection(now))
         raise FmuRunError(
             f"{', '.join(changed)}: values keep changing at t = {time:.9g} s",
-            "The connections are a loop: cut it",
+            "The connections form a loop: open it",
             time=time,
         )
 
@@ -69,8 +75,8 @@ class Exchange:
                 found[c.target] = value if plain else c.factor * float(value) + c.offset
         return found
 
-    def _give(self, values: Mapping[str, Value]) -> list[str]:
-        """Sets what differs from what was given; the targets of that."""
+    def _set_changed(self, values: Mapping[str, Value]) -> list[str]:
+        """Sets the values that changed; returns their targets."""
         changed = [target for target, value in values.items() if self.given.get(target) != value]
         for name, slave in self.slaves.items():
             own = {t.partition(".")[2]: values[t] for t in changed if t.startswith(f"{name}.")}

@@ -1,4 +1,4 @@
-"""Inputs of slaves over time, given in advance: schedules, tables and constants."""
+"""Inputs of slaves over time: schedules, tables and constants."""
 
 from __future__ import annotations
 
@@ -19,30 +19,33 @@ from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.importing.variable_types import Entry, Value, from_text, taken_by
 
 _SAME = 1e-9
-"""Times so near to each other are one [s]."""
+"""Times closer than this are equal [s]."""
 _EXAMPLE = "time,line.c1.speed,line.c1.brake\n0,1.5,false\n60,1.5,true"
 Inputs: TypeAlias = Mapping[str, Schedule | pd.Series | Value] | pd.DataFrame | str | Path
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A variable over time: `values` at `times` [s]. linear: between two times it changes linearly, and two equal times
-    are a jump; else each value holds until the next. Before the first time the first value holds."""
+    """A variable over time: `values` at `times` [s].
+
+    `linear`: linear between two times, and two equal times are a jump; otherwise each value holds until the next.
+    Before the first time the first value holds.
+    """
 
     times: np.ndarray
     values: Sequence[Value]
     linear: bool
 
     def after(self, time: float) -> Value:
-        """The value from a time on."""
+        """Value from a time on."""
         return self._at(time, int(np.searchsorted(self.times, time + _SAME, side="right")))
 
     def before(self, time: float) -> Value:
-        """The value up to a time."""
+        """Value up to a time."""
         return self._at(time, int(np.searchsorted(self.times, time - _SAME, side="left")))
 
     def _at(self, time: float, later: int) -> Value:
-        """The value at a time, `later` being the place of the next one."""
+        """Value at a time; `later`: index of the next one."""
         if later == 0 or later == len(self.times) or not self.linear:
             return self.values[max(later - 1, 0)]
         before, after = float(self.times[later - 1]), float(self.times[later])
@@ -52,7 +55,7 @@ class Signal:
 
 
 def next_break(signals: Mapping[str, Signal], time: float, until: float) -> float:
-    """The first time after `time` at which a signal bends or jumps, at most `until` [s]."""
+    """First time after `time` at which a signal has a vertex or jump, at most `until` [s]."""
     later = (s.times[np.searchsorted(s.times, time + _SAME, side="right") :][:1] for s in signals.values())
     return min([float(t[0]) for t in later if len(t) and t[0] < until - _SAME], default=until)
 
@@ -78,8 +81,8 @@ def _signal(target: str, given: Schedule | pd.Series | Value, fmus: Mapping[str,
     if isinstance(given, Schedule):
         if not entry.continuous:
             raise InputError(
-                f"{target!r} is {entry.variability}: it cannot follow a schedule, which is linear between its times",
-                "Give a table or a pandas Series: each of its values holds until the next",
+                f"{target!r} is {entry.variability}: it cannot follow a piecewise linear schedule",
+                "Give a table or a pandas Series, whose values hold until the next",
             )
         given.require(until)
         return Signal(np.array(given.times), given.speeds, linear=True)
@@ -89,7 +92,8 @@ def _signal(target: str, given: Schedule | pd.Series | Value, fmus: Mapping[str,
     linear = entry.continuous and len(times) > 1
     if linear and times[-1] < until - 1e-9:
         raise InputError(
-            f"The values of {target!r} end at {times[-1]:g} s, before {until:g} s", "Give more, or ask for less"
+            f"The values of {target!r} end at {times[-1]:g} s, before {until:g} s",
+            "Extend them, or end the run earlier",
         )
     return Signal(times, [taken_by(entry, target, file, v) for v in given], linear)
 
@@ -102,7 +106,7 @@ def _entry(target: str, fmus: Mapping[str, Fmu]) -> tuple[Entry, str]:
     if entry.causality != "input" and (entry.causality, entry.variability) != ("parameter", "tunable"):
         raise InputError(
             f"{target!r} is of causality {entry.causality}, {entry.variability}: it cannot change during a run",
-            "Inputs and tunable parameters can",
+            "Only inputs and tunable parameters can change",
         )
     return entry, fmus[slave].path.name
 
@@ -111,9 +115,9 @@ def _times(given: pd.Series, target: str) -> np.ndarray:
     try:
         times = np.asarray(given.index, dtype=float)
     except (TypeError, ValueError) as error:
-        raise InputError(f"The index of {target!r} holds no times", "Give times in seconds as the index") from error
+        raise InputError(f"The index of {target!r} has no times", "Give times in seconds as the index") from error
     if not len(times) or not np.all(np.isfinite(times)):
-        raise InputError(f"The index of {target!r} holds no times", "Give times in seconds as the index")
+        raise InputError(f"The index of {target!r} has no times", "Give times in seconds as the index")
     if np.any(np.diff(times) < 0.0):
         k = int(np.argmax(np.diff(times) < 0.0))
         raise InputError(f"Times of {target!r} do not increase: {times[k + 1]} s after {times[k]} s", "Sort them")
@@ -121,10 +125,10 @@ def _times(given: pd.Series, target: str) -> np.ndarray:
 
 
 def _read(path: str | Path, fmus: Mapping[str, Fmu]) -> pd.DataFrame:
-    """Inputs in a file, in the units of the variables."""
+    """Inputs from a file, in the units of the variables."""
     first = table.read(path, TableLayout({"time": "s"}, _EXAMPLE))
     known = {f"{slave}.{variable}" for slave, fmu in fmus.items() for variable in fmu.entries}
-    names = [c if c in known else name_and_unit(c)[0] for c in first.columns]  # an element's index is no unit
+    names = [c if c in known else name_and_unit(c)[0] for c in first.columns]  # the index of an element is not a unit
     found = {n: _entry(n, fmus)[0] for n in names if n.casefold() != "time"}
     reals = [n for n, entry in found.items() if entry.kind == "Real"]
     units = {n: str(_variable(n, fmus)["unit"]) if n in reals else None for n in found}

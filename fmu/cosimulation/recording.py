@@ -1,4 +1,4 @@
-"""The rows of a co-simulation: outputs of all kinds over time."""
+"""Rows of a co-simulation: outputs of all types over time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _KINDS = "Boolean", "Integer", "Enumeration", "String", "Binary"
 
 @dataclass
 class Recorder:
-    """Records the outputs of coupled slaves: the real ones first."""
+    """Records the outputs of coupled slaves, real ones first."""
 
     coupling: Coupling
     times: list[float] = field(default_factory=list)
@@ -42,7 +42,7 @@ class Recorder:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Gives a refusal or an interrupt on its way out the rows so far."""
+        """Attaches the rows up to now to an error or interrupt."""
         try:
             yield
         except (FmuRunError, Interrupted) as stop:
@@ -50,8 +50,11 @@ class Recorder:
             raise
 
     def frame(self) -> pd.DataFrame:
-        """All rows so far: index time [s], columns "slave.variable". `attrs`: the "units" of the columns; "ended": why
-        an FMU has ended the run, None where none has; "left_out": outputs that cannot be shown, with reasons."""
+        """All rows: index time [s], columns "slave.variable".
+
+        `attrs`: the "units" of the columns; "ended": why an FMU ended the run, or None; "left_out": outputs that cannot
+        be shown, with reasons.
+        """
         index = pd.Index(self.times, name="time", dtype=float)
         reals = pd.DataFrame(np.reshape(self._rows, (len(index), -1)), index, self.coupling.names)
         columns = zip(self._columns, self._dtypes, zip(*self._others, strict=True), strict=False)
@@ -74,6 +77,6 @@ class Recorder:
         for name, slave in self.coupling.slaves.items():
             for v, entry in slave.fmu.entries.items():
                 if entry.causality == "output" and (entry.clocked or entry.kind == "Clock"):
-                    what = "a clock" if entry.kind == "Clock" else "a variable of a clock"
-                    reasons[f"{name}.{v}"] = f"{what}: it has a value at its ticks only"
+                    what = "a clock" if entry.kind == "Clock" else "a clocked variable"
+                    reasons[f"{name}.{v}"] = f"{what}: it is defined only at its ticks"
         return reasons

@@ -1,4 +1,4 @@
-"""Communication steps as long as an error allows."""
+"""Communication steps controlled by an error estimate."""
 
 from __future__ import annotations
 
@@ -21,14 +21,29 @@ Method = Literal["Richardson", "coupling error"]
 @checked
 @dataclass(frozen=True)
 class StepControl:
-    """How a master chooses the time between two communication points, between `least` and `most` [s].
+    """Control of the communication step of a master.
 
-    method: "Richardson" takes each step whole and as two halves, which differ by the error of the outputs; "coupling
-    error" takes for the error by how much inputs at the end of a step differ from those that the slaves were given:
-    less work, but it sees the inputs only. tolerance: relative to a variable or its nominal, whichever is larger.
-    A step with a larger error, in which a Boolean or other discrete connection changes, or that a slave refuses, is
-    repeated shorter, down to `least`. Slaves must be able to go back in time; with "coupling error" those that cannot
-    take the next step shorter instead. Raises InputError.
+    A step is repeated with a smaller size if its error is too large, if a discrete connection changes within it, or if
+    a slave rejects it. Slaves must be able to restore their state. With "coupling error" slaves that cannot take a
+    smaller next step instead.
+
+    Parameters
+    ----------
+    method : {"Richardson", "coupling error"}
+        "Richardson" takes each step as a whole and as two halves, whose difference estimates the error of the outputs.
+        "coupling error" takes the difference of the inputs at the end of a step from the values used: it costs less,
+        and covers the inputs only.
+    tolerance : float, default 1e-4
+        Relative to a variable or its nominal, whichever is larger.
+    least : float, default 1e-4
+        Smallest step [s].
+    most : float, default 10
+        Largest step [s].
+
+    Raises
+    ------
+    InputError
+        An unknown method, a value that is not positive, or a smallest step above the largest.
     """
 
     method: Method
@@ -47,8 +62,11 @@ class StepControl:
 
 @dataclass
 class Stepper:
-    """Takes steps under a control. `size` is the next one [s]; `repeated` counts steps taken again, `inexact` holds the
-    ends of those that missed the tolerance though they were the least."""
+    """Takes controlled steps.
+
+    `size`: the next step [s]; `repeated`: number of repeated steps; `inexact`: ends of smallest steps that missed the
+    tolerance.
+    """
 
     coupling: Coupling
     control: StepControl
@@ -59,16 +77,18 @@ class Stepper:
     def __post_init__(self) -> None:
         if self.control.method == "Richardson" and not self.coupling.can_restore:
             raise InputError(
-                "Steps cannot be repeated: there is a slave that cannot go back in time",
+                "Steps cannot be repeated: a slave cannot restore its state",
                 'Use StepControl("coupling error"), or add the slave with kind="ModelExchange"',
             )
         self.size = min(max(self.size, self.control.least), self.control.most)
 
     def step(self, time: float, until: float) -> float:
-        """One step from a time towards the end, shorter where an FMU ends the run; returns the time reached. Raises
-        FmuRunError."""
+        """One step from a time towards the end; returns the time reached.
+
+        It is shorter where an FMU ends the run. Raises FmuRunError.
+        """
         left = until - time
-        size = left if left <= 1.001 * self.size else min(self.size, 0.5 * left)  # no sliver at the end
+        size = left if left <= 1.001 * self.size else min(self.size, 0.5 * left)  # avoids a tiny last step
         if not self.coupling.can_restore:
             self.coupling.step(size)
             error = self._missed()
@@ -85,7 +105,7 @@ class Stepper:
                         raise
                     error = math.inf
                 if self.coupling.held.switched and size > self.control.least:
-                    error = math.inf  # a switch acts at the end of a step: a shorter step is nearer to its time
+                    error = math.inf  # a switch takes effect at the end of a step: a shorter step is more accurate
                 self._adapt(size, error, limit)
                 if error <= 1.0 or size <= self.control.least:
                     return self._reached(until, error)

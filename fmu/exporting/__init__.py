@@ -1,1 +1,1 @@
-"""A system as an FMU: its model, its description, and the wrappers of the C core."""
+"""Export of a system as an FMU: its model, its description, and the FMI wrappers of the C core."""

@@ -1,4 +1,4 @@
-"""Where an FMU keeps its binaries, and macOS libraries for several architectures."""
+"""Folders of binaries in an FMU, and macOS libraries for several architectures."""
 
 from __future__ import annotations
 
@@ -7,8 +7,11 @@ from collections.abc import Sequence
 
 
 def binary_folder(fmi: str, platform: str, platforms: Sequence[str]) -> str:
-    """Where the library of a platform belongs inside the FMU. FMI 2.0 has one folder for Linux and one for macOS: the
-    first belongs to x86_64 when that is among the platforms, the second takes both (see universal)."""
+    """Folder of the library of a platform inside the FMU.
+
+    FMI 2.0 has one folder for Linux and one for macOS. The first holds x86_64 if that is among the platforms, the
+    second both architectures (see `universal`).
+    """
     architecture, system = platform.split("-")
     if fmi == "3.0":
         return f"{architecture}-{'darwin' if system == 'macos' else system}"

@@ -1,5 +1,4 @@
-"""The way of a skyline's carriage over its supports: one model of all places that it comes through, and where it goes
-over from one to the next."""
+"""The path of a skyline's carriage over its supports: one model of all its places, and the transitions between them."""
 
 from __future__ import annotations
 
@@ -29,13 +28,15 @@ from ropeway.systems.studies.skyline.rig_check import SLACK
 from ropeway.systems.studies.skyline.station_solver import SIDE
 
 PENETRATION = 1e-7
-"""A mainline comes to lie on a roller when it would go into it by so much [m]."""
+"""Penetration at which a mainline makes contact with a roller [m]."""
 
 
 @dataclass(frozen=True)
 class PassageMargin:
-    """How far the carriage is from where it goes over to the place `target`, and what happens there; without one, from
-    where it cannot go on. It falls below zero there."""
+    """Distance of the carriage from a transition to the place `target`; it becomes negative there.
+
+    Without a target the carriage cannot go on. `event`: what happens there.
+    """
 
     target: Place | None
     event: str
@@ -43,7 +44,7 @@ class PassageMargin:
 
 
 class Passage(NamedTuple):
-    """What is beyond a margin: the place by its number, or -1; what happens there; how the unknowns change, (nz,)."""
+    """Transition at a margin: number of the next place, or -1; event; jump of the unknowns, (nz,)."""
 
     to: int
     event: str
@@ -51,10 +52,10 @@ class Passage(NamedTuple):
 
 
 class Corridor:
-    """All places that a rig's carriage comes through with a payload [kg], as one model.
+    """All places that a rig's carriage passes with a payload [kg], as one model.
 
-    `rest`: where it starts, at a station [m, by default in the middle of the first span], with the model of its place;
-    `state`: the same with the model of all. Raises InputError, EquilibriumError.
+    `rest`: the equilibrium at the start, at a station [m, by default the middle of the first span], with the model of
+    its place; `state`: the same with the united model. Raises InputError, EquilibriumError.
     """
 
     def __init__(self, rig: SkylineRig, station: float | None = None, payload: float | None = None) -> None:
@@ -74,7 +75,7 @@ class Corridor:
 
     def _build(self, rig: SkylineRig, station: float, mass: float) -> None:
         self.rig, self._places = rig, Places(rig, mass)
-        self._require_way()
+        self._require_pullable()
         placed = self._places.placed(station)
         at, self.rest = placed.at, placed.at.rest(placed.point)
         self._zero: dict[tuple[str, str, str], float] = {}
@@ -86,7 +87,7 @@ class Corridor:
             if not rolls:
                 self._require_run_over(k, at.place)
         self.margins = {place: tuple(self._margins(span_model(rig, place))) for place in self.order}
-        """Of each place, in order."""
+        """Margins of each place, in order."""
         borders = {
             (place, margin.target): self._border(place, margin.target)
             for place, margins in self.margins.items()
@@ -103,7 +104,7 @@ class Corridor:
 
     @property
     def count(self) -> int:
-        """Most margins of a place."""
+        """Largest number of margins of a place."""
         return max(len(margins) for margins in self.margins.values())
 
     @property
@@ -113,7 +114,7 @@ class Corridor:
 
     @cached_property
     def function(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> the margins of the place that holds, far off where there are fewer."""
+        """(t, x, z, u, p, d) -> margins of the active place, padded with large values."""
         by_model = dict(zip((part.model for part in self.united.parts), self.margins.values(), strict=True))
 
         def values(part: SwitchedPart, read: Read) -> list[ca.SX]:
@@ -135,22 +136,24 @@ class Corridor:
         )
         return Passage(to, margin.event, after - before)
 
-    def _require_way(self) -> None:
-        """Raises InputError for a rig whose carriage cannot be pulled along the whole corridor."""
+    def _require_pullable(self) -> None:
+        """Raises InputError unless the carriage can be pulled along the whole corridor."""
         rig = self.rig
         require_pulled(rig)
         if rig.turn is not None and rig.terrain is not None:
             log = rig.turn.log.described
-            raise InputError(f"{log} drags over ground that changes", "Export the rig without its turn")
+            raise InputError(
+                f"{log} drags over varying ground, which an FMU does not support", "Export the rig without its turn"
+            )
         for support in rig.supports:
             if support.radius <= 0.0:
                 raise InputError(
-                    f"On the point saddle of {support.name!r} a carriage waits, then jumps",
-                    "Give it a radius, of 1.5 m for example",
+                    f"The path of a carriage over the point saddle of {support.name!r} is discontinuous",
+                    "Give the support a radius, for example 1.5 m",
                 )
 
     def _zeroed(self, at: SpanModel, point: Point) -> Point:
-        """A point with each rope's zero of travel where it is in all places: then travels are continuous."""
+        """A point whose travels have the same zero in all places, so that they are continuous."""
         m, found = at.model, point.copy()
         for run, layout, role in zip(m.runs, m.layouts, at.roles, strict=True):
             keys = [(role or run.name, node.name, seat.name) for node, seat in zip(run.nodes, run.seats, strict=True)]
@@ -162,8 +165,10 @@ class Corridor:
         return found
 
     def _require_run_over(self, k: int, start: Place) -> None:
-        """Raises InputError unless the carriage, which does not roll over the shoe of support k, runs over it at once,
-        both ways, as the mainline gives."""
+        """Raises InputError unless the carriage runs over support k at once in both directions.
+
+        For a shoe that the carriage does not roll over.
+        """
         places, shoe_of = self._places, self.rig.supports[k].name
         sides = [span_model(self.rig, self._to(k, way)) for way in (-1, 1)]
         paid = [
@@ -172,12 +177,12 @@ class Corridor:
         ]
         if start.on == k or paid[0][0] <= paid[1][1] or paid[1][0] >= paid[0][1]:
             raise InputError(
-                f"The carriage neither rolls over the shoe of {shoe_of!r} as the drum turns nor runs over it at once",
-                f"{self._radius_that_rolls(k)}, or give the carriage another start",
+                f"The carriage neither rolls over the shoe of {shoe_of!r} nor runs over it at once",
+                f"{self._radius_that_rolls(k)}, or start the carriage elsewhere",
             )
 
     def _radius_that_rolls(self, k: int) -> str:
-        """The first of some radii with which the carriage rolls over the shoe of support k, as a remedy."""
+        """Remedy: the first of several radii with which the carriage rolls over the shoe of support k."""
         supports = self.rig.supports
         for radius in (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0):
             if radius <= supports[k].radius:
@@ -191,21 +196,23 @@ class Corridor:
         return "Give the support another radius"
 
     def _to(self, k: int, way: int) -> Place:
-        """The place that the carriage comes to off the shoe of support k, or when it runs over it."""
+        """The place behind the shoe of support k, in direction `way`."""
         rolled = Place(k, rollers=k + 1)
         if way > 0:
             return Place(k + 1)
         return rolled if self._places.laid(span_model(self.rig, rolled)) else Place(k)
 
     def _comes_through(self, place: Place) -> bool:
-        """Whether the carriage comes through a place with its payload, or with none."""
+        """Whether the carriage passes a place, with its payload or empty."""
         if place.on is not None:
             return self._rolls[place.on]
         return any(Places(self.rig, mass).laid(span_model(self.rig, place)) for mass in self._masses[:2])
 
     def _border(self, place: Place, target: Place) -> tuple[Point, Point]:
-        """The points of both places where the carriage goes over from one to the other: with its payload, or with
-        another where it does so with that only."""
+        """The points of both places at a transition, with the payload.
+
+        Another mass is used if the transition exists only with that one.
+        """
         at, beyond = span_model(self.rig, place), span_model(self.rig, target)
         way = 1 if self.order.index(target) > self.order.index(place) else -1
         last: EquilibriumError | None = None
@@ -222,7 +229,7 @@ class Corridor:
             for one, point in zip((at, beyond), points, strict=True):
                 one.load(point, self._places.payload)
             return points[0], points[1]
-        raise last or EquilibriumError("The carriage comes to no border", "Look at its supports")
+        raise last or EquilibriumError("The carriage does not reach the transition", "Check its supports")
 
     def _margins(self, at: SpanModel) -> Iterator[PassageMargin]:
         if at.on is not None:
@@ -238,18 +245,18 @@ class Corridor:
                 turns.append(ca.asinh(up / (across + 1e-9)) + ca.asinh(down / (across + 1e-9)))
             return SLACK - reduce(ca.fmax, turns)
 
-        yield PassageMargin(None, f"a line of {carriage} hangs slack", taut)
+        yield PassageMargin(None, f"a line of {carriage} is slack", taut)
         spans = [span.name for run in at.model.runs for span in run.spans]
         yield PassageMargin(
             None, "no rope is left in a span", lambda read: reduce(ca.fmin, [read(f"{s}.length") for s in spans])
         )
 
     def _off_shoe(self, k: int) -> Iterator[PassageMargin]:
-        """From the shoe of support k, on either side."""
+        """Margins on the shoe of support k, on either side."""
         carriage, support = self.rig.carriage.name, self.rig.supports[k]
 
         def off(read: Read, side: int) -> ca.SX:
-            """Like `Solved.off_shoe`; on the other side of the shoe's middle the carriage stays."""
+            """As `Solved.off_shoe`; the carriage leaves on its own side of the middle only."""
             loose = -read(f"{carriage}.shoe_force") / read(f"{carriage}.tension_a") * read(f"{carriage}.radius")
             return ca.fmax(EDGE - loose, -side * (read(f"{carriage}.x") - support.at[0]))
 
@@ -265,10 +272,10 @@ class Corridor:
         yield PassageMargin(Place(k + 1), event, lambda read: off(read, 1))
 
     def _in_span(self, at: SpanModel) -> Iterator[PassageMargin]:
-        """From a span on to the shoes at its ends, or the mainline on to or off the roller before the carriage."""
+        """Margins in a span: the shoes at its ends, and contact of the mainline with the roller before the carriage."""
         rig, k, rolled = self.rig, at.span, Place(at.span, rollers=at.span + 1)
         carriage, supports = rig.carriage.name, rig.supports
-        end = f"{carriage} is at the end of its way"
+        end = f"{carriage} is at the end of its path"
 
         if at.place == rolled:
             roller = f"{supports[k].name}_mainline"
@@ -287,13 +294,13 @@ class Corridor:
             yield PassageMargin(None, end, lambda read: rig.stands[-1].at[0] - read(f"{carriage}.x") - SIDE)
 
     def _touch(self, at: SpanModel, k: int, way: int) -> PassageMargin:
-        """To the shoe of support k, which the carriage rolls on to, or runs over."""
+        """Margin to the shoe of support k, which the carriage rolls onto or runs over."""
         target, what = (Place(k, k), "reaches") if self._rolls[k] else (self._to(k, way), "runs over")
         event = f"{what} {self.rig.supports[k].name}"
         return PassageMargin(target, event, lambda read: read(f"{at.free_span(k)}.length") - TOUCH)
 
     def _over_roller(self, at: SpanModel, k: int) -> Callable[[Read], ca.SX]:
-        """How far the mainline passes over the roller of support k [m]."""
+        """Distance of the mainline above the roller of support k [m]."""
         run = at.model.runs[at.roles.index("mainline")]
         span, carriage, support = run.spans[-1].name, self.rig.carriage.name, self.rig.supports[k]
 
@@ -307,7 +314,7 @@ class Corridor:
         return clear
 
     def _shows(self, at: SpanModel) -> dict[str, tuple[str, ...]]:
-        """What a place shows, by its own outputs: the carriage on a shoe speaks for both, a rope for all its spans."""
+        """Outputs of a place: a carriage on a shoe has those of both, a rope those of all its spans."""
         carriage = self.rig.carriage.name
         shows: dict[str, tuple[str, ...]] = {
             name: (name,) for name in at.model.y.names if name not in at.model.y.hidden
@@ -321,7 +328,7 @@ class Corridor:
         return shows
 
     def _limits(self, y: VariableTable) -> Limits:
-        """Those of what all places have, and of each rope."""
+        """Limits of the outputs that all places have, and of each rope."""
         at = span_model(self.rig, self.order[0])
         known = at.model.limits
         rows = [

@@ -1,5 +1,7 @@
-"""What an FMU computes: the model's equations and their derivatives as functions for C, and which of its variables
-depend on which once the algebraic variables are eliminated."""
+"""Equations of an FMU: the model and its derivatives as functions for C, and the dependencies of its variables.
+
+Dependencies are those after elimination of the algebraic variables.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +27,11 @@ from ropeway.systems.statics.pending_events import Pending
 
 @dataclass(frozen=True, eq=False)
 class ModelEquations:
-    """The equations of a line that stands in an equilibrium. `state` is where the FMU starts: its loads ride
-    with the rope. `corridor`: of a skyline's carriage, the places that it comes through. `pending`: what a run has
-    left to go on with, where the line is in the course of one."""
+    """Equations of a line that starts from an equilibrium.
+
+    `state`: where the FMU starts, with loads clamped to the rope; `corridor`: places of a skyline's carriage;
+    `pending`: delayed actions of a run in progress.
+    """
 
     state: LineState
     corridor: Corridor | None = None
@@ -35,10 +39,13 @@ class ModelEquations:
 
     @classmethod
     def at(cls, rest: Equilibrium) -> ModelEquations:
-        """Starting from an equilibrium, or in the course of a run. Raises InputError during an emergency stop."""
+        """Equations that start from an equilibrium, or from a run in progress.
+
+        Raises InputError during an emergency stop.
+        """
         if rest.pending.stopping is not None:
             raise InputError(
-                f"An emergency stop takes {rest.model.name!r} down: its end is not part of an FMU",
+                f"{rest.model.name!r} is in an emergency stop, which an FMU cannot continue",
                 "Export the line at an earlier time, or its equilibrium there: equilibrium(line, start=...)",
             )
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
@@ -111,8 +118,8 @@ class ModelEquations:
 
     @cached_property
     def factors(self) -> tuple[list[int], int, int]:
-        """Order of the columns for LU, and room that L and U may need with any choice of pivots (the patterns of a
-        QR factorisation hold them)."""
+        """Column order for LU, and an upper bound of the entries of L and U for any pivots, from the patterns of a QR
+        factorisation."""
         if self.pattern.shape[0] == 0:
             return [], 1, 1
         v, r, _, order = self.pattern.qr_sparse()
@@ -120,7 +127,7 @@ class ModelEquations:
 
     @cached_property
     def coupled(self) -> bool:
-        """Whether the rates depend on more than inputs and time, linearly: then they must be integrated."""
+        """Whether the rates depend on states, or not linearly on inputs and time: they must then be integrated."""
         if len(self.model.x) == 0:
             return False
         if any(self.model.dae.jac_sparsity(0, argument).nnz() for argument in (1, 2)):
@@ -136,7 +143,7 @@ class ModelEquations:
 
     @cached_property
     def switches(self) -> dict[str, int]:
-        """Discrete variables that somebody may set while the line runs, by name: brakes and losses of pressure."""
+        """Discrete variables that can be set during a run, by name: brakes and losses of pressure."""
         own = {variable for variable, _ in SWITCHED.values()}
         return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
 
@@ -147,7 +154,7 @@ class ModelEquations:
 
     @cached_property
     def mass_names(self) -> list[list[str]]:
-        """For each run the names of its masses that can be set: of its loads, or of those that its feed repeats."""
+        """For each run the names of its masses that can be set: of its loads, or of its feed."""
         names = []
         for run in self.state.runs:
             if run.feed is None:
@@ -172,8 +179,10 @@ class ModelEquations:
 
 
 class Dependencies:
-    """Which knowns (states, inputs, switches, parameters, masses, numbered through) rates, algebraic variables and
-    outputs depend on after elimination: one bit mask each."""
+    """Knowns that rates, algebraic variables and outputs depend on after elimination, as bit masks.
+
+    Knowns are states, inputs, switches, parameters and masses, numbered in this order.
+    """
 
     def __init__(self, equations: ModelEquations) -> None:
         m = equations.model
@@ -191,7 +200,7 @@ class Dependencies:
         self.margins = reduce(or_, margins, 0)
 
     def _slot_masks(self, equations: ModelEquations) -> list[int]:
-        """For each discrete variable what it is made of: parameters and masses, or a switch."""
+        """Knowns that each discrete variable is computed from: parameters and masses, or a switch."""
         masks = [0] * len(self._m.d)
         for i, entry in enumerate(equations.switches.values()):
             masks[entry] = 1 << (self.first_switch + i)
@@ -199,7 +208,7 @@ class Dependencies:
         for run, layout, names in zip(equations.state.runs, self._m.layouts, equations.mass_names, strict=True):
             every = sum(1 << (mass + i) for i in range(len(names)))
             mass += len(names)
-            # Where loads come round, they lie a whole rope behind those of the round before.
+            # On an endless rope the loads of a turn are one rope length behind those of the previous turn.
             before = sum(1 << (self.first_parameter + int(i)) for i in layout.length_start) if run.around else 0
             for k, n in enumerate(layout.slots.count):
                 for j in range(int(n)):
@@ -209,7 +218,7 @@ class Dependencies:
         return masks
 
     def _direct(self, f: ca.Function, result: int) -> list[int]:
-        """Masks of a function's result, algebraic variables left aside."""
+        """Masks of the result of a function, without the algebraic variables."""
         masks = [0] * f.size1_out(result)
         for argument, first in ((1, 0), (3, self.first_input), (4, self.first_parameter)):
             for row, column in _entries(f.jac_sparsity(result, argument)):
@@ -219,7 +228,7 @@ class Dependencies:
         return masks
 
     def _eliminated(self, residuals: list[int]) -> list[int]:
-        """Masks of the algebraic variables: each is determined by the residual matched with it."""
+        """Masks of the algebraic variables; each is determined by its matched residual."""
         n = len(residuals)
         if n == 0:
             return []

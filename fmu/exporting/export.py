@@ -57,37 +57,82 @@ def export(
     station: float | None = None,
     payload: float | None = None,
 ) -> Path:
-    """Writes a system as an FMU; returns its path.
+    """Export a system as an FMU for Model Exchange and Co-Simulation.
 
-    It starts from the system's equilibrium, or from the one given. Of a skyline rig the carriage starts at a `station`
-    [m] with a `payload` [kg], by default in the middle of the first span with that of the carriage; it runs over the
-    supports as the mainline's drum turns. inputs, outputs, parameters: names of the
-    variables to show; by default all inputs that no Schedule drives; all outputs, states, travels and coordinates; all
-    parameters and load masses. inputs may name switches too: `c1.brake` and `c1.pressure_lost`, Booleans. platforms:
-    "host" and names of `ropeway.systems.native.compiler.PLATFORMS`; () for sources only. tolerance: of the integrator
-    in Co-Simulation, relative and absolute on scaled variables.
+    The FMU starts from the system's equilibrium, or from the given one. The carriage of a skyline rig runs over the
+    supports as the mainline's drum turns.
 
-    Raises InputError, UnknownNameError, EquilibriumError, FmuExportError, WriteError, Interrupted.
+    Parameters
+    ----------
+    system : System, Model, Equilibrium or SkylineRig
+        What to export.
+    path : str or Path
+        The file to write; it ends in .fmu.
+    fmi : {"2.0", "3.0"}, default "2.0"
+        Version of FMI.
+    inputs : sequence of str, optional
+        Names of the inputs, which may include switches (Booleans `c1.brake`, `c1.pressure_lost`); by default all inputs
+        without a Schedule.
+    outputs : sequence of str, optional
+        Names of the outputs; by default all outputs, states, travels and coordinates.
+    parameters : sequence of str, optional
+        Names of the parameters; by default all, and the masses of the loads.
+    platforms : sequence of str, default ("host",)
+        Platforms of the binaries: "host", "x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-macos",
+        "aarch64-macos"; () for sources only.
+    tolerance : float, default 1e-6
+        Tolerance of the integrator in Co-Simulation, relative and absolute on scaled variables.
+    station : float, optional
+        Start of the carriage of a skyline rig [m]; by default the middle of the first span.
+    payload : float, optional
+        Payload of a skyline rig [kg]; by default that of its carriage.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        An invalid path or value, or an open input that is not exported.
+    UnknownNameError
+        An unknown name in inputs, outputs or parameters.
+    EquilibriumError
+        The system has no equilibrium.
+    FmuExportError
+        The compiler failed, or a component is an FMU itself.
+    WriteError
+        The file could not be written.
+    Interrupted
+        The user interrupted.
+
+    Examples
+    --------
+    >>> rw.fmu.export(line, "line.fmu", fmi="3.0", platforms=("x86_64-linux", "x86_64-windows"))
     """
     check.positive(tolerance, "export", "tolerance")
     target = Path(path)
     if target.suffix != ".fmu":
-        raise InputError(f"{str(path)!r} does not end in .fmu", f"Call it {target.stem or 'line'}.fmu")
+        raise InputError(f"{str(path)!r} does not end in .fmu", f"Rename it to {target.stem or 'line'}.fmu")
     if not target.parent.is_dir():
-        raise InputError(f"There is no folder {target.parent}", "Make it, or choose another")
+        raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
     names = compiler.resolved(platforms)
     if isinstance(system, SkylineRig):
         corridor = Corridor(system, station, payload)
         rest, equations = corridor.rest, ModelEquations(corridor.state, corridor)
     elif station is not None or payload is not None:
-        raise InputError("station and payload are for skyline rigs", "Leave them out")
+        raise InputError("station and payload apply to skyline rigs only", "Omit them")
     else:
         rest = system if isinstance(system, Equilibrium) else equilibrium(system)
         equations = ModelEquations.at(rest)
     if rest.model.external:
-        raise FmuExportError(f"A part of {rest.model.name!r} is an FMU itself", "Export the rest, use CoSimulation")
+        raise FmuExportError(
+            f"A component of {rest.model.name!r} is an FMU itself",
+            "Export the system without it, and couple both by CoSimulation",
+        )
     interface = Interface(equations, inputs, outputs, parameters)
-    with whole(target) as file:  # what is short of room on the way, as a folder for the compiler, counts too
+    with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well
         content = _content(interface, rest, fmi, tolerance, names)
         with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, data in content.items():
@@ -98,7 +143,7 @@ def export(
 def _content(
     interface: Interface, rest: Equilibrium, fmi: str, tolerance: float, platforms: Sequence[str]
 ) -> dict[str, bytes]:
-    """All files of an FMU, by their place in the archive."""
+    """All files of an FMU, by their path in the archive."""
     sources = write_sources(interface, fmi, tolerance)
     about = _about(rest, sources["model_data.c"], tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))
@@ -114,7 +159,7 @@ def _content(
 
 
 def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:
-    """All C files and headers of an FMU, by name. The fingerprint is that of what they compute."""
+    """All C files and headers of an FMU, by name. The fingerprint identifies their content."""
     import fmpy
 
     headers = Path(fmpy.__file__).with_name("c-code")
@@ -135,14 +180,14 @@ def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str,
 
 
 def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
-    """The generated C of the equations, a file for each function as they are long, and their declarations."""
+    """Generated C of the equations, a file for each function, and their declarations."""
     files = {}
     for function in equations.functions:
         stop_if_interrupted()
         name = f"{function.name()}.c"
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)
-        files[name] = _spared(generator.dump())
+        files[name] = _without_optimisation(generator.dump())
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )
@@ -150,22 +195,24 @@ def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
 
 
 _LONG = 1_000_000
-"""Characters of C over which clang takes minutes."""
-_SPARE = """#if defined(__clang__)
-#define RW_SPARED __attribute__((optnone))
+"""Size of C code above which clang takes minutes [characters]."""
+_NO_OPTIMISATION = """#if defined(__clang__)
+#define RW_NOT_OPTIMISED __attribute__((optnone))
 #else
-#define RW_SPARED
+#define RW_NOT_OPTIMISED
 #endif
 """
 
 
-def _spared(code: str) -> str:
-    """Long code in which clang does not optimise the functions that only call those of components: they are what is
-    long, and make a step slower by a third only."""
+def _without_optimisation(code: str) -> str:
+    """Code in which clang does not optimise the long functions that only call others.
+
+    They make up most of a long file, and a step is slower by only a third.
+    """
     if len(code) < _LONG:
         return code
     calls = r"(/\* (?:rw_\w+|fwd\d+_(?:dae|outputs)):.*\n)(static int)"
-    return _SPARE + re.sub(calls, r"\1RW_SPARED \2", code)
+    return _NO_OPTIMISATION + re.sub(calls, r"\1RW_NOT_OPTIMISED \2", code)
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> model_description.About:
@@ -175,7 +222,7 @@ def _about(rest: Equilibrium, data: str, tolerance: float) -> model_description.
         name=name,
         identifier=_identifier(name),
         fingerprint=found[1] if found else "",
-        description=_described(rest),
+        description=_summary(rest),
         version=ropeway.__version__,
         generated=datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%dT%H:%M:%SZ"),
         tolerance=tolerance,
@@ -183,8 +230,8 @@ def _about(rest: Equilibrium, data: str, tolerance: float) -> model_description.
     )
 
 
-def _described(rest: Equilibrium) -> str:
-    """What a system consists of, in a line."""
+def _summary(rest: Equilibrium) -> str:
+    """Summary of a system in one line."""
     if not rest.runs:
         return f"System of {', '.join(f'{type(c).__name__} {c.name}' for c in rest.model.system.components.values())}"
     numbers = (sum(len(run.spans) for run in rest.runs), "span"), (len(rest.runs), "rope"), (len(rest.loads), "load")
@@ -193,7 +240,7 @@ def _described(rest: Equilibrium) -> str:
 
 
 def _identifier(name: str) -> str:
-    """A name as a C identifier: what FMI wants of a model's, and a file name on every platform."""
+    """A name as a C identifier, for FMI and as a file name on any platform."""
     plain = re.sub(r"\W", "_", name, flags=re.ASCII)
     return plain if re.match("[A-Za-z]", plain) else f"system_{plain}"
 
@@ -201,7 +248,7 @@ def _identifier(name: str) -> str:
 def _binaries(
     sources: Mapping[str, str], compiled: Sequence[str], fmi: str, identifier: str, platforms: Sequence[str]
 ) -> dict[str, bytes]:
-    """Shared libraries by their place in the archive."""
+    """Shared libraries by their path in the archive."""
     found: dict[str, dict[str, bytes]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():

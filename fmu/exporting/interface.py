@@ -1,4 +1,4 @@
-"""What an FMU shows: its variables, with their value references, causalities and dependencies."""
+"""Variables of an FMU, with value references, causalities and dependencies."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ from ropeway.systems.modelling.dae_model import VariableTable, nearest
 
 @dataclass(frozen=True)
 class FmuVariable:
-    """A variable of an exported FMU. `knowns`: the bit mask of what it depends on (see Dependencies); `state`: for
-    a derivative the name of its state."""
+    """A variable of an exported FMU.
+
+    `knowns`: bit mask of its dependencies (see `Dependencies`); `state`: of a derivative, the name of its state.
+    """
 
     name: str
     reference: int
@@ -53,10 +55,10 @@ class References:
 
 
 class Interface:
-    """The variables of an FMU. inputs, outputs, parameters: names to show; None for all that make sense: inputs that
-    no Schedule drives; outputs, states, travels and coordinates; parameters and load masses. Among inputs may be
-    switches, `c1.brake` and `c1.pressure_lost`: Booleans.
+    """The variables of an FMU.
 
+    `inputs`, `outputs`, `parameters`: their names; None: all inputs without a Schedule; all outputs, states, travels
+    and coordinates; all parameters and load masses. Switches (`c1.brake`, `c1.pressure_lost`) can be inputs: Booleans.
     Raises InputError, UnknownNameError.
     """
 
@@ -107,7 +109,7 @@ class Interface:
         return every if names is None else tuple(_known(names, every, "a parameter"))
 
     def _passed_names(self) -> dict[int, str]:
-        """Names of the counts of loads that have passed, by support: where loads can move over it."""
+        """Names of the counts of passed loads, for supports that loads can pass."""
         names: dict[int, str] = {}
         for i, (r, k) in enumerate(self.supports):
             run, layout = self.equations.state.runs[r], self.equations.model.layouts[r]
@@ -179,7 +181,7 @@ class Interface:
                 reference=first.u + i,
                 causality="input",
                 start=float(point.u[i]),
-                description=v.description if signal is not None else f"{v.description} (open: must be given)",
+                description=v.description if signal is not None else f"{v.description} (open: requires a value)",
             )
             for i, (v, signal) in enumerate(zip(_rows(m.u), m.signals, strict=True))
             if v.name in self.inputs
@@ -213,7 +215,7 @@ class Interface:
         ]
 
     def travel_of(self, support: int) -> int:
-        """Place of a support's travel in (x, z), -1 where it has none."""
+        """Index of a support's travel in (x, z), -1 if it has none."""
         r, k = self.supports[support]
         travel = self.equations.model.layouts[r].travel
         if travel.state[k] >= 0:
@@ -242,7 +244,7 @@ class Interface:
             names.append((f"event_indicator[{len(self.supports) + j + 1}]", f"margin to {name}"))
             masks.append(self._dependencies.outputs[int(m.limits.output[j])])
         for j in range(self.equations.borders):
-            names.append((f"event_indicator[{len(names) + 1}]", f"border {j + 1} of the places of the carriage"))
+            names.append((f"event_indicator[{len(names) + 1}]", f"transition {j + 1} of the carriage"))
             masks.append(self._dependencies.margins)
         return [
             FmuVariable(n, first + i, "Real", "local", "continuous", d, initial="calculated", knowns=mask)
@@ -296,7 +298,7 @@ class Interface:
 
     @cached_property
     def known_references(self) -> list[int]:
-        """Value reference of each known of Dependencies that the FMU shows, -1 for those that it does not."""
+        """Value references of the knowns of `Dependencies`, -1 if not exported."""
         shown = {v.reference for v in self.variables}
         m, f = self.equations.model, self.first
         groups = [(f.x, len(m.x)), (f.u, len(m.u)), (f.switch, len(self.equations.switches)), (f.p, len(m.p))]
@@ -321,7 +323,7 @@ def _known(names: Sequence[str], every: Sequence[str], what: str) -> list[str]:
 
 
 def _rows(table: VariableTable) -> list[FmuVariable]:
-    """A table's variables, to be completed."""
+    """Incomplete variables of a table."""
     return [
         FmuVariable(name, -1, "Real", "local", "continuous", description, unit, nominal=float(abs(nominal)))
         for name, unit, description, nominal in zip(

@@ -11,10 +11,10 @@ from ropeway.fmu.exporting.interface import FmuVariable, Interface
 
 CATEGORIES = {
     "logAll": "everything",
-    "logEvents": "loads that cross, are held and released; carriages that come to supports and leave them",
+    "logEvents": "loads that cross supports, are held or released; carriages that reach or leave supports",
     "logStatusWarning": "limits: tension above the safe or breaking load, lift-off",
-    "logStatusDiscard": "a call that could not be carried out here",
-    "logStatusError": "a call that is not allowed, and failures",
+    "logStatusDiscard": "a call that failed and left the state unchanged",
+    "logStatusError": "an invalid call, or a failure",
 }
 """Log categories."""
 
@@ -23,7 +23,7 @@ _TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
 
 @dataclass(frozen=True)
 class About:
-    """What a model description says besides its variables."""
+    """Attributes of a model description besides its variables."""
 
     name: str
     identifier: str
@@ -36,7 +36,7 @@ class About:
 
 
 def model_description(fmi: str, about: About, interface: Interface, sources: Sequence[str]) -> bytes:
-    """modelDescription.xml of FMI version `fmi`; sources: C files to compile."""
+    """modelDescription.xml of FMI version `fmi`; `sources`: C files to compile."""
     root = _fmi2(about, interface, sources) if fmi == "2.0" else _fmi3(about, interface)
     return _written(root)
 
@@ -59,7 +59,7 @@ def _written(root: ElementTree.Element) -> bytes:
 
 
 def _attributes(**values: object) -> dict[str, str]:
-    """XML attributes; None is left out."""
+    """XML attributes without those that are None."""
 
     def text(value: object) -> str:
         return (
@@ -117,14 +117,14 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
         for name in sources:
             ElementTree.SubElement(files, "File", name=name)
     _common(root, about, interface)
-    # FMI 2.0 needs no variable for the time, and some importers want a start for one.
+    # FMI 2.0 requires no variable for time, and some importers require a start value for it.
     hidden = {v.reference for v in indicators}
     shown = [v for v in interface.variables if v.reference not in hidden and v.causality != "independent"]
     place = {v.reference: i for i, v in enumerate(shown, 1)}
     by_name = {v.name: v for v in shown}
     variables = ElementTree.SubElement(root, "ModelVariables")
     for v in shown:
-        scalar = ElementTree.SubElement(variables, "ScalarVariable", _attributes(**_told(v)))
+        scalar = ElementTree.SubElement(variables, "ScalarVariable", _attributes(**_attributes_of(v)))
         of = place[by_name[v.state].reference] if v.state else None
         real = {"unit": v.unit, "nominal": v.nominal, "derivative": of} if v.kind == "Real" else {}
         ElementTree.SubElement(scalar, v.kind, _attributes(**real, start=v.start))
@@ -151,7 +151,7 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
         "canSerializeFMUState": True,
         "providesDirectionalDerivatives": True,
     }
-    # A carriage goes on from the last step that was accepted.
+    # A carriage continues from the last accepted step.
     accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
     ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
     ElementTree.SubElement(root, "CoSimulation", _attributes(**can, canHandleVariableCommunicationStepSize=True))
@@ -164,7 +164,7 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
         ElementTree.SubElement(
             variables,
             _TYPES[v.kind],
-            _attributes(**_told(v), **real, start=v.start, derivative=of),
+            _attributes(**_attributes_of(v), **real, start=v.start, derivative=of),
         )
     structure = ElementTree.SubElement(root, "ModelStructure")
     groups = (
@@ -180,8 +180,8 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
     return root
 
 
-def _told(v: FmuVariable) -> dict[str, object]:
-    """What both versions say of a variable."""
+def _attributes_of(v: FmuVariable) -> dict[str, object]:
+    """Attributes of a variable in both versions."""
     return {
         "name": v.name,
         "valueReference": v.reference,
@@ -193,7 +193,7 @@ def _told(v: FmuVariable) -> dict[str, object]:
 
 
 def _initial(variables: Iterable[FmuVariable]) -> list[FmuVariable]:
-    """What initialisation computes: outputs and derivatives."""
+    """Variables calculated at initialisation: outputs and derivatives."""
     return [v for v in variables if v.initial == "calculated" and (v.causality == "output" or v.state)]
 
 

@@ -1,4 +1,4 @@
-"""The tables of an FMU in C: sizes, names, starts, and where the runs stand in the vectors (see ropeway.h)."""
+"""Tables of an FMU in C: sizes, names, start values, and positions of the runs in the vectors (see ropeway.h)."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def _runs(tables: Tables, interface: Interface) -> None:
         slots = layout.slots
         columns = (layout.length_start, slots.count, slots.mass, slots.at, slots.ride, slots.empty, layout.force)
         for cells, column in zip(spans.values(), columns, strict=True):
-            cells += [*(int(c) for c in column), 0]  # a run's last support has no span
+            cells += [*(int(c) for c in column), 0]  # the last support of a run has no span
         held["held"] += [int(c) for c in layout.held]
         held["held_travel"] += [int(c) for c in layout.held_travel]
         reads["vertical_b"] += [*(y.get(f"{span.name}.vertical_b", -1) for span in run.spans), -1]
@@ -121,7 +121,7 @@ def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]
         if run.feed is not None and not run.around:
             repeated = np.array(run.feed.masses)[np.arange(len(run.loads.mass)) % len(run.feed.masses)]
             if not np.array_equal(repeated, run.loads.mass):
-                raise InputError(f"Loads of {run.name} have masses other than their feed's", "Feed them as they are")
+                raise InputError(f"Loads of {run.name} have other masses than their feed", "Feed loads of these masses")
     places = [state.around(r).place if run.around else run.loads.place for r, run in enumerate(state.runs)]
     tables.integers("load_first", _offsets([len(place) for place in places]))
     tables.numbers("load_place", np.concatenate([[], *places]))

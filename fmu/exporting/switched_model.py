@@ -1,4 +1,4 @@
-"""Several models of one thing, each for a place that it can be in, as one: a discrete variable says which holds."""
+"""Several models of one system, one for each configuration, united by a discrete variable that selects one."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ Read = Callable[[str], ca.SX]
 
 @dataclass(frozen=True, eq=False)
 class SwitchedPart:
-    """One of the models. `point`: where it starts, with the values of what is its own. `shows`: outputs of the whole,
-    each by outputs of its own, of which the largest counts."""
+    """One of the models.
+
+    `point`: its start, with the values of its own parameters; `shows`: outputs of the united model, each the largest of
+    several own outputs.
+    """
 
     model: Model
     point: Point
@@ -31,22 +34,21 @@ class SwitchedPart:
 
     @cached_property
     def dae(self) -> ca.Function:
-        """Its equations as one scalar graph: of some ten spans that is short, and its derivatives too."""
+        """Its equations as a scalar graph, which is short for about ten spans, as are its derivatives."""
         return self.model.dae.expand()
 
     def value(self, parameter: str) -> float | None:
-        """Value of a parameter, None where there is none."""
+        """Value of a parameter, None if there is none."""
         place = self.model.p.index.get(parameter)
         return None if place is None else float(self.point.p[place])
 
 
 class SwitchedModel:
-    """The united `model` of parts with the same states and inputs. The variable `place` says which of them holds;
-    `limits` of its outputs by their table.
+    """The united `model` of parts with equal states and inputs; the variable `place` selects the active part.
 
-    Unknowns are united by name; one that a part does not know stands at zero in it. Outputs are those that all parts
-    show; parameters those that all have, with one value: what is a part's own keeps the value of its `point`.
-    `local`: unknowns that not all parts have.
+    Unknowns are united by name; one that is not part of the active model is zero. Outputs are those of all parts;
+    parameters those of all parts with equal values: others keep the value of their part's `point`. `limits` maps the
+    table of outputs to their limits; `local`: unknowns that not all parts have.
     """
 
     def __init__(self, parts: Sequence[SwitchedPart], place: str, limits: Callable[[VariableTable], Limits]) -> None:
@@ -58,7 +60,7 @@ class SwitchedModel:
         z = _rows([(owners[n], n, n) for n in every])
         p = _rows([(first.p, n, n) for n in first.p.names if len({part.value(n) for part in parts}) == 1])
         y = _rows([(first.y, of[0], n) for n, of in parts[0].shows.items() if all(n in o.shows for o in parts)])
-        d = VariableTable((place,), ("1",), ("which of the places",), np.zeros(1), np.ones(1), (ANY,))
+        d = VariableTable((place,), ("1",), ("number of the active place",), np.zeros(1), np.ones(1), (ANY,))
         r = replace(z, nominals=np.ones(len(z)))
         self._tables = {
             **first.tables,
@@ -87,7 +89,7 @@ class SwitchedModel:
         )
 
     def switched(self, name: str, of: Callable[[SwitchedPart, Read], Sequence[ca.SX]]) -> ca.Function:
-        """(t, x, z, u, p, d) -> expressions of the part that holds."""
+        """(t, x, z, u, p, d) -> expressions of the active part."""
 
         def expressions(part: SwitchedPart, symbols: Sequence[ca.SX]) -> ca.SX:
             arguments = self._arguments(part, symbols)
@@ -116,14 +118,14 @@ class SwitchedModel:
         return self._switched("derivatives", derivatives)
 
     def point(self, i: int) -> Point:
-        """Where part i starts, as a point of the whole."""
+        """Start of part i, as a point of the united model."""
         part = self.parts[i]
         p = np.array([part.value(name) for name in self._tables[Kind.PARAMETER].names], float)
         z = self.unknowns(part, part.point.z)
-        return Point(0.0, part.point.x.copy(), z, part.point.u.copy(), p, np.array([float(i)]))
+        return Point(part.point.x.copy(), z, part.point.u.copy(), p, np.array([float(i)]))
 
     def unknowns(self, part: SwitchedPart, z: np.ndarray) -> np.ndarray:
-        """Unknowns of the whole from those of a part."""
+        """Unknowns of the united model from those of a part."""
         found = np.zeros(len(self._tables[Kind.ALGEBRAIC]))
         found[self._places(part)] = z
         return found
@@ -144,11 +146,11 @@ class SwitchedModel:
         return ca.Function(f"{name}_of_place", self.symbols, [switch(self.symbols[-1], *self.symbols)])
 
     def _places(self, part: SwitchedPart) -> list[int]:
-        """Where the unknowns of a part stand in those of the whole."""
+        """Indices of the unknowns of a part in the united vector."""
         return [self._tables[Kind.ALGEBRAIC].index[name] for name in part.model.z.names]
 
     def _arguments(self, part: SwitchedPart, symbols: Sequence[Any]) -> list[Any]:
-        """Arguments of a part's functions from those of the whole."""
+        """Arguments of the functions of a part from those of the united model."""
         t, x, z, u, p, _ = symbols
         shared = self._tables[Kind.PARAMETER].index
         own = ca.vertcat(
@@ -157,7 +159,7 @@ class SwitchedModel:
         return [t, x, z[self._places(part)], u, own, part.point.d]
 
     def _residuals(self, part: SwitchedPart, symbols: Sequence[ca.SX]) -> ca.SX:
-        """Each residual in the row of the unknown that it determines; unknowns of other parts are zero."""
+        """Residuals in the rows of the unknowns that they determine; unknowns of other parts are zero."""
         z, places = symbols[2], self._places(part)
         own = part.dae(*self._arguments(part, symbols))[1] / part.model.r.nominals
         rows = {places[part.model.determined[i]]: own[i] for i in range(len(places))}
@@ -171,7 +173,7 @@ def _largest(names: Sequence[str], read: Read) -> ca.SX:
 
 
 def _rows(chosen: Sequence[tuple[VariableTable, str, str]]) -> VariableTable:
-    """A table of rows of others: table, name there, name here."""
+    """A table from rows of other tables: table, name there, name here."""
     rows = [(table, table.index[name]) for table, name, _ in chosen]
     return VariableTable(
         tuple(name for *_, name in chosen),

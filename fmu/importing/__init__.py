@@ -1,1 +1,1 @@
-"""An FMU as a file, as an instance, as a participant of a co-simulation, as a component."""
+"""Import of an FMU: as a file, an instance, a slave of a co-simulation, a component."""

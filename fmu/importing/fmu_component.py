@@ -1,4 +1,4 @@
-"""A Model Exchange FMU as a component of a system: its equations are solved in one run with all others."""
+"""A Model Exchange FMU as a component of a system, solved together with all other equations."""
 
 from __future__ import annotations
 
@@ -30,8 +30,21 @@ from ropeway.fmu.importing.readable_description import make_readable
 @checked
 @dataclass(frozen=True, eq=False)
 class FmuComponent(Component):
-    """What `component` returns. `function(t, x, u, p) -> (ode, y)` calls the FMU, in its own units; `scales`: the
-    factor and offset of each variable to SI units."""
+    """A Model Exchange FMU as a component; `rw.fmu.component` creates it.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    fmu : Fmu
+        The FMU.
+    function : casadi.Function
+        (t, x, u, p) -> (ode, y), which calls the FMU in its own units.
+    owned : tuple of Variable
+        Its variables in SI units.
+    scales : mapping of str
+        Factor and offset of each variable to SI units.
+    """
 
     external: ClassVar[bool] = True
     fmu: Fmu
@@ -50,7 +63,7 @@ class FmuComponent(Component):
         return self.owned
 
     def driver(self, name: str) -> float:
-        """An input that nothing drives keeps its start value."""
+        """Start value of an input that is not connected."""
         return next(float(v.value) for v in self.owned if v.name == name and isinstance(v.value, float))
 
     def equations(self, v: Any) -> Equations:
@@ -74,20 +87,48 @@ def component(
     parameters: Mapping[str, float] | None = None,
     ignore_events: bool = False,
 ) -> FmuComponent:
-    """A Model Exchange FMU of version 2.0 or 3.0 as a component. Connect its `input`s and `output`s (its real inputs,
-    outputs and states); an input that nothing drives keeps its start value. All are in SI units.
+    """A Model Exchange FMU of version 2.0 or 3.0 as a component of a system.
 
-    parameters: values of its parameters; those that it lets be tuned at any time are parameters of the model besides.
-    Discrete inputs, and variables other than real scalars, keep their start values. The states start where the FMU's
-    own initialisation puts them. Its Jacobians are exact where it has directional derivatives, else differences that
-    CasADi takes of it; its explicit dependence on time enters no Jacobian.
+    Connect its inputs, outputs and states with `input` and `output`; all are in SI units. Unconnected and discrete
+    inputs, and variables that are not real scalars, keep their start values. The states start from the FMU's own
+    initialisation. Jacobians are exact if the FMU has directional derivatives, otherwise finite differences by CasADi;
+    they do not include an explicit dependence on time.
 
-    CasADi's `DaeBuilder` calls the FMU. It follows no events in it: one with event indicators is refused unless
-    ignore_events says that its equations are the same on both sides of them (those that this library exports for a
-    system without loads that cross supports, say), and one that announces a time event too. Such FMUs are for
-    `CoSimulation`. A system with an FMU cannot be exported, and runs several times slower than one without.
+    CasADi's `DaeBuilder` calls the FMU and does not handle its events. Couple FMUs with events by `CoSimulation`. A
+    system with an FMU cannot be exported, and runs several times slower than one without.
 
-    Raises InputError, FmuImportError, FmuVariableError, FmuRunError.
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    fmu : Fmu, str or Path
+        The FMU, or its file.
+    parameters : mapping of str to float, optional
+        Values of its parameters. Tunable parameters are parameters of the model as well.
+    ignore_events : bool, default False
+        Whether to accept event indicators and time events: only correct if the equations are the same on both sides, as
+        in exported systems without loads that cross supports.
+
+    Returns
+    -------
+    FmuComponent
+        The component.
+
+    Raises
+    ------
+    InputError
+        An invalid name or value.
+    FmuImportError
+        The file cannot be used, or the FMU has events.
+    FmuVariableError
+        An unknown parameter.
+    FmuRunError
+        The initialisation failed.
+
+    Examples
+    --------
+    >>> unit = system.add(rw.fmu.component("unit", "power_unit.fmu"))
+    >>> system.connect(unit.output("flow"), sheave.input("pump_flow"))
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
@@ -101,7 +142,7 @@ def component(
         raise _has_events(file, f"{count} event indicators")
     if any(v.variable.dimensions for v in file.description.derivatives):
         raise FmuImportError(
-            f"{file.path.name} has arrays of states: CasADi, which calls it in a component, reads single ones only",
+            f"{file.path.name} has arrays of states, which CasADi does not support in a component",
             "Couple it by CoSimulation",
         )
     folder = tempfile.mkdtemp(prefix="ropeway-")
@@ -109,23 +150,23 @@ def component(
         fmpy.extract(str(file.path), unzipdir=folder)
         make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
-        # CasADi reads all outputs as real numbers, and knows no dependencies of others.
+        # CasADi reads only real outputs.
         dae.set_y([n for n in file.outputs() if dae.has(n) and n not in dae.x()])
         groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
-        starts = _starts(file, name, values, groups, ignore_events)  # the FMU tells what it refuses
+        starts = _starts(file, name, values, groups, ignore_events)  # reports values that the FMU rejects
         for key, value in values.items():
             dae.set(key, value)
-        # Derivatives in a direction keep the last one where the direction is zero (CasADi 3.8.2): Jacobians do not.
+        # Directional derivatives of CasADi 3.8.2 are wrong for a zero direction; Jacobians are correct.
         options = {"enable_forward": False, "enable_reverse": False}
         function = dae.create(name, ["t", "x", "u", "p"], ["ode", "y"], options)
-        function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # whether it can
+        function.jacobian()(0.0, *list(starts.values())[:3], 0, 0)  # fails here if it cannot be evaluated
     except FmuError:
         shutil.rmtree(folder, ignore_errors=True)
         raise
     except RuntimeError as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise FmuImportError(
-            f"CasADi, which calls FMUs in components, cannot use {file.path.name}: {_reason(file, error)}",
+            f"CasADi cannot use {file.path.name} in a component: {_reason(file, error)}",
             "Couple it by CoSimulation",
         ) from error
     owned, scales = _variables(file, groups, starts)
@@ -140,12 +181,15 @@ def _reason(fmu: Fmu, error: RuntimeError) -> str:
         return reason
     with zipfile.ZipFile(fmu.path) as archive:
         if any(name.startswith("resources/") and not name.endswith("/") for name in archive.namelist()):
-            return "it reads files of its own, and CasADi names their folder without the last slash"
+            return "it reads resource files, and CasADi passes their folder without the final slash"
     return reason
 
 
 def _tunes(fmu: Fmu, name: str, values: Mapping[str, float]) -> bool:
-    """Whether tunable parameters can be set at any time, as CasADi does; the standard allows it at events only."""
+    """Whether tunable parameters can be set at any time, as CasADi does.
+
+    The standard allows it at events only.
+    """
     tunable = [n for n in fmu.names("parameter") if fmu.entries[n].variability == "tunable"]
     if not tunable:
         return True
@@ -166,7 +210,7 @@ def _tunes(fmu: Fmu, name: str, values: Mapping[str, float]) -> bool:
 
 def _has_events(fmu: Fmu, what: str) -> FmuImportError:
     return FmuImportError(
-        f"{fmu.path.name} has {what}: a run with it as a component does not follow its events",
+        f"{fmu.path.name} has {what}: a component does not handle events",
         "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
     )
 
@@ -174,21 +218,21 @@ def _has_events(fmu: Fmu, what: str) -> FmuImportError:
 def _starts(
     fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
 ) -> dict[Kind, np.ndarray]:
-    """Values after the FMU's own initialisation. Raises FmuImportError where it announces an event."""
+    """Values after the FMU's own initialisation. Raises FmuImportError if it announces an event."""
     with OpenFmu(fmu, name, "ModelExchange") as slave:
         slave.enter(0.0, values)
         slave.leave()
-        moment = slave.save()
-        slave.forget(moment)
-        if np.isfinite(moment.next_event) and not ignore_events:
-            raise _has_events(fmu, f"an event at t = {moment.next_event:g} s")
+        state = slave.save()
+        slave.forget(state)
+        if np.isfinite(state.next_event) and not ignore_events:
+            raise _has_events(fmu, f"an event at t = {state.next_event:g} s")
         return {kind: slave.get(list(names)) for kind, names in groups.items()}
 
 
 def _variables(
     fmu: Fmu, groups: Mapping[Kind, Sequence[str]], starts: Mapping[Kind, np.ndarray]
 ) -> tuple[tuple[Variable, ...], dict[str, tuple[float, float]]]:
-    """The variables in SI units, and the factor and offset to them. Where no nominal is given, the start is one."""
+    """The variables in SI units, and their factors and offsets. The start value replaces a missing nominal."""
     owned, scales = [], {}
     for kind, names in groups.items():
         for name, start in zip(names, starts[kind], strict=True):

@@ -1,4 +1,4 @@
-"""An FMU as a file: what it is called, what it can do, and its variables as a table."""
+"""An FMU file: its names, capabilities and variables."""
 
 from __future__ import annotations
 
@@ -25,14 +25,34 @@ _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "des
 @checked
 @dataclass(frozen=True, eq=False)
 class Fmu:
-    """An FMU file. `kinds`: "ModelExchange", "CoSimulation", "ScheduledExecution"; `platforms`: those that it has a
-    binary for.
+    """An FMU file; `rw.fmu.load` reads it.
 
-    `variables`: index name; columns kind, causality, variability, unit, start, nominal, description, (value)
-    reference and relative (whether its values are differences: FMI's relativeQuantity); an array `u` has a row for each
-    element: `u[1]`, `u[2]`, or `u[1,2]`. `units`: those that it defines by SI base units; `ropeway.components.units`
-    reads the others by their symbols. `description` is FMPy's. `entries`: types by name; `arrays`: elements by the name
-    of their array; `structure`: values of structural parameters other than their start values.
+    Parameters
+    ----------
+    path : Path
+        The file.
+    name : str
+        Name of the model.
+    fmi : str
+        Version of FMI.
+    kinds : tuple of str
+        "ModelExchange", "CoSimulation", "ScheduledExecution".
+    platforms : tuple of str
+        Platforms of its binaries.
+    variables : DataFrame
+        Index name; columns kind, causality, variability, unit, start, nominal, description, (value) reference and
+        relative (FMI's relativeQuantity: the values are differences). An array `u` has a row for each element: `u[1]`,
+        `u[2]`, or `u[1,2]`.
+    units : mapping of str to Unit
+        Units that it defines by SI base units; others are read by their symbols.
+    description : object
+        FMPy's model description.
+    entries : mapping of str to Entry
+        Types of the variables.
+    arrays : mapping of str to tuple of str
+        Names of the elements of each array.
+    structure : mapping of str, optional
+        Values of structural parameters other than their start values.
     """
 
     path: Path
@@ -48,14 +68,46 @@ class Fmu:
     structure: Mapping[str, Value] = field(default_factory=dict)
 
     def variable(self, name: str) -> pd.Series:
-        """A variable's row. Raises FmuVariableError."""
+        """Row of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of a scalar or of an element.
+
+        Returns
+        -------
+        Series
+            Its row of `variables`.
+
+        Raises
+        ------
+        FmuVariableError
+            An unknown variable.
+        """
         if name not in self.entries:
             raise self._unknown(name)
         row: pd.Series = self.variables.loc[name]
         return row
 
     def entry(self, name: str) -> Entry:
-        """A variable's type. Raises FmuVariableError."""
+        """Type of a variable.
+
+        Parameters
+        ----------
+        name : str
+            Name of a scalar or of an element.
+
+        Returns
+        -------
+        Entry
+            Its type.
+
+        Raises
+        ------
+        FmuVariableError
+            An unknown variable.
+        """
         if name not in self.entries:
             raise self._unknown(name)
         return self.entries[name]
@@ -65,21 +117,60 @@ class Fmu:
             cause = f"{name!r} of {self.path.name} is an array of {len(elements)}"
             return FmuVariableError(cause, f"Name one of its elements, {', '.join(elements[:3])}", name)
         near = difflib.get_close_matches(name, list(self.entries), n=5, cutoff=0.4)
-        remedy = f"Did you mean {', '.join(near)}?" if near else "Look at its variables"
+        remedy = f"Did you mean {', '.join(near)}?" if near else "List them with fmu.variables"
         return FmuVariableError(f"{self.path.name} has no variable {name!r}", remedy, name)
 
     def names(self, causality: str, *kinds: str) -> list[str]:
-        """Names of the variables of a causality and of these kinds, by default the real ones."""
+        """Names of the variables of a causality.
+
+        Parameters
+        ----------
+        causality : str
+            Such as "input", "output" or "parameter".
+        *kinds : str
+            Kinds of variables, such as "Boolean"; by default "Real".
+
+        Returns
+        -------
+        list of str
+            The names.
+        """
         wanted = kinds or ("Real",)
         return [n for n, entry in self.entries.items() if entry.causality == causality and entry.kind in wanted]
 
     def outputs(self, *kinds: str) -> list[str]:
-        """Names of the outputs of these kinds that can be read at any communication point."""
+        """Names of the outputs that can be read at any communication point.
+
+        Parameters
+        ----------
+        *kinds : str
+            Kinds of variables; by default "Real".
+
+        Returns
+        -------
+        list of str
+            The names.
+        """
         return [n for n in self.names("output", *kinds) if not self.entries[n].clocked]
 
     def values(self, given: Mapping[str, object]) -> dict[str, Value]:
-        """Values as the FMU takes them; those of a whole array as a sequence, nested or flat. Raises
-        FmuVariableError."""
+        """Values converted to the types of the FMU.
+
+        Parameters
+        ----------
+        given : mapping of str
+            Values by name; those of an array as a sequence, nested or flat.
+
+        Returns
+        -------
+        dict of str
+            Values by name of scalars and elements.
+
+        Raises
+        ------
+        FmuVariableError
+            An unknown variable, or a value of the wrong type or size.
+        """
         found: dict[str, Value] = {}
         for name, value in given.items():
             elements = self.arrays.get(name)
@@ -88,25 +179,56 @@ class Fmu:
                 continue
             parts = _flat(value)
             if len(parts) != len(elements):
-                cause = f"{name!r} of {self.path.name} is an array of {len(elements)}, given are {len(parts)} values"
+                cause = f"{name!r} of {self.path.name} is an array of {len(elements)}; {len(parts)} values were given"
                 raise FmuVariableError(cause, "Give a value for each element", name)
             found |= {n: taken_by(self.entries[n], n, self.path.name, v) for n, v in zip(elements, parts, strict=True)}
         return found
 
     def shaped(self, structure: Mapping[str, Value]) -> Fmu:
-        """The FMU with other values of structural parameters: its arrays have the sizes that follow."""
+        """The FMU with other structural parameters, and arrays of the sizes that follow.
+
+        Parameters
+        ----------
+        structure : mapping of str
+            Values of structural parameters.
+
+        Returns
+        -------
+        Fmu
+            The resized FMU.
+        """
         variables, entries, arrays = _tables(self.description, structure)
         return replace(self, variables=variables, entries=entries, arrays=arrays, structure=dict(structure))
 
 
 @checked
 def load(path: str | Path) -> Fmu:
-    """Reads an FMU of version 2.0 or 3.0. Raises FmuImportError."""
+    """Read an FMU of version 2.0 or 3.0.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Fmu
+        Its description.
+
+    Raises
+    ------
+    FmuImportError
+        The file is missing, not an FMU, or of another version.
+
+    Examples
+    --------
+    >>> rw.fmu.load("line.fmu").variables
+    """
     file = Path(path)
     if not file.is_file():
         raise FmuImportError(f"There is no file {file}", "Check the path")
     if not zipfile.is_zipfile(file):
-        raise FmuImportError(f"{file.name} is not a zip archive", "An FMU is one; export it anew")
+        raise FmuImportError(f"{file.name} is not a zip archive", "Export the FMU again")
     with zipfile.ZipFile(file) as archive:
         if "modelDescription.xml" not in archive.namelist():
             raise FmuImportError(f"{file.name} has no modelDescription.xml", "It is a zip archive, but not an FMU")
@@ -114,11 +236,11 @@ def load(path: str | Path) -> Fmu:
             root = ElementTree.fromstring(archive.read("modelDescription.xml"))
         except ElementTree.ParseError as error:
             raise FmuImportError(
-                f"modelDescription.xml of {file.name} is not XML: {error}", "Export it anew"
+                f"modelDescription.xml of {file.name} is not XML: {error}", "Export it again"
             ) from error
     version = root.get("fmiVersion", "?")
     if version != "2.0" and not version.startswith("3.0"):
-        raise FmuImportError(f"{file.name} is of FMI version {version}", "Versions 2.0 and 3.0 can be used")
+        raise FmuImportError(f"{file.name} is of FMI version {version}", "Use version 2.0 or 3.0")
     try:
         described = fmpy.read_model_description(str(file), validate=False)
         _mark_differences(described, root)
@@ -137,7 +259,7 @@ def load(path: str | Path) -> Fmu:
 
 
 def _mark_differences(described: Any, root: ElementTree.Element) -> None:
-    """Sets relativeQuantity of the variables that have it: FMPy (0.3.32) reads that of types only."""
+    """Sets relativeQuantity of the variables; FMPy 0.3.32 reads that of types only."""
     own = {
         parent.get("name", element.get("name")): element.get("relativeQuantity") in ("true", "1")
         for parent in root.iterfind("ModelVariables/*")
@@ -151,7 +273,7 @@ def _mark_differences(described: Any, root: ElementTree.Element) -> None:
 def _tables(
     described: Any, structure: Mapping[str, Value]
 ) -> tuple[pd.DataFrame, dict[str, Entry], dict[str, tuple[str, ...]]]:
-    """The rows and types of all variables, and the elements of each array."""
+    """Rows and types of all variables, and the elements of each array."""
     rows: dict[str, tuple[object, ...]] = {}
     entries: dict[str, Entry] = {}
     arrays: dict[str, tuple[str, ...]] = {}
@@ -181,7 +303,7 @@ def _tables(
 
 
 def _shape(variable: Any, structure: Mapping[str, Value]) -> tuple[int, ...] | None:
-    """The sizes of an array; None of a scalar."""
+    """Shape of an array; None for a scalar."""
     if not variable.dimensions:
         return None
     sizes = []
@@ -194,18 +316,18 @@ def _shape(variable: Any, structure: Mapping[str, Value]) -> tuple[int, ...] | N
 
 
 def _indices(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Indices of all elements, from 1, the last one fastest."""
+    """Indices of all elements, from 1, the last index fastest."""
     return itertools.product(*(range(1, size + 1) for size in shape))
 
 
 def _starts(variable: Any, count: int | None) -> list[str | None]:
-    """The start value of each element, as far as they are given."""
+    """Start value of each element, None if missing."""
     if count is None or variable.start is None:
         return [None if variable.start is None else str(variable.start)] * (1 if count is None else count)
     given: list[str | None] = (
         [str(variable.start)] if variable.type in ("String", "Binary") else list(str(variable.start).split())
     )
-    if len(given) == 1:  # one value is for all elements
+    if len(given) == 1:  # one value for all elements
         given = given * count
     return given if len(given) == count else [None] * count
 

@@ -1,4 +1,4 @@
-"""An open instance of an FMU: its calls, alike for FMI 2.0 and 3.0, and what it says about them."""
+"""An open instance of an FMU: calls for FMI 2.0 and 3.0, and their errors."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy import fmi2 as binding2
-from fmpy import fmi3 as binding3
+from fmpy import fmi2 as binding2, fmi3 as binding3
 from fmpy.fmi1 import FMICallException
 
 from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
@@ -36,25 +35,26 @@ _IN_3 = {
     "getDerivatives": "getContinuousStateDerivatives",
     "newDiscreteStates": "updateDiscreteStates",
 }
-"""Methods that FMI 3.0 has given another name."""
+"""Methods with another name in FMI 3.0."""
 _DISCARD, _ERROR, _FATAL = 2, 3, 4
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3
-"""Kinds of status that FMI 2.0 can be asked for."""
+"""Status kinds of FMI 2.0."""
 
 
 _LOADING = Lock()
 
 
 def require_kind(fmu: Fmu, kind: str) -> None:
-    """Raises FmuImportError unless an FMU is of a kind ("ModelExchange", "CoSimulation") and runs on this platform."""
+    """Raises FmuImportError unless an FMU supports a kind ("ModelExchange", "CoSimulation") on this platform."""
     if fmu.kinds == ("ScheduledExecution",):
         raise FmuImportError(
-            f"{fmu.path.name} is for ScheduledExecution only: a scheduler must activate its clocks, and there is none "
-            "here",
+            f"{fmu.path.name} supports ScheduledExecution only, which requires a scheduler for its clocks",
             "Export it for CoSimulation or ModelExchange",
         )
     if kind not in fmu.kinds:
-        raise FmuImportError(f"{fmu.path.name} is not for {kind}", f"It is for {', '.join(fmu.kinds) or 'nothing'}")
+        raise FmuImportError(
+            f"{fmu.path.name} does not support {kind}", f"It supports {', '.join(fmu.kinds) or 'nothing'}"
+        )
     if fmpy.platform not in fmu.platforms:
         raise FmuImportError(
             f"{fmu.path.name} has no binary for {fmpy.platform} (it has {', '.join(fmu.platforms) or 'none'})",
@@ -63,8 +63,11 @@ def require_kind(fmu: Fmu, kind: str) -> None:
 
 
 class Instance:
-    """An open instance. `time` is that of its last communication point or event [s]; `ended`: why the FMU has ended
-    the run itself, None while it has not; `log` what it said. Raises FmuImportError."""
+    """An open instance.
+
+    `time`: its last communication point or event [s]; `ended`: why the FMU ended the run, or None; `log`: its messages.
+    Raises FmuImportError.
+    """
 
     def __init__(self, fmu: Fmu, name: str, kind: str) -> None:
         require_kind(fmu, kind)
@@ -85,7 +88,7 @@ class Instance:
         self._folder = tempfile.mkdtemp(prefix="ropeway-")
         try:
             fmpy.extract(str(fmu.path), unzipdir=self._folder)
-            with _working_folder_kept():
+            with _restored_working_folder():
                 self._fmu: Any = _CLASSES[kind, self._three](
                     guid=description.guid or description.instantiationToken,
                     unzipDirectory=self._folder,
@@ -95,7 +98,7 @@ class Instance:
                 self._instantiate()
         except Exception as error:
             shutil.rmtree(self._folder, ignore_errors=True)
-            raise FmuImportError(f"{fmu.path.name} cannot be instantiated: {error}{self._said()}") from error
+            raise FmuImportError(f"{fmu.path.name} cannot be instantiated: {error}{self._log_tail()}") from error
         self._access = Access(fmu, self._fmu, self._three)
         self._open = True
 
@@ -115,29 +118,31 @@ class Instance:
         if status > 0:
             self.log.append(text.decode(errors="replace"))
 
-    def _said(self) -> str:
-        return f". It says: {' | '.join(self.log[-3:])}" if self.log else ""
+    def _log_tail(self) -> str:
+        return f". Its log: {' | '.join(self.log[-3:])}" if self.log else ""
 
     def error(self, what: str, remedy: str, *, fatal: bool = False) -> FmuRunError:
-        """What went wrong, with the instance's name, its time and its own words."""
-        cause = f"{self.name!r} ({self.fmu.path.name}) {what} at t = {self.time:.9g} s{self._said()}"
+        """An error with the instance's name, its time and its log."""
+        cause = f"{self.name!r} ({self.fmu.path.name}) {what} at t = {self.time:.9g} s{self._log_tail()}"
         return FmuRunError(cause, remedy, time=self.time, fatal=fatal)
 
     def end(self) -> None:
-        """Notes that the FMU ends the run at `time`."""
-        self.ended = f"{self.name!r} ({self.fmu.path.name}) ends the run at t = {self.time:.9g} s{self._said()}"
+        """Records that the FMU ended the run at `time`."""
+        self.ended = f"{self.name!r} ({self.fmu.path.name}) ends the run at t = {self.time:.9g} s{self._log_tail()}"
 
     def call(self, what: str, method: str, *arguments: Any, **named: Any) -> Any:
-        """A call, by FMPy's name of it for FMI 2.0. Raises FmuRunError, Interrupted."""
+        """Calls a function, by FMPy's name for FMI 2.0. Raises FmuRunError, Interrupted."""
         stop_if_interrupted()
         try:
             return getattr(self._fmu, _IN_3.get(method, method) if self._three else method)(*arguments, **named)
         except FMICallException as error:
             raise self._refused(what, error) from error
 
-    def _refused(self, what: str, refusal: FMICallException, remedy: str = "Look at its inputs there") -> FmuRunError:
+    def _refused(
+        self, what: str, refusal: FMICallException, remedy: str = "Check its inputs at that time"
+    ) -> FmuRunError:
         self._worst = max(self._worst, int(refusal.status))
-        return self.error(f"refused {what}", remedy, fatal=refusal.status == _FATAL)
+        return self.error(f"rejected {what}", remedy, fatal=refusal.status == _FATAL)
 
     def enter(self, start: float, values: Mapping[str, object], stop: float | None = None) -> None:
         """Sets start values and begins the initialisation. Raises FmuRunError, FmuVariableError."""
@@ -166,7 +171,7 @@ class Instance:
             if self._running and group.fixed:
                 raise FmuVariableError(
                     f"{group.fixed!r} of {self.fmu.path.name} is fixed: it cannot change during a run",
-                    "Give it a start value",
+                    "Set it as a start value",
                     group.fixed,
                 )
             try:
@@ -193,7 +198,7 @@ class Instance:
         try:
             return self._access.read(group)
         except FMICallException as error:
-            raise self._refused(f"to show {group.label}", error) from error
+            raise self._refused(f"the values of {group.label}", error) from error
 
     def set_rates(self, rates: Mapping[str, float]) -> None:
         """Sets rates of inputs in the next step (FMI 2.0). Raises FmuRunError."""
@@ -209,12 +214,12 @@ class Instance:
         """A step of Co-Simulation, shorter where the FMU ends the run. Raises FmuRunError, Interrupted."""
         goal = self.time + size
         if self._stop is not None and abs(goal - self._stop) <= 1e-9 * size:
-            goal = self._stop  # a sum of steps must not be later than the stop time by rounding
+            goal = self._stop  # rounding must not take a sum of steps beyond the stop time
         while goal - self.time > 1e-9 * size:
             stop_if_interrupted()
             reached, ends = self._step_in_3(goal) if self._three else self._step_in_2(goal)
             if reached <= self.time and not ends:
-                raise self.error("returns from a step without moving on", "Look at its inputs there")
+                raise self.error("returned from a step without advancing", "Check its inputs at that time")
             self.time = goal if goal - reached <= 1e-9 * size else reached
             if ends:
                 self.end()
@@ -222,36 +227,36 @@ class Instance:
         self.time = goal
 
     def _no_step(self, size: float, refusal: FMICallException) -> FmuRunError:
-        """A smaller step can only help where the FMU discards this one."""
+        """An error for a failed step; a smaller step can help only if the FMU discarded it."""
         if refusal.status == _DISCARD and self.varies_steps:
-            return self._refused(f"a step of {size:g} s", refusal, "Make the step smaller")
+            return self._refused(f"a step of {size:g} s", refusal, "Use a smaller step")
         return self._refused(f"a step of {size:g} s", refusal)
 
     def _step_in_2(self, goal: float) -> tuple[float, bool]:
-        """One call; the time reached, and whether the FMU ends the run there."""
+        """One call; returns the time reached, and whether the FMU ended the run."""
         size = goal - self.time
         try:
             self._fmu.doStep(currentCommunicationPoint=self.time, communicationStepSize=size)
         except FMICallException as error:
-            if error.status != _DISCARD or not self._asked(self._fmu.getBooleanStatus, _TERMINATED):
+            if error.status != _DISCARD or not self._status(self._fmu.getBooleanStatus, _TERMINATED):
                 raise self._no_step(size, error) from error
-            return min(max(self._asked(self._fmu.getRealStatus, _LAST_SUCCESSFUL_TIME), self.time), goal), True
+            return min(max(self._status(self._fmu.getRealStatus, _LAST_SUCCESSFUL_TIME), self.time), goal), True
         return goal, False
 
-    def _asked(self, ask: Callable[[int], float], kind: int) -> float:
+    def _status(self, ask: Callable[[int], float], kind: int) -> float:
         try:
             return float(ask(kind))
-        except FMICallException:  # few FMUs answer
+        except FMICallException:  # few FMUs implement it
             return 0.0
 
     def _step_in_3(self, goal: float) -> tuple[float, bool]:
-        """One call; the time reached, and whether the FMU ends the run there."""
+        """One call; returns the time reached, and whether the FMU ended the run."""
         size, fmu = goal - self.time, self._fmu
         event, end, early = binding3.fmi3Boolean(), binding3.fmi3Boolean(), binding3.fmi3Boolean()
         reached = binding3.fmi3Float64(self.time)
-        told = byref(event), byref(end), byref(early), byref(reached)
+        returned = byref(event), byref(end), byref(early), byref(reached)
         try:
-            fmu.fmi3DoStep(fmu.component, self.time, size, binding3.fmi3True, *told)
+            fmu.fmi3DoStep(fmu.component, self.time, size, binding3.fmi3True, *returned)
         except FMICallException as error:
             if error.status != _DISCARD or not end.value:
                 raise self._no_step(size, error) from error
@@ -269,18 +274,18 @@ class Instance:
 
     def save(self) -> Any:
         """A copy of the FMU's state; free it with `forget`. Raises FmuRunError."""
-        return self.call("to save its state", "getFMUstate")
+        return self.call("saving its state", "getFMUstate")
 
     def restore(self, state: Any) -> None:
-        """Back to a state, at `time`. Raises FmuRunError."""
-        self.call("an earlier state", "setFMUstate", state)
+        """Restores a state, at `time`. Raises FmuRunError."""
+        self.call("restoring its state", "setFMUstate", state)
 
     def forget(self, state: Any) -> None:
         """Frees a saved state."""
-        self.call("to free a state", "freeFMUstate", state)
+        self.call("freeing a state", "freeFMUstate", state)
 
     def close(self) -> None:
-        """Terminates and frees the instance. After a fatal error no call is allowed."""
+        """Terminates and frees the instance; after a fatal error no call is allowed."""
         if not self._open:
             return
         self._open = False
@@ -288,16 +293,18 @@ class Instance:
             try:
                 self._fmu.terminate()
             except FMICallException:
-                self.log.append("It refused to terminate")
+                self.log.append("Termination failed")
         if self._worst < _FATAL:
             self._fmu.freeInstance()
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
 @contextmanager
-def _working_folder_kept() -> Iterator[None]:
-    """FMPy enters a library's folder to load it, and stays there when that fails. All threads have one working folder,
-    so that one at a time does this."""
+def _restored_working_folder() -> Iterator[None]:
+    """Restores the working folder: FMPy enters the folder of a library to load it, and stays there on failure.
+
+    Threads share one working folder, hence the lock.
+    """
     with _LOADING:
         folder = os.getcwd()
         try:

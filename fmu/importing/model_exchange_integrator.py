@@ -1,4 +1,4 @@
-"""An FMU for Model Exchange moved through time: an integrator here, events where the FMU says."""
+"""Integration of an FMU for Model Exchange, with its events."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.importing.instance import Instance
 
 _ENDLESS = 1000
-"""Events at one time after which there is no end to be hoped for."""
+"""Largest number of events at one time."""
 
 
 @dataclass(frozen=True, slots=True)
 class IntegratorState:
-    """Where an integration stands: to go back there."""
+    """State of an integration, to be restored."""
 
     time: float
     states: np.ndarray
@@ -30,11 +30,11 @@ class IntegratorState:
 
 
 class Integrator:
-    """Moves an instance with the Runge-Kutta method DOP853, `tolerance` relative to states or their nominals.
+    """Advances an instance by the Runge-Kutta method DOP853, `tolerance` relative to states or their nominals.
 
-    State events, where an event indicator changes its sign, are located by bisection to rounding; time events are met
-    exactly; at each the discrete states are updated until they settle. Two events of one indicator within one step of
-    the integrator are not seen. Inputs are linear in time.
+    State events, where an event indicator changes its sign, are located by bisection; time events are met exactly. At
+    each event the discrete states are updated until they converge. Two events of one indicator within one step of the
+    integrator are not detected. Inputs are linear in time.
     """
 
     def __init__(self, instance: Instance, tolerance: float) -> None:
@@ -49,17 +49,16 @@ class Integrator:
     def _size(self, states: int, indicators: int) -> None:
         self._n = states
         self._indicators = np.zeros(indicators)
-        self._values = np.zeros(max(states, 1))  # without states one that stays: time passes all the same
+        self._values = np.zeros(max(states, 1))  # a constant one if there is none, so that time advances
         self._nominals = np.ones(len(self._values))
 
     def begin(self) -> None:
-        """After the initialisation: the first update of the discrete states. Raises FmuRunError."""
+        """First update of the discrete states, after the initialisation. Raises FmuRunError."""
         self._size(*self._instance.sizes())
         self._update()
 
     def set(self, values: Mapping[str, object]) -> None:
-        """Sets variables; those that are not continuous only at an event, as FMI wants it. Raises FmuRunError,
-        FmuVariableError."""
+        """Sets variables; discrete ones at an event, as FMI requires. Raises FmuRunError, FmuVariableError."""
         entries = self._instance.fmu.entries
         now = {n: v for n, v in values.items() if not self._continuous or (n in entries and entries[n].continuous)}
         self._instance.set(now)
@@ -67,7 +66,7 @@ class Integrator:
             self._event({n: v for n, v in values.items() if n not in now})
 
     def _event(self, values: Mapping[str, object]) -> None:
-        """An event, with values that change there. Raises FmuRunError, FmuVariableError."""
+        """An event at which values change. Raises FmuRunError, FmuVariableError."""
         self._events += 1
         self._instance.call("an event", "enterEventMode")
         self._continuous = False
@@ -101,7 +100,7 @@ class Integrator:
             if not again:
                 break
         else:
-            raise self._instance.error("has events without end", "Look at its inputs there")
+            raise self._instance.error("has too many events at one time", "Check its inputs at that time")
         self._instance.call("continuous time", "enterContinuousTimeMode")
         self._continuous = True
         self._vector("nominals", "getNominalsOfContinuousStates", self._nominals[: self._n])
@@ -109,8 +108,10 @@ class Integrator:
         self._positive = self._signs()
 
     def advance(self, size: float, start: Mapping[str, float], end: Mapping[str, float]) -> None:
-        """Moves on by `size` seconds, or until the FMU ends the run, with continuous inputs that go from `start` to
-        `end`. Raises FmuRunError."""
+        """Advances by `size` seconds, or until the FMU ends the run.
+
+        Continuous inputs go from `start` to `end`. Raises FmuRunError.
+        """
         begin = self._instance.time
         stop = begin + size
 
@@ -121,14 +122,14 @@ class Integrator:
 
         states, count, last = self._states(), 0, -np.inf
         put(begin, states)
-        due = bool(np.any(self._signs() != self._positive))  # inputs have jumped
+        due = bool(np.any(self._signs() != self._positive))  # the inputs jumped
         while True:
             time = self._instance.time
             if due or time >= self._next_event:
                 count = count + 1 if time == last else 1
                 last = time
                 if count > _ENDLESS:
-                    raise self._instance.error("has events without end", "Look at its inputs there")
+                    raise self._instance.error("has too many events at one time", "Check its inputs at that time")
                 self._event({})
                 if self._instance.ended is not None:
                     return
@@ -142,7 +143,7 @@ class Integrator:
     def _until(
         self, goal: float, states: np.ndarray, put: Callable[[float, np.ndarray], None]
     ) -> tuple[np.ndarray, bool]:
-        """Integrates up to a time or the first event before it; the states there, and whether there is an event."""
+        """Integrates to a time or to the first event before it; returns the states, and whether there is an event."""
         instance = self._instance
 
         def rates(time: float, x: np.ndarray) -> np.ndarray:
@@ -158,12 +159,12 @@ class Integrator:
         allowed = {"rtol": self._tolerance, "atol": self._tolerance * self._nominals}
         first = None if self._step is None else min(self._step, goal - instance.time)
         if not np.all(np.isfinite(rates(instance.time, states))):
-            raise instance.error("has no rates", "Look at its inputs there")
+            raise instance.error("has rates that are not finite", "Check its inputs at that time")
         solver = DOP853(rates, instance.time, states, goal, first_step=first, **allowed)
         while solver.status == "running":
             message = solver.step()
             if solver.status == "failed":
-                raise instance.error(f"cannot be integrated ({message})", "Look at its inputs there")
+                raise instance.error(f"cannot be integrated ({message})", "Check its inputs at that time")
             time, states = solver.t, solver.y
             put(time, states)
             event = bool(np.any(self._signs() != self._positive))
@@ -172,7 +173,7 @@ class Integrator:
             instance.time = time
             wanted, end = instance.call("the end of a step", "completedIntegratorStep", False)
             if end:
-                raise instance.error("wants to end", "End the run before")
+                raise instance.error("requested the end of the run", "End the run earlier")
             if event or wanted:
                 return states, True
             if solver.status == "running":
@@ -180,7 +181,7 @@ class Integrator:
         return states, False
 
     def _locate(self, solver: DOP853, put: Callable[[float, np.ndarray], None]) -> tuple[float, np.ndarray]:
-        """Time and states just after the first change of a sign in the solver's last step; the instance is there."""
+        """Time and states just after the first sign change in the last step; the instance is set there."""
         between = solver.dense_output()
         before, after = solver.t_old, solver.t
         while before < (middle := 0.5 * (before + after)) < after:
@@ -194,7 +195,7 @@ class Integrator:
         return after, states
 
     def save(self) -> IntegratorState:
-        """The present moment; free it with `forget`. Raises FmuRunError."""
+        """Present state; free it with `forget`. Raises FmuRunError."""
         kept = self._instance.save() if self._instance.keeps_states else None
         return IntegratorState(
             self._instance.time,
@@ -206,22 +207,22 @@ class Integrator:
             kept,
         )
 
-    def restore(self, moment: IntegratorState) -> None:
-        """Back to a moment. Raises FmuRunError when an event lies between and the FMU cannot save its state."""
-        if moment.kept is not None:
-            self._instance.restore(moment.kept)
-        elif moment.events != self._events:
+    def restore(self, saved: IntegratorState) -> None:
+        """Restores a state. Raises FmuRunError if the FMU cannot save its state and had an event since."""
+        if saved.kept is not None:
+            self._instance.restore(saved.kept)
+        elif saved.events != self._events:
             raise self._instance.error(
-                f"cannot go back to t = {moment.time:.9g} s: it has had an event since and cannot save its state,",
+                f"cannot restore t = {saved.time:.9g} s, as it cannot save its state and had an event since,",
                 "Couple it with iterated=False and without step control",
             )
-        self._instance.time, self._instance.ended = moment.time, None
+        self._instance.time, self._instance.ended = saved.time, None
         self._continuous = True
-        self._positive, self._next_event = moment.positive.copy(), moment.next_event
-        self._events, self._step = moment.events, moment.step
-        self._put(moment.time, moment.states)
+        self._positive, self._next_event = saved.positive.copy(), saved.next_event
+        self._events, self._step = saved.events, saved.step
+        self._put(saved.time, saved.states)
 
-    def forget(self, moment: IntegratorState) -> None:
-        """Frees a saved moment."""
-        if moment.kept is not None:
-            self._instance.forget(moment.kept)
+    def forget(self, saved: IntegratorState) -> None:
+        """Frees a saved state."""
+        if saved.kept is not None:
+            self._instance.forget(saved.kept)

@@ -1,5 +1,4 @@
-"""An FMU that a master moves on: one for Co-Simulation by its own solver, one for Model Exchange by an integrator
-here."""
+"""A slave: an FMU advanced by its own solver (Co-Simulation) or by an integrator of this library (Model Exchange)."""
 
 from __future__ import annotations
 
@@ -18,9 +17,11 @@ from ropeway.fmu.importing.variable_types import Value
 
 
 class OpenFmu:
-    """An open FMU. Close it, or use it with `with`. kind: "CoSimulation" or "ModelExchange"; tolerance: of the
-    integrator of the latter. `can_restore`: it can go back in time; `can_interpolate`: its inputs may change linearly
-    within a step. Raises FmuImportError."""
+    """An open FMU; close it, or use it with `with`.
+
+    `can_restore`: it can restore an earlier state; `can_interpolate`: its inputs may be linear within a step. Raises
+    FmuImportError.
+    """
 
     def __init__(self, fmu: Fmu, name: str = "slave", kind: str = "CoSimulation", tolerance: float = 1e-8) -> None:
         self.fmu, self.name, self.kind = fmu, name, kind
@@ -33,12 +34,12 @@ class OpenFmu:
 
     @property
     def time(self) -> float:
-        """Where it is [s]."""
+        """Its time [s]."""
         return self._instance.time
 
     @property
     def ended(self) -> str | None:
-        """Why the FMU has ended the run itself; None while it has not."""
+        """Why the FMU ended the run; None if it has not."""
         return self._instance.ended
 
     @property
@@ -48,23 +49,59 @@ class OpenFmu:
 
     @property
     def log(self) -> list[str]:
-        """Its warnings and errors so far."""
+        """Its warnings and errors."""
         return self._instance.log
 
     def enter(self, start: float, values: Mapping[str, object], stop: float | None = None) -> None:
-        """Sets start values and begins the initialisation at a time [s]; stop: when the run is to end. Raises
-        FmuRunError, FmuVariableError."""
+        """Set start values and begin the initialisation.
+
+        Parameters
+        ----------
+        start : float
+            Start time [s].
+        values : mapping of str
+            Start values by name.
+        stop : float, optional
+            End time of the run [s].
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        FmuVariableError
+            An unknown variable, or a value of the wrong type.
+        """
         self._instance.enter(start, values, stop)
 
     def leave(self) -> None:
-        """Ends the initialisation. Raises FmuRunError."""
+        """End the initialisation.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        """
         self._instance.leave()
         if self._integrator is not None:
             self._integrator.begin()
 
     def set(self, values: Mapping[str, object]) -> None:
-        """Sets variables; in Model Exchange what is not continuous makes an event. An FMU that has ended the run keeps
-        what it has. Raises FmuRunError, FmuVariableError."""
+        """Set variables; discrete ones cause an event in Model Exchange.
+
+        An FMU that ended the run keeps its values.
+
+        Parameters
+        ----------
+        values : mapping of str
+            Values by name.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        FmuVariableError
+            An unknown variable, or a value of the wrong type.
+        """
         if self.ended is not None:
             return
         if self._integrator is not None:
@@ -73,22 +110,77 @@ class OpenFmu:
             self._instance.set(values)
 
     def read(self, names: Sequence[str]) -> list[Value]:
-        """Values of variables of any kind. Raises FmuRunError, FmuVariableError."""
+        """Read variables of any type.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of variables.
+
+        Returns
+        -------
+        list
+            Their values.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        FmuVariableError
+            An unknown variable, or a value of the wrong type.
+        """
         return self._instance.read(names)
 
     def get(self, names: Sequence[str]) -> np.ndarray:
-        """Values of numbers, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
+        """Read numbers and Booleans.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of variables.
+
+        Returns
+        -------
+        ndarray
+            Their values; Booleans as 0 and 1.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        FmuVariableError
+            An unknown variable, or a value of the wrong type.
+        """
         return self._instance.get(names)
 
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:
-        """Derivatives of outputs (rows) by inputs (columns) around these values of the inputs: the FMU's own
-        directional derivatives where it gives them, else differences. Raises FmuRunError."""
+        """Derivatives of outputs by inputs.
+
+        Directional derivatives of the FMU if it has them, otherwise finite differences.
+
+        Parameters
+        ----------
+        outputs : sequence of str
+            Names of outputs.
+        inputs : mapping of str to float
+            Values of the inputs around which to differentiate.
+
+        Returns
+        -------
+        ndarray, shape (outputs, inputs)
+            The derivatives.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        """
         if not inputs:
             return np.empty((len(outputs), 0))
         if self._instance.differentiates:
             try:
                 return np.column_stack([self._instance.derivative(outputs, name) for name in inputs])
-            except FmuRunError as error:  # some FMUs promise more than they keep
+            except FmuRunError as error:  # some FMUs declare derivatives that they do not provide
                 if error.fatal:
                     raise
         before, columns = self.get(outputs), []
@@ -100,9 +192,23 @@ class OpenFmu:
         return np.column_stack(columns)
 
     def step(self, size: float, start: Mapping[str, float], end: Mapping[str, float]) -> None:
-        """Moves on by `size` seconds with inputs that go from `start` to `end`: linearly where the FMU can, else held
-        at their mean; discrete ones keep their start. Where the FMU ends the run it stops earlier, and says so in
-        `ended`. Raises FmuRunError."""
+        """Advance by a step; it ends early if the FMU ends the run, see `ended`.
+
+        Inputs are linear from `start` to `end` if the FMU supports that, otherwise constant at their mean; discrete
+        inputs keep their value at the start.
+
+        Parameters
+        ----------
+        size : float
+            Step [s].
+        start, end : mapping of str to float
+            Values of the inputs at the start and at the end of the step.
+
+        Raises
+        ------
+        FmuRunError
+            The FMU rejected the call.
+        """
         if not start.keys() <= self._continuous:
             self.set({n: v for n, v in start.items() if n not in self._continuous})
             start = {n: v for n, v in start.items() if n in self._continuous}
@@ -121,13 +227,26 @@ class OpenFmu:
         self.set({n: end[n] for n in start})
 
     def save(self) -> Any:
-        """The state, for `restore`; free it with `forget`. Raises InputError, FmuRunError."""
+        """Save the state; free it with `forget`.
+
+        Returns
+        -------
+        object
+            For `restore`.
+
+        Raises
+        ------
+        InputError
+            The FMU cannot save its state.
+        FmuRunError
+            The FMU rejected the call.
+        """
         if not self.can_restore:
-            raise InputError(f"{self.name!r} cannot go back in time", "Couple it without iteration")
+            raise InputError(f"{self.name!r} cannot restore its state", "Couple it without iteration")
         return self._integrator.save() if self._integrator is not None else (self.time, self._instance.save())
 
     def restore(self, state: Any) -> None:
-        """Back to a saved state. Raises FmuRunError."""
+        """Restore a saved state. Raises FmuRunError."""
         if self._integrator is not None:
             self._integrator.restore(state)
         else:
@@ -143,7 +262,7 @@ class OpenFmu:
             self._instance.forget(state[1])
 
     def close(self) -> None:
-        """Ends the instance."""
+        """Close the instance."""
         self._instance.close()
 
     def __enter__(self) -> Self:
@@ -155,7 +274,26 @@ class OpenFmu:
 
 @checked
 class Slave(OpenFmu):
-    """An open FMU whose calls check their arguments; a co-simulation spares that, at every step."""
+    """An open FMU; close it, or use it with `with`. Its calls check their arguments.
+
+    `can_restore`: it can restore an earlier state; `can_interpolate`: its inputs may be linear within a step.
+
+    Parameters
+    ----------
+    fmu : Fmu
+        The FMU.
+    name : str, default "slave"
+        Name in messages.
+    kind : {"CoSimulation", "ModelExchange"}, default "CoSimulation"
+        How it is advanced.
+    tolerance : float, default 1e-8
+        Tolerance of the integrator in Model Exchange.
+
+    Raises
+    ------
+    FmuImportError
+        The FMU cannot be used on this platform, or in this way.
+    """
 
     __init__ = OpenFmu.__init__
     enter, set, read, get = OpenFmu.enter, OpenFmu.set, OpenFmu.read, OpenFmu.get
@@ -163,7 +301,7 @@ class Slave(OpenFmu):
 
 
 def require_causality(fmu: Fmu, name: str, causality: str) -> None:
-    """Raises FmuVariableError unless a variable is a real one of this causality."""
+    """Raises FmuVariableError unless a variable is real and of this causality."""
     require_connectable(fmu, name, causality, ("Real",))
 
 
@@ -173,7 +311,7 @@ def require_connectable(
     causality: str,
     kinds: Sequence[str] = ("Real", "Boolean", "Integer", "Enumeration", "String", "Binary"),
 ) -> None:
-    """Raises FmuVariableError unless a variable is of this causality, of one of these kinds and of no clock."""
+    """Raises FmuVariableError unless a variable has this causality, one of these kinds and no clock."""
     entry = fmu.entry(name)
     if entry.causality != causality or entry.kind not in kinds or entry.clocked:
         what = f"{'clocked ' if entry.clocked else ''}{entry.kind}"
@@ -181,6 +319,6 @@ def require_connectable(
         wanted = f"a Real {causality}" if len(kinds) == 1 else f"an {causality} that can be connected"
         raise FmuVariableError(
             f"{name!r} of {fmu.path.name} is a {what} of causality {entry.causality!r}, not {wanted}",
-            f"Choose from {', '.join(choice[:12]) or 'nothing: it has none'}",
+            f"Choose from {', '.join(choice[:12]) or 'none'}",
             name,
         )

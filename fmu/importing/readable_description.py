@@ -1,4 +1,4 @@
-"""A model description that CasADi can read: what it does not know, and a component does not need, is left out."""
+"""A model description that CasADi can read, without unsupported elements that a component does not need."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ _UNKNOWNS = "Output", "ContinuousStateDerivative", "InitialUnknown", "EventIndic
 
 
 def make_readable(folder: Path, *, tunes: bool) -> None:
-    """Rewrites modelDescription.xml of an extracted FMU. tunes: its tunable parameters stay that; else they keep their
-    start values.
+    """Rewrite modelDescription.xml of an extracted FMU.
 
-    Discrete inputs become fixed parameters, as they may change at events only, and a component follows none. Of FMI
-    3.0 all but scalars of type Float64 are left out, and unknowns without `dependencies` depend on all inputs and
-    states, as the standard says.
+    `tunes`: whether tunable parameters stay tunable; otherwise they keep their start values. Discrete inputs become
+    fixed parameters, as they may change at events only. In FMI 3.0 all variables except scalars of type Float64 are
+    removed, and unknowns without `dependencies` depend on all inputs and states, as the standard defines.
     """
     path = folder / "modelDescription.xml"
     tree = ElementTree.parse(path)
@@ -45,7 +44,7 @@ def _fix(variable: ElementTree.Element, tunes: bool) -> None:
 
 
 def _complete(root: ElementTree.Element, variables: Sequence[ElementTree.Element]) -> None:
-    """Unknowns of variables that are there only, each with its dependencies (FMI 3.0)."""
+    """Unknowns of the remaining variables only, each with its dependencies (FMI 3.0)."""
     present = {v.get("valueReference") for v in variables}
     states = {v.get("derivative") for v in variables} - {None}
     known = [r for v in variables if (r := v.get("valueReference")) in states or v.get("causality") == "input"]

@@ -1,4 +1,4 @@
-"""How variables of an instance are read and written: in groups of one type, arrays as a whole."""
+"""Reading and writing the variables of an instance, in groups of one type, with whole arrays."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ from ropeway.fmu.importing.variable_types import Value, kind_of, taken_by
 
 _IN_2 = {"Enumeration": "Integer"}
 _IN_3 = {"Enumeration": "Int64"}
-"""Types that are passed as another one."""
+"""Types that are passed as another type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Variables of one type. names: of those asked for; places: theirs among all that are asked for; references: of
-    variables, arrays once; count: of all their elements; picked: where the names' values are among these; scalars:
-    there is no array; real: they are real numbers; label: the names, for messages; fixed: one of them that cannot
-    change during a run."""
+    """Variables of one type.
+
+    `names`: the requested variables; `places`: their positions in the request; `references`: value references, arrays
+    once; `count`: number of all elements; `picked`: positions of the requested values among these; `scalars`: no array
+    is among them; `real`: they are real; `label`: the names, for messages; `fixed`: one that cannot change during a
+    run.
+    """
 
     type: str
     names: tuple[str, ...]
@@ -41,7 +44,7 @@ class Access:
 
     def __init__(self, fmu: Fmu, opened: Any, three: bool) -> None:
         self._fmu, self._opened, self._three = fmu, opened, three
-        self._groups: dict[tuple[str, ...], list[Group]] = {}  # the same variables are asked for at every step
+        self._groups: dict[tuple[str, ...], list[Group]] = {}  # cached: the same variables are read at every step
 
     def references(self, names: Iterable[str]) -> list[int]:
         """Value references. Raises FmuVariableError."""
@@ -85,32 +88,31 @@ class Access:
 
     def read(self, group: Group) -> list[Value]:
         """Values of a group's names."""
-        shown = self._whole(group)
-        return shown if group.scalars else [shown[i] for i in group.picked]
+        values_read = self._whole(group)
+        return values_read if group.scalars else [values_read[i] for i in group.picked]
 
     def _whole(self, group: Group) -> list[Any]:
         """Values of all elements. Raises FMPy's FMICallException, as all calls here."""
         if not self._three:
-            shown = getattr(self._opened, f"get{group.type}")(group.references)
+            values_read = getattr(self._opened, f"get{group.type}")(group.references)
             if group.type == "Boolean":
-                return [bool(v) for v in shown]
-            return [_decoded(v) for v in shown] if group.type == "String" else shown
+                return [bool(v) for v in values_read]
+            return [_decoded(v) for v in values_read] if group.type == "String" else values_read
         if group.type == "String":
             return self._strings(group)
         if group.type == "Binary":
             return [v or b"" for v in self._opened.getBinary(group.references, group.count)]
-        shown = getattr(self._opened, f"get{group.type}")(group.references, group.count)
-        return list(shown)
+        values_read = getattr(self._opened, f"get{group.type}")(group.references, group.count)
+        return list(values_read)
 
     def _strings(self, group: Group) -> list[str]:
         references = (binding3.fmi3ValueReference * len(group.references))(*group.references)
-        shown = (binding3.fmi3String * group.count)()
-        self._opened.fmi3GetString(self._opened.component, references, len(references), shown, group.count)
-        return [_decoded(v) for v in shown]
+        values_read = (binding3.fmi3String * group.count)()
+        self._opened.fmi3GetString(self._opened.component, references, len(references), values_read, group.count)
+        return [_decoded(v) for v in values_read]
 
     def write(self, group: Group, values: Mapping[str, object]) -> None:
-        """Sets a group's names; elements of an array that are not among them keep their values. Raises
-        FmuVariableError."""
+        """Sets the variables of a group; other elements of an array keep their values. Raises FmuVariableError."""
         file, entry = self._fmu.path.name, self._fmu.entries
         own: list[Any] = [values[name] for name in group.names]
         if not group.real or any(type(value) is not float for value in own):

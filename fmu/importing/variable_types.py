@@ -1,4 +1,4 @@
-"""Types of FMU variables: the values that they take, checked before the FMU sees them."""
+"""Types of FMU variables: values are checked before they reach the FMU."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _DTYPES = {"Real": "float64", "Boolean": "bool", "Integer": "int64", "Enumeratio
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A scalar variable of an FMU, or one element of an array: the one at `place` of `size`.
+    """A scalar variable of an FMU, or an element of an array: the one at `place` of `size`.
 
-    kind: Real, Integer, Boolean, Enumeration, String, Binary or Clock; type: that of the FMI version, as Int16.
-    items: names and values of an enumeration. clocked: it has a value only while one of its clocks ticks.
+    `kind`: Real, Integer, Boolean, Enumeration, String, Binary or Clock; `type`: that of the FMI version, such as
+    Int16; `items`: names and values of an enumeration; `clocked`: it has a value only while one of its clocks ticks.
     """
 
     kind: str
@@ -46,7 +46,7 @@ class Entry:
 
     @property
     def dtype(self) -> str:
-        """The NumPy type of a column of its values."""
+        """NumPy type of a column of its values."""
         return _DTYPES.get(self.type) or _DTYPES.get(self.kind, "object")
 
 
@@ -56,15 +56,15 @@ def kind_of(fmi_type: str) -> str:
 
 
 def taken_by(entry: Entry, name: str, file: str, value: object) -> Value:
-    """A value as the FMU takes it. Raises FmuVariableError."""
-    taken, remedy = _TAKE[entry.kind](entry, value)
-    if taken is None:
+    """A value converted to the type of a variable. Raises FmuVariableError."""
+    converted, remedy = _TAKE[entry.kind](entry, value)
+    if converted is None:
         raise FmuVariableError(f"{name!r} of {file} is {_named(entry)}: it cannot be {value!r}", remedy, name)
-    return taken
+    return converted
 
 
 def from_text(entry: Entry, text: str) -> object:
-    """What a text stands for, as the value of a variable; a text that is none is left to `taken_by`."""
+    """A text as the value of a variable; an invalid text is returned for `taken_by` to reject."""
     if entry.kind == "String":
         return text
     try:
@@ -127,7 +127,7 @@ def _binary(entry: Entry, value: object) -> tuple[Value | None, str]:
 
 
 def _clock(entry: Entry, value: object) -> tuple[Value | None, str]:
-    return None, "Clocks tick by themselves here: give it no value"
+    return None, "Clocks tick by themselves: omit its value"
 
 
 _TAKE = {
@@ -142,8 +142,11 @@ _TAKE = {
 
 
 def fits(source: Entry, target: Entry) -> bool:
-    """Whether an output may drive an input: of one kind, or a Boolean or integer as a number; every item of one
-    enumeration must be an item of the other."""
+    """Whether an output can drive an input.
+
+    Both are of one kind, or a Boolean or integer drives a number; every item of one enumeration must be an item of the
+    other.
+    """
     if source.kind == target.kind == "Enumeration":
         return not target.items or set(source.items.values()) <= set(target.items.values())
     wider = {"Boolean": ("Integer", "Real"), "Integer": ("Real",), "Enumeration": ("Integer",)}

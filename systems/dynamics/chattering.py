@@ -1,21 +1,21 @@
-"""Whether a run gets on: events and trials may repeat only so often while hardly any time passes."""
+"""Chattering: the number of events and failed steps in a short time is limited."""
 
 from __future__ import annotations
 
 from ropeway.components.errors import SimulationError
 
 _WINDOW = 0.1
-"""Time [s] in which they are counted."""
+"""Time over which they are counted [s]."""
 _TRIALS, _EVENTS = 300, 20
-"""How many there may be then: trials, and events of each support."""
+"""Largest number in that time: of failed steps, and of events of each support."""
 
 
 class FinalError(SimulationError):
-    """A run cannot go on, by shorter steps neither."""
+    """A run cannot go on, not by shorter steps either."""
 
 
 class ChatterGuard:
-    """The events and failed trials of a run since it last got on, and the support `where` the last event was."""
+    """Counts the events and failed steps of a run in a short time; `where` is the support of the last event."""
 
     def __init__(self, supports: int) -> None:
         self.most = _TRIALS + _EVENTS * supports
@@ -24,7 +24,7 @@ class ChatterGuard:
         self.where = ""
 
     def require(self, time: float, where: str = "") -> None:
-        """Counts one more, at a time [s]. Raises FinalError when there are too many."""
+        """Counts one event or failed step, at a time [s]. Raises FinalError when there are too many."""
         self.where = where or self.where
         if time >= self.since + _WINDOW:
             self.since, self.count = time, 0
@@ -32,7 +32,7 @@ class ChatterGuard:
         if self.count > self.most:
             at = f" at {self.where!r}" if self.where else ""
             raise FinalError(
-                f"The line makes no headway: {self.count} events and trials{at} within {_WINDOW:g} s",
+                f"The run makes no progress: {self.count} events and failed steps{at} within {_WINDOW:g} s",
                 "The events of the result so far show what repeats: move loads or supports there, or change the "
                 "tension or the drives",
                 time,

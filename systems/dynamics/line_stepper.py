@@ -1,4 +1,4 @@
-"""A line that is moved on by steps in which nothing jumps: its sections solved, its drives integrated."""
+"""Steps of a line between two events: its sections are solved, its drives integrated."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Signal = float | Schedule
 
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
-    """Times at which an input bends [s]."""
+    """Times at which the slope of an input changes [s]."""
     return np.unique(np.concatenate([[], *(s.breaks() for s in signals if isinstance(s, Schedule))]))
 
 
@@ -35,18 +35,22 @@ class LineMotion(NamedTuple):
 
 
 class LineStepper:
-    """A line and what drives it. `state` goes on in place; `tolerance` is that of the run."""
+    """A line and the signals of its inputs. `state` is advanced in place; `tolerance` is that of the run."""
 
     short = 5e-3
-    """Stretches up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    """Steps up to this [s] are one trapezoidal step: they bring a load onto its support."""
     tiny = 1e-4
-    """Stretches up to this [s] are a straight line: the second order is below rounding."""
+    """Steps up to this [s] are linear: the second order is below rounding."""
 
     def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
         self.state = state
+        self.tolerance = tolerance
+        self.drive(signals)
+
+    def drive(self, signals: Sequence[Signal]) -> None:
+        """Sets the signals of all inputs from now on."""
         self.signals = tuple(signals)
         self.breaks = breaks_of(signals)
-        self.tolerance = tolerance
 
     @property
     def time(self) -> float:
@@ -54,7 +58,7 @@ class LineStepper:
         return self.state.point.t
 
     def set_time(self, t: float) -> None:
-        """Sets the clock, and the inputs to their values then."""
+        """Sets the time, and the inputs to their values at that time."""
         self.state.point = replace(self.state.point, t=t)
         self.state.point.u[:] = self.inputs_at(t)
 
@@ -65,20 +69,20 @@ class LineStepper:
         return np.array([s.at(t) if isinstance(s, Schedule) else s for s in self.signals], dtype=float)
 
     def slope(self, stop: float) -> np.ndarray:
-        """Rates of the inputs from now to `stop`, no later than their next break, shape (nu,)."""
+        """Rates of the inputs from now to `stop`, which is not after their next break, shape (nu,)."""
         t = self.state.point.t
         if not len(self.breaks) or stop - t < 1e-9:
             return np.zeros(len(self.signals))
         return (self.inputs_at(stop) - self.state.point.u) / (stop - t)
 
     def solve(self, stop: float) -> LineMotion:
-        """Solves the algebraic variables; returns how everything moves from here."""
+        """Solves the algebraic variables; returns all rates at the present point. Raises EquilibriumError."""
         state = self.state
         z = newton_of(state.model).solve(state.point, slope=self.slope(stop))
-        return self._motion(np.zeros(0) if z is None else z)
+        return self.motion(np.zeros(0) if z is None else z)
 
-    def _beside(self, crossings: Sequence[Crossing]) -> list[int]:
-        """The sections on both sides of crossings."""
+    def sections_beside(self, crossings: Sequence[Crossing]) -> list[int]:
+        """Numbers of the sections on both sides of crossings."""
         parts, touched = blocks_of(self.state.model), set[int]()
         for c in crossings:
             force = self.state.model.layouts[c.r].force
@@ -87,28 +91,31 @@ class LineStepper:
                 touched.add(int(parts.of[force[-1]]))
         return sorted(touched)
 
-    def _solve_parts(self, touched: Sequence[int], motion: LineMotion, stop: float) -> LineMotion:
-        """Solves some sections only; the others keep their rates."""
+    def solve_sections(self, sections: Sequence[int], motion: LineMotion, stop: float) -> LineMotion:
+        """Solves some sections only; the others keep their rates. Raises EquilibriumError."""
         z = motion.z.copy()
-        blocks_of(self.state.model).solve(self.state.point, touched, motion.x, self.slope(stop), z)
-        return self._moving(motion.x, z)
+        blocks_of(self.state.model).solve(self.state.point, sections, motion.x, self.slope(stop), z)
+        return self.motion_at(motion.x, z)
 
-    def _solve_followed(self, motion: LineMotion, stop: float, touched: Sequence[int] | None = None) -> LineMotion:
-        """Solves some sections, or all, where their rates have led them. Raises EquilibriumError."""
-        led = self.state.point.z.copy()
-        motion = self.solve(stop) if touched is None else self._solve_parts(touched, motion, stop)
-        require_followed(self.state, led)
+    def correct(self, motion: LineMotion, stop: float, sections: Sequence[int] | None = None) -> LineMotion:
+        """Solves some sections, or all, from the values that their rates predict. Raises EquilibriumError, also where
+        the solution is far from the prediction."""
+        predicted = self.state.point.z.copy()
+        motion = self.solve(stop) if sections is None else self.solve_sections(sections, motion, stop)
+        require_followed(self.state, predicted)
         return motion
 
-    def _motion(self, z: np.ndarray) -> LineMotion:
+    def motion(self, z: np.ndarray) -> LineMotion:
         """All rates, from those of the algebraic variables."""
-        return self._moving(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
+        return self.motion_at(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
 
-    def _moving(self, x: np.ndarray, z: np.ndarray) -> LineMotion:
+    def motion_at(self, x: np.ndarray, z: np.ndarray) -> LineMotion:
+        """Rates of the travels, from those of the states and of the algebraic variables."""
         return LineMotion(x, z, [layout.travel.read(x, z) for layout in self.state.model.layouts])
 
-    def _advance(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
-        """Moves the state on by `h` seconds, a little backwards too."""
+    def advance(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
+        """Advances the state by `h` seconds, which may be a short step backwards. Raises EquilibriumError,
+        SimulationError."""
         point, t = self.state.point, self.state.point.t
         if h == 0.0:
             return motion
@@ -127,16 +134,16 @@ class LineStepper:
                 return end
             self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
             return self.solve(stop)
-        return self._integrate(h, motion, stop)
+        return self.integrate(h, motion, stop)
 
-    def _integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
-        """Moves the state on by `h` seconds with IDAS."""
+    def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
+        """Advances the state by `h` seconds with IDAS. Raises EquilibriumError, SimulationError."""
         point, integrator = self.state.point, idas_of(self.state.model, self.tolerance)
-        led = point.z + h * motion.z
+        predicted = point.z + h * motion.z
         point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
         self.set_time(point.t + h)
         motion = self.solve(stop)
-        require_followed(self.state, led)
+        require_followed(self.state, predicted)
         return motion
 
 

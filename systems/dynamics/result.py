@@ -48,9 +48,9 @@ class Result(RunData):
             signals = [
                 Schedule((a.time, b.time), (u, v)) if u != v else float(u) for u, v in zip(a.u, b.u, strict=True)
             ]
-            line = EventStepper(state, signals, self.tolerance)
-            line.run_to(time)
-            state = line.state
+            stepper = EventStepper(state, signals, self.tolerance)
+            stepper.run_to(time)
+            state = stepper.state
         return self._line(state, i)
 
     def summary(self) -> Summary:

@@ -1,9 +1,9 @@
-"""A line in time: IDAS between events, loads that cross supports, and what is written down."""
+"""A simulation: a line from stop to stop, what its clocks and interventions do there, and what it records."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,9 +13,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.dynamics.line_stepper import Signal, breaks_of
+from ropeway.systems.dynamics.line_stepper import Signal
+from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
@@ -28,7 +28,7 @@ from ropeway.systems.results.run_data import Event
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-from ropeway.systems.statics.line_state import LineState, Record
+from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
@@ -77,7 +77,7 @@ def simulate(
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), signals, interventions, tolerance, stops)
+    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops))
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -85,14 +85,14 @@ def simulate(
             error.result = run.result()
             raise
         except RopewayError as error:
-            raise SimulationError(error.cause, error.remedy, run.state.point.t, run.result()) from error
+            raise SimulationError(error.cause, error.remedy, run.line.time, run.result()) from error
     result = run.result()
     result.require_certified()
     return result
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
-    """What drives each input of the model."""
+    """The signal of each input of the model. Raises InputError, UnknownNameError."""
     for name in inputs:
         if name not in model.u.index:
             raise UnknownNameError(f"{name!r} is not an input of {model.name!r}", nearest(name, model.u.names))
@@ -119,6 +119,7 @@ def _is_speed(system: System, component: str, quantity: str) -> bool:
 
 
 def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
+    """Raises InputError, UnknownNameError for an intervention that the system does not allow."""
     driven = [target for target in model.system.links if _is_speed(model.system, *target)]
     for intervention in interventions:
         if intervention.action == "emergency stop" and driven:
@@ -138,80 +139,68 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
             )
 
 
-class _Simulation:
-    """One run. `state` moves on in place; records and events are appended."""
+@dataclass(frozen=True)
+class _Settings:
+    """What a run is asked for: a signal for each input, interventions, tolerance, and events at which it stops."""
 
-    def __init__(
-        self,
-        start: Equilibrium,
-        signals: Sequence[Signal],
-        interventions: Sequence[Intervention],
-        tolerance: float,
-        stop_at: tuple[str, ...],
-    ) -> None:
+    signals: Sequence[Signal]
+    interventions: Sequence[Intervention]
+    tolerance: float
+    stop_at: tuple[str, ...]
+
+
+class _Simulation:
+    """One run: a line, and the clocks and interventions that act on it."""
+
+    def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         state.unpin()
-        self.line = EventStepper(
-            state, signals, tolerance, lambda exact: self.record(exact=exact), self.note, self.mark
-        )
-        self.stop_at = stop_at
-        self.records: list[Record] = []
-        self.on_grid: list[bool] = []
-        self.exact: list[bool] = []
-        self.events: list[Event] = []
-        self.interventions = sorted(interventions, key=lambda i: i.time)
+        self.recorder = Recorder()
+        self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
+        self.line = self.stepper.line
+        self.stop_at = settings.stop_at
+        self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
         self.ticks = [0] * len(start.model.clocks)
-        self.pending = self.ticking(start.pending)
-        self.drop = self.mark()
+        self.recorder.pending = self.ticking(start.pending)
+        self.last_stop = self.recorder.checkpoint()
 
     @property
     def state(self) -> LineState:
-        """Where the line is."""
+        """The state of the line."""
         return self.line.state
 
-    def mark(self) -> Callable[[], None]:
-        """Marks what is written down; the function it returns drops all that came later."""
-        records, events = len(self.records), len(self.events)
-
-        def drop() -> None:
-            for written in (self.records, self.on_grid, self.exact):
-                del written[records:]
-            del self.events[events:]
-
-        return drop
-
     def result(self) -> Result:
-        """Everything so far."""
-        state = self.state
+        """All entries so far."""
+        state, recorder = self.state, self.recorder
         return Result(
             state.model,
             tuple(state.runs),
             state.point.p,
-            tuple(self.records),
-            np.array(self.on_grid, dtype=bool),
-            np.array(self.exact, dtype=bool),
-            tuple(self.events),
+            recorder.records,
+            recorder.on_grid,
+            recorder.exact,
+            tuple(recorder.events),
             self.line.tolerance,
         )
 
     def result_so_far(self) -> Result | None:
-        """Everything up to the last whole interval: what was written down beyond it may have been a trial."""
-        self.drop()
-        return self.result() if self.records else None
+        """All entries up to the last stop: later ones may belong to a step that is tried."""
+        self.recorder.rewind(self.last_stop)
+        return self.result() if self.recorder.entries else None
 
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
-        """Runs to the end."""
+        """Runs to the end, with an entry `every` so many seconds [s]."""
         self.line.set_time(0.0)
         self.line.solve(until)
         self.record(on_grid=True)
         count, grid = 1, min(every, until)
         while True:
-            self.drop = self.mark()
+            self.last_stop = self.recorder.checkpoint()
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             stop = min(grid, self.next_act(), bend)
-            self.line.run_to(stop)
+            self.stepper.run_to(stop)
             if stop == bend:  # inputs are linear between records
                 self.record()
             ticked = self.act()
@@ -227,8 +216,7 @@ class _Simulation:
                 return
 
     def ticking(self, pending: Pending) -> Pending:
-        """What is pending, with the time of the next tick of each clock, by its period and phase [s]; none after an
-        emergency stop."""
+        """What is pending, with the time of each clock's next tick [s]; clocks do not tick after an emergency stop."""
         clocks = zip(self.state.model.clocks, self.first_tick, self.ticks, strict=True)
         responding = pending.stopping is None
         ticks = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
@@ -236,29 +224,19 @@ class _Simulation:
 
     def next_act(self) -> float:
         """Time of the next tick of a clock or intervention [s]."""
-        return min([np.inf, *self.pending.ticks.values(), *(i.time for i in self.interventions[:1])])
+        return min([np.inf, *self.recorder.pending.ticks.values(), *(i.time for i in self.interventions[:1])])
 
     def act(self) -> bool:
-        """What clocks and interventions do at the present time; whether clocks have ticked that nothing is written
-        down of."""
-        point, t = self.state.point, self.state.point.t
-        d, changes, notes = point.d.copy(), dict[int, float](), list[Event]()
+        """Applies the clocks and interventions of the present time. Returns whether clocks have ticked without a change
+        of the line's motion, which leaves no entry."""
+        point, pending = self.state.point, self.recorder.pending
         due = [
-            c for c in self.state.model.clocks if abs(self.pending.ticks.get((c.period, c.phase), np.inf) - t) <= 1e-9
+            c for c in self.state.model.clocks if abs(pending.ticks.get((c.period, c.phase), np.inf) - point.t) <= 1e-9
         ]
-        for clock in due:
-            new = update_of(self.state.model, clock)(*replace(point, d=d).arguments)[0]
-            for entry, name in clock.corrections.items():
-                value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
-                if value != d[entry]:
-                    changes[entry] = value
-                    notes.append(Event(t, name, "response", value))
-            quiet = np.array([entry not in clock.corrections for entry in clock.entries])
-            d[clock.entries[quiet]] = new[quiet]
-        pending = self.pending
-        while self.interventions and self.interventions[0].time <= t + 1e-9:
+        d, changes, events = self.sampled(due)
+        while self.interventions and self.interventions[0].time <= point.t + 1e-9:
             intervention = self.interventions.pop(0)
-            notes.append(Event(t, intervention.component or self.state.model.name, intervention.action, np.nan))
+            events.append(Event(point.t, intervention.component or self.state.model.name, intervention.action, np.nan))
             if intervention.action == "emergency stop":
                 ended, stopping = self.emergency_stop(intervention.deceleration)
                 changes.update(ended)
@@ -266,25 +244,41 @@ class _Simulation:
             else:
                 name, value = intervention.entry
                 changes[self.state.model.d.index[name]] = value
-        if notes:
+        if events:
             self.record()
         for entry, value in changes.items():
             d[entry] = value
         point.d[:] = d
         for clock in due:
             self.ticks[self.state.model.clocks.index(clock)] += 1
-        self.pending = self.ticking(pending)
-        self.events += notes
-        if not notes:
+        self.recorder.pending = self.ticking(pending)
+        self.recorder.events += events
+        if not events:
             return bool(due)
-        self.line.set_time(t)
-        self.line.disturb()
+        self.line.set_time(point.t)
+        self.stepper.disturb()
         self.record()
         return False
 
+    def sampled(self, due: Sequence[Clock]) -> tuple[np.ndarray, dict[int, float], list[Event]]:
+        """The discrete variables after the ticks of some clocks, without the corrections of speed that change: these by
+        their entry, and as events."""
+        point = self.state.point
+        d, changes, events = point.d.copy(), dict[int, float](), list[Event]()
+        for clock in due:
+            new = update_of(self.state.model, clock)(*replace(point, d=d).arguments)[0]
+            for entry, name in clock.corrections.items():
+                value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
+                if value != d[entry]:
+                    changes[entry] = value
+                    events.append(Event(point.t, name, "response", value))
+            others = np.array([entry not in clock.corrections for entry in clock.entries])
+            d[clock.entries[others]] = new[others]
+        return d, changes, events
+
     def emergency_stop(self, deceleration: float) -> tuple[dict[int, float], dict[str, Schedule]]:
-        """Takes all drives down to rest; returns the corrections that this ends, and the signals of inputs."""
-        model, t = self.state.model, self.state.point.t
+        """Ramps all drives down to rest; returns the corrections that this ends, and the signals of inputs."""
+        model, t = self.state.model, self.line.time
         signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
             if not _is_speed(model.system, *name.rpartition(".")[::2]):
@@ -294,35 +288,15 @@ class _Simulation:
                 speed, ended[entry] = speed + self.state.point.d[entry], 0.0
             down = t + max(abs(speed) / deceleration, 1e-6)
             signals[i] = stopping[name] = Schedule((t, down), (speed, 0.0))
-        self.line.signals = tuple(signals)
-        self.line.breaks = breaks_of(signals)
+        self.line.drive(signals)
         return ended, stopping
 
-    def note(self, crossing: loads.Crossing, what: str) -> None:
-        """Writes an event down; its value is the load's number on the rope."""
-        run = self.state.runs[crossing.r]
-        load = crossing.load - run.loads.first
-        if run.loads.mass[load] == 0.0:  # a missing load
-            return
-        name = run.loads.names[load]
-        self.events.append(
-            Event(
-                self.state.point.t,
-                run.nodes[crossing.k].name,
-                what,
-                int(name[1:]) if run.closed else crossing.load + 1,
-                name,
-            )
-        )
-
-    def record(self, *, on_grid: bool = False, exact: bool = True) -> None:
-        """Writes the state down; exact when all its sections are solved."""
-        self.records.append(self.state.snapshot(self.pending))
-        self.on_grid.append(on_grid)
-        self.exact.append(exact and not self.line.disturbed)
+    def record(self, *, on_grid: bool = False) -> None:
+        """Writes the state down."""
+        self.recorder.record(self.state, on_grid=on_grid, exact=not self.stepper.disturbed)
 
     def stopped(self) -> bool:
-        """Whether an event has come at which the run stops."""
+        """Whether an event at which the run stops has occurred; then the state is written down."""
         limits = self.state.model.limits
         broken = np.flatnonzero(limits.broken(self.state.outputs()))
         now = {limits.events[i] for i in broken} | ({"load held"} if self.state.held else set())

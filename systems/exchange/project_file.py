@@ -11,17 +11,14 @@ from typing import Any
 
 import pandas as pd
 
-import ropeway.components as public_components
 from ropeway.components.errors import InputError, RopewayError
 from ropeway.components.rope import Rope
 from ropeway.components.schedule import Schedule
-from ropeway.components.terrain import Profile
 from ropeway.components.whole_files import whole
 from ropeway.systems.exchange import project_rig, project_system, result_kinds, study_inputs
+from ropeway.systems.exchange.project_classes import CLASSES
 from ropeway.systems.exchange.project_text import Json, Keys, ProjectText, parsed, read_text, written
 from ropeway.systems.exchange.project_values import Decoder, Encoder, FileKind
-from ropeway.systems.modelling.intervention import Intervention
-from ropeway.systems.rigs.skyline_rig import Turn
 
 VERSION = 1
 """Version of the schema that this library writes."""
@@ -53,12 +50,6 @@ KINDS = (
     *result_kinds.KINDS,
 )
 """What has a form of its own in files."""
-
-CLASSES: Mapping[str, type] = {
-    **{name: cls for name, cls in vars(public_components).items() if isinstance(cls, type)},
-    **{cls.__name__: cls for cls in (Profile, Turn, Intervention)},
-}
-"""Classes that files name without a module."""
 
 
 def save_file(value: Any, path: str | Path, classes: Mapping[str, type]) -> Path:

@@ -1,1 +1,1 @@
-"""Floor 3: the C core, the tables that it reads, and their compiler."""
+"""Floor 3: the C core, its tables, and the compiler."""

@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Tables:
-    """Declarations and definitions, filled one by one."""
+    """Declarations and definitions of the tables."""
 
     def __init__(self) -> None:
         self._head: list[str] = []
@@ -31,7 +31,7 @@ class Tables:
         self._array("char *const", name, [f'"{v}"' for v in values])
 
     def _array(self, kind: str, name: str, values: Sequence[str]) -> None:
-        cells = list(values) or ["0"]  # C has no empty arrays
+        cells = list(values) or ["0"]  # C does not allow empty arrays
         self._head.append(f"extern const {kind} rw_{name}[{len(cells)}];")
         lines = [", ".join(cells[i : i + 12]) for i in range(0, len(cells), 12)]
         self._body.append(f"const {kind} rw_{name}[{len(cells)}] = {{\n    " + ",\n    ".join(lines) + "};")
@@ -43,7 +43,7 @@ class Tables:
         self._body.append(f"const rw_function rw_{name}[{len(cells)}] = {{{', '.join(cells)}}};")
 
     def fingerprint(self, value: str) -> None:
-        """What tells this FMU from others."""
+        """Identifies the content of this FMU."""
         self._head.append(f"extern const char rw_fingerprint[{len(value) + 1}];")
         self._body.append(f'const char rw_fingerprint[{len(value) + 1}] = "{value}";')
 
@@ -60,7 +60,7 @@ class Tables:
 
 
 def _double(value: float) -> str:
-    """A number in C; infinity as one that no value reaches."""
+    """A number in C; infinity as 1e300."""
     if np.isinf(value):
         return "1e300" if value > 0.0 else "-1e300"
     return repr(float(value))

@@ -1,6 +1,8 @@
-"""A C compiler for shared libraries: `cc` where there is one, else the one of the ziglang package, which also
-compiles for the other platforms. The environment variables CC and CFLAGS choose another one for this platform, and add
-flags to its own."""
+"""A C compiler for shared libraries: `cc` if available, else the one of the ziglang package.
+
+ziglang also compiles for the other platforms. The environment variables CC and CFLAGS select the compiler for this
+platform and add flags.
+"""
 
 from __future__ import annotations
 
@@ -32,28 +34,28 @@ PLATFORMS = tuple(_TARGETS)
 
 
 def host() -> str:
-    """The platform this runs on."""
+    """Name of this platform."""
     from fmpy import architecture, system
 
     return f"{architecture}-{'macos' if system == 'darwin' else system}"
 
 
 def resolved(platforms: Sequence[str]) -> tuple[str, ...]:
-    """Platforms by name, "host" replaced. Raises InputError."""
+    """Names of platforms, with "host" replaced. Raises InputError."""
     names = dict.fromkeys(host() if name == "host" else name for name in platforms)
     for name in names:
         if name not in _TARGETS and name != host():
-            raise InputError(f"Platform {name!r} is not known", f"Choose from host, {', '.join(_TARGETS)}")
+            raise InputError(f"Platform {name!r} is unknown", f"Choose from host, {', '.join(_TARGETS)}")
     return tuple(names)
 
 
 def suffix(platform: str) -> str:
-    """File name ending of a shared library."""
+    """File suffix of a shared library."""
     return ".dll" if "windows" in platform else ".dylib" if "macos" in platform else ".so"
 
 
 def command(platform: str) -> list[str]:
-    """The compiler for a platform. Raises CompilerError when there is none."""
+    """Command of the compiler for a platform. Raises CompilerError if there is none."""
     own = os.environ.get("CC") or shutil.which("cc")
     if platform == host() and own:
         return shlex.split(own)
@@ -63,14 +65,16 @@ def command(platform: str) -> list[str]:
 
 
 def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
-    """Compiles C files in a folder to a shared library, on all processors. Raises CompilerError with the compiler's
-    own words, Interrupted."""
+    """Compile C files in a folder to a shared library, in parallel.
+
+    Raises CompilerError with the compiler's messages, Interrupted.
+    """
     windows = "windows" in platform
     more = shlex.split(os.environ.get("CFLAGS", "")) if platform == host() else []
     own = ["-O2", "-g0", "-std=c99", "-fvisibility=hidden", "-I.", *([] if windows else ["-fPIC"])]
     run = [*command(platform), *own, *more]
     objects = list(sources)
-    if "ziglang" not in run:  # zig compiles its files side by side itself
+    if "ziglang" not in run:  # zig compiles its files in parallel
         objects = [f"{platform}-{name}.o" for name in sources]
         each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
         _run(each, folder, platform)
@@ -78,12 +82,12 @@ def compile_library(folder: Path, sources: Sequence[str], platform: str, library
 
 
 def _run(commands: Sequence[Sequence[str]], folder: Path, platform: str) -> None:
-    """Runs commands, as many at a time as there are processors. Raises CompilerError, Interrupted."""
-    left, running = list(reversed(commands)), list[_Running]()
+    """Runs commands in parallel, one per processor. Raises CompilerError, Interrupted."""
+    waiting, running = list(reversed(commands)), list[_Running]()
     try:
-        while left or running:
-            while left and len(running) < (os.cpu_count() or 1):
-                running.append(_Running(left.pop(), folder, platform))
+        while waiting or running:
+            while waiting and len(running) < (os.cpu_count() or 1):
+                running.append(_Running(waiting.pop(), folder, platform))
             stop_if_interrupted()
             for one in [one for one in running if one.ended()]:
                 running.remove(one)
@@ -94,41 +98,41 @@ def _run(commands: Sequence[Sequence[str]], folder: Path, platform: str) -> None
 
 
 class _Running:
-    """A compiler at work. Raises CompilerError."""
+    """A running compiler. Raises CompilerError."""
 
     def __init__(self, command: Sequence[str], folder: Path, platform: str) -> None:
         self._platform = platform
-        # A file, as a pipe that nobody reads would stop it.
-        self._said = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115  # closed when it has ended
+        # A file: a full pipe would block the process.
+        self._messages = tempfile.TemporaryFile("w+", errors="replace")  # noqa: SIM115  # closed when the process ends
         try:
             self._process = subprocess.Popen(
-                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=self._said, start_new_session=True
+                command, cwd=folder, stdout=subprocess.DEVNULL, stderr=self._messages, start_new_session=True
             )
         except OSError as error:
-            self._said.close()
+            self._messages.close()
             remedy = "Correct the environment variable CC, or unset it"
             raise CompilerError(f"The compiler for {platform} cannot be started: {error}", remedy) from error
 
     def ended(self) -> bool:
-        """Whether it has ended. Raises CompilerError where it has failed."""
+        """Whether the process ended. Raises CompilerError if it failed."""
         if self._process.poll() is None:
             return False
-        with self._said as said:
-            said.seek(0)
-            message = said.read()
+        with self._messages as messages:
+            messages.seek(0)
+            message = messages.read()
         if self._process.returncode != 0:
             raise CompilerError(
                 f"Compiling for {self._platform} failed: {message.strip()[-2000:]}",
-                "Look at the compiler's message; the sources are in the FMU that platforms=() makes",
+                "Read the compiler's message; export with platforms=() to obtain the sources",
             )
         return True
 
     def kill(self) -> None:
-        """Ends it, with the processes that it has started."""
+        """Ends the process and its child processes."""
         with suppress(ProcessLookupError):
             if os.name == "posix":
                 os.killpg(self._process.pid, signal.SIGKILL)
             else:
                 self._process.kill()
         self._process.wait()
-        self._said.close()
+        self._messages.close()

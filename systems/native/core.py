@@ -1,4 +1,4 @@
-"""The C core: its files, which know no FMI."""
+"""The source files of the C core, which are independent of FMI."""
 
 from pathlib import Path
 
@@ -13,11 +13,11 @@ SOURCES = (
     "ropeway_step.c",
     "ropeway_instance.c",
 )
-"""What is compiled, besides the generated equations and tables; each calls only those before it."""
+"""Compiled besides the generated equations and tables; each calls only those before it."""
 _FOLDER = Path(__file__).parent
 
 
 def core_files() -> dict[str, str]:
-    """The text of each source and header, by name."""
+    """Text of each source and header, by name."""
     headers = (path.name for path in sorted(_FOLDER.glob("*.h")))
     return {name: (_FOLDER / name).read_text() for name in (*SOURCES, *headers)}

@@ -1,8 +1,8 @@
-/* A cable system: its equations solved, its loads moved from span to span, stepped through time.
+/* A cable system: solution of its equations, loads that move from span to span, time integration.
  *
  * The sizes RW_N... and all tables come from model_data.h and model_data.c, the equations rw_dae, rw_jacobian,
  * rw_outputs and rw_tangent from files of these names; all are generated. fmi2.c and fmi3.c
- * are wrappers for FMUs. */
+ * are the FMI wrappers. */
 #ifndef ROPEWAY_H
 #define ROPEWAY_H
 
@@ -10,13 +10,13 @@
 #include <stdint.h>
 #include "model_data.h"
 
-#define RW_NEAR 1e-9 /* part of a mean span within which a load is on a support; margin kept below zero */
+#define RW_NEAR 1e-9 /* of a mean span: a load this close to a support is on it; tolerance of margins */
 
 typedef enum { RW_OK, RW_WARNING, RW_DISCARD, RW_ERROR } rw_status; /* numbered as in FMI 2 and 3 */
 
 typedef enum { RW_INSTANTIATED, RW_INITIALIZATION, RW_EVENT, RW_CONTINUOUS, RW_STEP, RW_TERMINATED } rw_mode;
 
-/* What moves on within a step. */
+/* Variables that change within a step. */
 typedef struct {
     double t;
     double x[RW_NX + 1], z[RW_NZ + 1];
@@ -25,25 +25,25 @@ typedef struct {
 /* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
 typedef struct {
     double hg;
-    int valid, exact; /* exact: taken at the present point */
+    int valid, exact; /* exact: evaluated at the present point */
     int lp[RW_NW + 1], up[RW_NW + 1], pinv[RW_NW + 1];
     int li[RW_LCAP], ui[RW_UCAP];
     double lx[RW_LCAP], ux[RW_UCAP];
-    double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z that they are made of */
+    double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z */
 } rw_factors;
 
-/* Everything that determines how an instance goes on: saving it is a copy. */
+/* The complete state of an instance: it is saved by a copy. */
 typedef struct {
     rw_mode mode;
-    int known, solved, rated, shown;   /* parameters taken over, z solved, its rates and outputs computed */
+    int known, solved, rated, shown;   /* parameters applied, z solved, its rates and outputs computed */
     int passed[RW_NK + 1];             /* loads that have passed each support */
-    int broken[RW_NL + 1];             /* limits broken */
+    int broken[RW_NL + 1];             /* violated limits */
     int ticks[RW_NC + 1];              /* of each clock */
     int beyond_schedule;
     int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
-    double h;                          /* step that the error control asks for */
-    rw_point now, held;                /* held: the point from which the carriage goes on */
-    int place;                         /* of the carriage at the point held */
+    double h;                          /* next step of the error control */
+    rw_point now, held;                /* held: last accepted point of the carriage */
+    int place;                         /* place of the carriage at the held point */
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
@@ -58,9 +58,9 @@ typedef struct {
     int log_events, log_all;
     int co_simulation;
     double start_time;
-    /* workspace: nothing here outlives a call */
+    /* workspace within a call */
     double f[RW_NX + 1], g[RW_NZ + 1];
-    double residual[RW_NW + 1], move[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
+    double residual[RW_NW + 1], increment[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
     double dx[RW_NX + 1], dz[RW_NZ + 1], du[RW_NU + 1], dp[RW_NP + 1], dd[RW_ND + 1], dm[RW_NM + 1], dt, df[RW_NX + 1], dg[RW_NZ + 1], dy[RW_NY + 1];
     rw_state backup;
     double sample[RW_NQ + 1], fresh[RW_ND + 1];

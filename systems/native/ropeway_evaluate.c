@@ -1,4 +1,4 @@
-/* What follows from a solved point: outputs, rates, derivatives. */
+/* Outputs, rates and derivatives at a solved point. */
 #include <string.h>
 #include "ropeway.h"
 
@@ -18,14 +18,14 @@ rw_status rw_show(rw_instance *m)
     rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
     m->res[0] = m->s.y;
     if (rw_outputs(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->s.y, RW_NY)) {
-        rw_message(m, RW_DISCARD, "logStatusDiscard", "The outputs have no value at t = %.9g s", m->s.now.t);
+        rw_message(m, RW_DISCARD, "logStatusDiscard", "The outputs are not finite at t = %.9g s", m->s.now.t);
         return RW_DISCARD;
     }
     m->s.shown = 1;
     return RW_OK;
 }
 
-/* Fresh factors of the matrix at the present solution. */
+/* Factors of the matrix at the present solution. */
 static rw_status exact(rw_instance *m)
 {
     rw_status status = rw_solve(m);
@@ -40,8 +40,8 @@ static rw_status exact(rw_instance *m)
     return RW_OK;
 }
 
-/* How the algebraic variables move along with the states, in m->s.zrate. They predict: where rates depend on inputs
- * only the factors at hand are good enough; else the matrix is taken anew, as the steps start from it. */
+/* Rates of the algebraic variables, in m->s.zrate, for prediction. Where rates depend on inputs only, existing factors
+ * are accurate enough; otherwise the matrix is evaluated again, as the steps start from it. */
 rw_status rw_rates(rw_instance *m)
 {
     rw_status status = rw_solve(m);
@@ -51,12 +51,12 @@ rw_status rw_rates(rw_instance *m)
         status = exact(m);
         if (status != RW_OK) return status;
     }
-    memset(m->move, 0, sizeof m->move);
+    memset(m->increment, 0, sizeof m->increment);
     for (int j = 0; j < RW_NX; j++)
         for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++)
-            if (rw_row[p] >= RW_NX) m->move[rw_row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
-    rw_back(&m->s.lu, m->move, m->work);
-    for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->move[RW_NX + i] * rw_z_nominal[i];
+            if (rw_row[p] >= RW_NX) m->increment[rw_row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
+    rw_back(&m->s.lu, m->increment, m->work);
+    for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
     m->s.rated = 1;
     return RW_OK;
 }
@@ -82,14 +82,14 @@ rw_status rw_tangent_of(rw_instance *m)
         m->res[2] = m->dy;
         if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return RW_DISCARD;
         if (pass == 0) {
-            memset(m->move, 0, sizeof m->move);
-            for (int i = 0; i < RW_NZ; i++) m->move[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
-            rw_back(&m->s.lu, m->move, m->work);
-            for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->move[RW_NX + i] * rw_z_nominal[i];
+            memset(m->increment, 0, sizeof m->increment);
+            for (int i = 0; i < RW_NZ; i++) m->increment[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
+            rw_back(&m->s.lu, m->increment, m->work);
+            for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
         }
     }
     if (!rw_all_finite(m->df, RW_NX) || !rw_all_finite(m->dz, RW_NZ) || !rw_all_finite(m->dy, RW_NY)) {
-        rw_message(m, RW_DISCARD, "logStatusDiscard", "The derivatives have no value at t = %.9g s", m->s.now.t);
+        rw_message(m, RW_DISCARD, "logStatusDiscard", "The derivatives are not finite at t = %.9g s", m->s.now.t);
         return RW_DISCARD;
     }
     return RW_OK;

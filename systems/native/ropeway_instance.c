@@ -1,4 +1,4 @@
-/* An instance: made, set, read, initialised, saved. Value references are numbered through: time, states, rates,
+/* An instance: creation, variables, initialisation, saved states. Value references are consecutive: time, states, rates,
  * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
  * (integer), switches (Boolean inputs). */
 #include <math.h>
@@ -52,9 +52,9 @@ rw_instance *rw_new(rw_log_function log, void *context, int co_simulation)
     return m;
 }
 
-/* With parameters, masses or states other than those of the equilibrium at export the line is solved anew: at
- * once, or by smaller steps from the equilibrium; then loads go into the spans where the rope has taken them. */
-static rw_status take_over(rw_instance *m)
+/* Solves the line for parameters, masses or states other than those of the equilibrium at export: in one step, or by
+ * continuation from the equilibrium. Loads are then moved into the spans that the rope has carried them to. */
+static rw_status apply_start_values(rw_instance *m)
 {
     rw_state *s = &m->s;
     double p[RW_NP + 1], mass[RW_NM + 1], x[RW_NX + 1], done = 0.0, share = 1.0;
@@ -88,7 +88,7 @@ static rw_status take_over(rw_instance *m)
             memcpy(s->mass, mass, sizeof mass);
             memcpy(s->now.x, x, sizeof x);
             s->solved = s->rated = s->shown = 0;
-            rw_message(m, RW_ERROR, "logStatusError", "No equilibrium is found for the values of the parameters and states");
+            rw_message(m, RW_ERROR, "logStatusError", "No equilibrium was found for these parameters and states");
             return RW_ERROR;
         }
     }
@@ -98,16 +98,16 @@ static rw_status take_over(rw_instance *m)
 
 rw_status rw_initialize(rw_instance *m)
 {
-    rw_status status = take_over(m);
+    rw_status status = apply_start_values(m);
     rw_start_clocks(m);
     return status == RW_OK ? rw_limits(m) : status;
 }
 
-/* While it is initialised an instance's variables follow from its parameters. */
+/* During initialisation the variables of an instance follow from its parameters. */
 rw_status rw_up_to_date(rw_instance *m)
 {
     if (m->s.mode <= RW_INITIALIZATION) {
-        rw_status status = take_over(m);
+        rw_status status = apply_start_values(m);
         if (status != RW_OK) return status;
     }
     return rw_show(m);
@@ -124,9 +124,9 @@ rw_status rw_set_time(rw_instance *m, double t)
     return RW_OK;
 }
 
-static rw_status bad(rw_instance *m, unsigned vr)
+static rw_status unknown(rw_instance *m, unsigned vr)
 {
-    rw_message(m, RW_ERROR, "logStatusError", "No such variable: value reference %u", vr);
+    rw_message(m, RW_ERROR, "logStatusError", "Unknown value reference %u", vr);
     return RW_ERROR;
 }
 
@@ -139,7 +139,7 @@ static rw_status not_now(rw_instance *m, unsigned vr)
 rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
 {
     rw_status status;
-    if (vr >= LIMIT || rw_access[vr] == HIDDEN) return bad(m, vr);
+    if (vr >= LIMIT || rw_access[vr] == HIDDEN) return unknown(m, vr);
     if (vr == 0) *value = m->s.now.t;
     else if (vr < DX) *value = m->s.now.x[vr - X];
     else if (vr >= U && vr < P) {
@@ -163,7 +163,7 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
     return RW_OK;
 }
 
-/* Whether a parameter may have a value; masses of loads are not below zero. */
+/* Whether a value of a parameter is valid; masses of loads are not negative. */
 static int in_range(rw_instance *m, unsigned vr, double value)
 {
     int known = vr < MASS, above = known && rw_above[vr - P];
@@ -176,8 +176,8 @@ static int in_range(rw_instance *m, unsigned vr, double value)
 
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
 {
-    int access = vr < LIMIT ? rw_access[vr] : HIDDEN, early = m->s.mode <= RW_INITIALIZATION;
-    if (access == HIDDEN) return bad(m, vr);
+    int access = vr < LIMIT ? rw_access[vr] : HIDDEN, initialising = m->s.mode <= RW_INITIALIZATION;
+    if (access == HIDDEN) return unknown(m, vr);
     if (!isfinite(value)) {
         rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
         return RW_ERROR;
@@ -186,12 +186,12 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     if (access == INPUT) {
         if (m->s.u[vr - U] == value) return RW_OK;
         m->s.u[vr - U] = value;
-    } else if (access == PARAMETER && early) {
+    } else if (access == PARAMETER && initialising) {
         *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
         m->s.known = 0;
-    } else if (access == STATE && (early || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
+    } else if (access == STATE && (initialising || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
         m->s.now.x[vr - X] = value;
-        if (early) m->s.known = 0;
+        if (initialising) m->s.known = 0;
     } else
         return not_now(m, vr);
     m->s.solved = m->s.rated = m->s.shown = 0;
@@ -205,17 +205,17 @@ rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
         *value = m->s.on[vr - SWITCH];
         return RW_OK;
     }
-    if (vr < LIMIT || vr >= PASSED) return bad(m, vr);
+    if (vr < LIMIT || vr >= PASSED) return unknown(m, vr);
     if (m->s.mode == RW_INITIALIZATION) status = rw_initialize(m);
     if (status <= RW_WARNING) *value = m->s.broken[vr - LIMIT];
     return status;
 }
 
-/* A switch: the line moves on from where it is. */
+/* Sets a switch; the line continues from its present state. */
 rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value)
 {
     if (vr >= LIMIT && vr < PASSED) return not_now(m, vr);
-    if (vr < SWITCH || vr >= END || !rw_switch_shown[vr - SWITCH]) return bad(m, vr);
+    if (vr < SWITCH || vr >= END || !rw_switch_shown[vr - SWITCH]) return unknown(m, vr);
     if (m->s.on[vr - SWITCH] == (value != 0)) return RW_OK;
     if (m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
     m->s.on[vr - SWITCH] = value != 0;
@@ -228,8 +228,8 @@ rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value)
 rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
-    if (vr < PASSED || vr >= SWITCH) return bad(m, vr);
-    if (m->s.mode == RW_INITIALIZATION) status = take_over(m);
+    if (vr < PASSED || vr >= SWITCH) return unknown(m, vr);
+    if (m->s.mode == RW_INITIALIZATION) status = apply_start_values(m);
     if (status <= RW_WARNING) *value = m->s.passed[vr - PASSED];
     return status;
 }
@@ -282,7 +282,7 @@ size_t rw_serialized_size(void)
 rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
 {
     if (size < rw_serialized_size()) {
-        rw_message(m, RW_ERROR, "logStatusError", "A state needs %lu bytes", (unsigned long)rw_serialized_size());
+        rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size());
         return RW_ERROR;
     }
     memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);

@@ -1,16 +1,16 @@
-/* Loads that cross supports: when the next one does, and what it does to the line. Where a sheave holds the rope down the
- * load can be pushed back from either side; it then stands on the sheave, which carries it, until one side wins. */
+/* Loads that cross supports: time of the next crossing, and its effect. At a hold-down sheave a load can be pushed back
+ * from both sides; it then stands on the sheave, which carries it, until it is released to one side. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-/* How far a support's travel is from the next load that crosses it forward and backward [m]. */
+/* Travel of a support until the next load crosses it forward and backward [m]. */
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
 {
     int run = rw_run_of[k], beyond = m->s.passed[k], around = rw_around[run];
     double rope = rw_rope_start(m, k) - rw_support_travel(m, k);
     *ahead = *behind = INFINITY;
-    if (around && rw_is_last(k)) return; /* it crosses with the first */
+    if (around && rw_is_last(k)) return; /* its loads cross with those of the first support */
     if (beyond < rw_load_count(run)) *ahead = rope - rw_load_position(m, run, beyond);
     if (around || beyond > 0) *behind = rw_load_position(m, run, beyond - 1) - rope;
 }
@@ -44,7 +44,7 @@ static double length_of(const double *v, double lift)
     return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
 }
 
-/* Tensions beside support k, on which a load stands: with the load on the rope of that side, and without. */
+/* Tensions on both sides of support k, on which a load stands: with the load on the rope of that side, and without. */
 static rw_status beside(rw_instance *m, int k, int load, sides *s)
 {
     rw_status status = rw_show(m);
@@ -54,7 +54,7 @@ static rw_status beside(rw_instance *m, int k, int load, sides *s)
     memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
     memcpy(going, m->s.now.z + rw_force[k], sizeof going);
     coming[2] = m->s.y[rw_vertical_b[k - 1]];
-    if (load >= m->s.passed[k]) /* it hangs at the end of the span before */
+    if (load >= m->s.passed[k]) /* it hangs at the end of the span before the support */
         coming[2] -= weight;
     else
         going[2] += weight;
@@ -66,7 +66,7 @@ static rw_status beside(rw_instance *m, int k, int load, sides *s)
     return RW_OK;
 }
 
-/* Moves the load, or leaves it on the support. The line is not solved anew. */
+/* Moves the load across the support, or leaves it there. The line is not solved. */
 static rw_status apply(rw_instance *m, int k, int load, int forward)
 {
     int goes = 1;
@@ -75,7 +75,7 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
         sides s;
         status = beside(m, k, load, &s);
         if (status != RW_OK) return status;
-        const double enough = 1.0 - 1e-9; /* a load without mass passes */
+        const double enough = 1.0 - 1e-9; /* a massless load passes */
         goes = forward ? s.out_loaded >= enough * s.ratio * s.in_bare : s.ratio * s.in_loaded >= enough * s.out_bare;
     }
     if (goes) {
@@ -94,11 +94,11 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
     return RW_OK;
 }
 
-/* Loads that a jump of the line has thrown past a support cross it too; at the ends of a rope not those that have
- * just been put on or taken off there (`just`, by support). */
+/* Loads that are beyond a support after a jump of the line cross it; not, at the ends of a rope, those that were just
+ * put on or taken off there (`just`, by support). */
 static rw_status overrun(rw_instance *m, unsigned char *just)
 {
-    for (int turn = 0; turn < 50; turn++) {
+    for (int pass = 0; pass < 50; pass++) {
         int moved = 0;
         rw_status status = rw_solve(m);
         unsigned char forward[RW_NK + 1], backward[RW_NK + 1];
@@ -132,8 +132,8 @@ rw_status rw_overrun_settle(rw_instance *m)
     return overrun(m, just);
 }
 
-/* The same on the way: what an input or a switch throws over a support, or a rope that has turned within a step. Loads
- * at the ends of a rope may lie beyond, where a jump has left them. */
+/* The same between events: after a jump of an input or switch, or after a rope that reversed within a step. Loads at
+ * the ends of a rope may be beyond the end after a jump. */
 rw_status rw_overrun_moving(rw_instance *m)
 {
     unsigned char just[RW_NK + 1];
@@ -143,7 +143,7 @@ rw_status rw_overrun_moving(rw_instance *m)
     return status == RW_OK ? rw_rates(m) : status;
 }
 
-/* Loads cross: the first one, and all others that stand on a support at this time; then the line jumps. After
+/* Crosses the first load and all others that are on a support at this time; the line is then solved. Call it after
  * rw_rates. `first` may be NULL. */
 rw_status rw_cross(rw_instance *m, const rw_crossing *first)
 {
@@ -185,8 +185,7 @@ static int load_on(const rw_instance *m, int k)
     return fabs(rw_load_position(m, run, beyond) - place) <= fabs(rw_load_position(m, run, beyond - 1) - place) ? beyond : beyond - 1;
 }
 
-/* For the load that stands on support k the force by which a side is ahead [N]: positive when it leaves, the way
- * that the crossing says. */
+/* Force that pushes the load on support k off it [N]: positive when it leaves, in the direction of `found`. */
 rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead)
 {
     sides s;
@@ -203,7 +202,7 @@ rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead
     return RW_OK;
 }
 
-/* Of the loads that stand on sheaves the one nearest to leaving; `ahead` is -INFINITY when none stands. */
+/* The load on a sheave that is closest to its release; `ahead` is -INFINITY if there is none. */
 rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead)
 {
     *ahead = -INFINITY;
@@ -222,7 +221,7 @@ rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead)
     return RW_OK;
 }
 
-/* Releases a load that stood on a sheave. */
+/* Releases a load from a sheave. */
 rw_status rw_let_go(rw_instance *m, const rw_crossing *found)
 {
     rw_status status;
@@ -236,7 +235,7 @@ rw_status rw_let_go(rw_instance *m, const rw_crossing *found)
     return rw_solve(m);
 }
 
-/* Takes down which limits are broken: tension above the breaking load, lift-off and so on. */
+/* Updates the violated limits: tension above the breaking load, lift-off and others. */
 rw_status rw_limits(rw_instance *m)
 {
     rw_status status = rw_show(m);

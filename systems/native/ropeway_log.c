@@ -1,4 +1,4 @@
-/* Messages to whoever holds the instance. */
+/* Messages to the owner of the instance. */
 #include <stdarg.h>
 #include <stdio.h>
 #include "ropeway.h"

@@ -1,15 +1,15 @@
-/* A carriage that goes from place to place: spans of a skyline and the shoes between them. Each place has equations of
- * its own, and margins: how far the carriage is from where it goes over to another place, or from where it cannot go
- * on. Where it is follows from the way that the states have come: the algebraic variables are solved along it, place
- * by place, from the last point that is held. So there is an answer at any states that can be reached, also at those
- * that an importer of Model Exchange tries beyond an event; it holds what is accepted. */
+/* A carriage that moves between places: spans of a skyline and the shoes between them. Each place has its own equations
+ * and margins: distances of the carriage from the transition to another place, or from the end of its path. The place
+ * depends on the path of the states: the algebraic variables are solved follow_path it, place by place, from the last held
+ * point. So every reachable state has a solution, also trial states of an importer beyond an event; accepted points are
+ * held. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-#define CLOSE 1e-13 /* of the way: a border within it is there */
+#define CLOSE 1e-13 /* of the path: resolution of a transition */
 #define TRIALS 1000
-#define CHANGES 50 /* of the place within one solution */
+#define CHANGES 50 /* largest number of transitions within one solution */
 
 static int place_of(const rw_instance *m)
 {
@@ -24,7 +24,7 @@ void rw_start_place(rw_instance *m)
     m->s.place = place_of(m);
 }
 
-/* Says how the carriage has come from one place to another. */
+/* Logs a transition of the carriage. */
 static void report(rw_instance *m, int from, int to)
 {
     for (int row = rw_passage_first[from]; row < rw_passage_first[from + 1]; row++)
@@ -34,7 +34,7 @@ static void report(rw_instance *m, int from, int to)
         }
 }
 
-/* Takes the present point, which is solved, as one of the way. */
+/* Holds the present point, which is solved. */
 void rw_hold(rw_instance *m)
 {
     if (!RW_NPL) return;
@@ -44,7 +44,7 @@ void rw_hold(rw_instance *m)
     m->s.place = place_of(m);
 }
 
-/* Solves at a share of the way, from the algebraic variables at hand, and takes the margins there. */
+/* Solves at a fraction of the path, from the present algebraic variables, and evaluates the margins. */
 static rw_status solve_at(rw_instance *m, const rw_point *from, const rw_point *to, double share)
 {
     rw_point *q = &m->s.now;
@@ -56,8 +56,8 @@ static rw_status solve_at(rw_instance *m, const rw_point *from, const rw_point *
     return status == RW_OK ? rw_margins_of(m) : status;
 }
 
-/* The margin that has run out first since those `before`, by its number in the place; -1 where all are kept. */
-static int run_out(const rw_instance *m, const double *before)
+/* Number of the margin that became negative first since `before`; -1 if none did. */
+static int violated_margin(const rw_instance *m, const double *before)
 {
     int found = -1, place = place_of(m);
     double first = INFINITY;
@@ -70,8 +70,8 @@ static int run_out(const rw_instance *m, const double *before)
     return found;
 }
 
-/* Goes over to the place beyond margin i, where the carriage is. */
-static rw_status go_over(rw_instance *m, int i, const rw_point *from, const rw_point *to, double share)
+/* Transition to the place beyond margin i. */
+static rw_status transition(rw_instance *m, int i, const rw_point *from, const rw_point *to, double share)
 {
     int place = place_of(m), row = rw_passage_first[place] + i, beyond = rw_passage_to[row];
     if (beyond < 0) {
@@ -85,8 +85,8 @@ static rw_status go_over(rw_instance *m, int i, const rw_point *from, const rw_p
     return solve_at(m, from, to, share);
 }
 
-/* Along the way from the point held to the present one, its end; the factors at hand are no more good. */
-static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
+/* Continuation follow_path the path from the held point to the present one; existing factors are invalid. */
+static rw_status follow_path(rw_instance *m, const rw_point *from, const rw_point *to)
 {
     rw_point *q = &m->s.now;
     rw_log_function log = m->log;
@@ -96,22 +96,22 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
     memcpy(q->z, from->z, RW_NZ * sizeof(double));
     m->s.lu.valid = 0;
     status = solve_at(m, from, to, 0.0);
-    for (int turn = 0; status == RW_OK && turn < TRIALS; turn++) {
+    for (int trial = 0; status == RW_OK && trial < TRIALS; trial++) {
         double next = fmin(reached + step, 1.0);
         int out;
         memcpy(before, m->margin, sizeof before);
         memcpy(good, q->z, RW_NZ * sizeof(double));
-        m->log = NULL; /* what fails is tried in smaller steps */
+        m->log = NULL; /* failures are repeated with smaller steps */
         status = solve_at(m, from, to, next);
         m->log = log;
-        out = status == RW_OK ? run_out(m, before) : -1;
+        out = status == RW_OK ? violated_margin(m, before) : -1;
         if (status == RW_OK && out < 0) {
             reached = next;
             if (reached == 1.0) return RW_OK;
             step *= 2.0;
             over *= 0.5;
             inside++;
-            if (reached >= beyond) border = -1; /* another solution had told of it */
+            if (reached >= beyond) border = -1; /* the margin belonged to another solution */
         } else {
             memcpy(q->z, good, RW_NZ * sizeof(double));
             m->s.lu.valid = 0;
@@ -127,12 +127,12 @@ static rw_status along(rw_instance *m, const rw_point *from, const rw_point *to)
         }
         if (border >= 0 && (m->margin[border] <= RW_NEAR || beyond - reached < CLOSE)) {
             status = solve_at(m, from, to, reached);
-            if (status == RW_OK) status = ++changes > CHANGES ? RW_DISCARD : go_over(m, border, from, to, reached);
+            if (status == RW_OK) status = ++changes > CHANGES ? RW_DISCARD : transition(m, border, from, to, reached);
             border = -1;
             beyond = 2.0;
             step = 1.0;
         } else if (border >= 0) {
-            double share = turn % 3 == 2 ? 0.5 : m->margin[border] / (m->margin[border] - over);
+            double share = trial % 3 == 2 ? 0.5 : m->margin[border] / (m->margin[border] - over);
             step = fmin(step, (beyond - reached) * (inside > 4 ? 1.0 : fmax(share, 0.1)));
         }
     }
@@ -149,7 +149,7 @@ rw_status rw_follow(rw_instance *m)
     rw_log_function log = m->log;
     double none[RW_NG + 1] = {0};
     rw_status status;
-    if (place_of(m) != m->s.place) { /* an importer has tried what is beyond */
+    if (place_of(m) != m->s.place) { /* the last point was a rejected trial of the importer */
         m->s.d[0] = m->s.place;
         memcpy(m->s.now.z, from.z, RW_NZ * sizeof(double));
         m->s.lu.valid = 0;
@@ -157,7 +157,7 @@ rw_status rw_follow(rw_instance *m)
     m->log = NULL;
     status = solve_at(m, &from, &to, 1.0);
     m->log = log;
-    if (status != RW_OK || run_out(m, none) >= 0) status = along(m, &from, &to);
+    if (status != RW_OK || violated_margin(m, none) >= 0) status = follow_path(m, &from, &to);
     if (status == RW_OK) {
         if (m->s.mode != RW_CONTINUOUS) rw_hold(m);
         return RW_OK;
@@ -169,7 +169,7 @@ rw_status rw_follow(rw_instance *m)
     return status;
 }
 
-/* One indicator for each border between places in their order: above zero before it, below beyond. */
+/* One indicator for each transition between consecutive places: positive before it, negative beyond. */
 rw_status rw_border_indicators(rw_instance *m, double *indicator)
 {
     int place = place_of(m);

@@ -1,8 +1,8 @@
 /* Loads in the slots of their spans. A load at place c on the rope stands on support k exactly when the support's
- * travel is X_k - c, X_k the rope at the support at zero travel. The supports of all ropes are numbered through;
+ * travel is X_k - c, X_k the rope at the support at zero travel. The supports of all ropes are numbered consecutively;
  * support k is the b end of span k - 1 and the a end of span k, the last support of a rope has no span of its own.
- * On an endless rope the loads come round: those of numbers n and n + around are one load, a rope's length apart,
- * and its last support is its first. */
+ * On an endless rope loads recur: numbers n and n + around are the same load, one rope length apart, and the last
+ * support is the first. */
 #include <string.h>
 #include "ropeway.h"
 
@@ -13,8 +13,8 @@ double rw_rope_start(const rw_instance *m, int k)
     return sum;
 }
 
-/* Rounds that load i has come behind those listed, rounded down; 0 where the rope has ends. */
-static int turn_of(int run, int i)
+/* Revolution of load i on an endless rope, rounded down; 0 on a rope with ends. */
+static int revolution_of(int run, int i)
 {
     int around = rw_around[run];
     return around == 0 ? 0 : i >= 0 ? i / around : -((around - 1 - i) / around);
@@ -22,17 +22,17 @@ static int turn_of(int run, int i)
 
 double rw_load_position(const rw_instance *m, int run, int i)
 {
-    int first = rw_load_first[run], n = rw_load_first[run + 1] - first, turn = turn_of(run, i);
-    if (rw_around[run]) return rw_load_place[first + i - turn * n] - turn * rw_rope_start(m, rw_run_first[run + 1] - 1);
+    int first = rw_load_first[run], n = rw_load_first[run + 1] - first, revolution = revolution_of(run, i);
+    if (rw_around[run]) return rw_load_place[first + i - revolution * n] - revolution * rw_rope_start(m, rw_run_first[run + 1] - 1);
     if (i < n) return rw_load_place[first + i];
     return rw_load_place[first + n - 1] - rw_feed_spacing[run] * (i - n + 1);
 }
 
-/* Place of a load's mass among those that can be set. */
+/* Index of a load's mass among the adjustable masses. */
 static int mass_of(int run, int i)
 {
     int first = rw_mass_first[run], n = rw_mass_first[run + 1] - first;
-    return first + (i - turn_of(run, i) * rw_around[run]) % n;
+    return first + (i - revolution_of(run, i) * rw_around[run]) % n;
 }
 
 double rw_load_mass(const rw_instance *m, int run, int i)
@@ -40,7 +40,7 @@ double rw_load_mass(const rw_instance *m, int run, int i)
     return m->s.mass[mass_of(run, i)];
 }
 
-/* Number of loads of a run; those that its feed holds ready have no end. */
+/* Number of loads of a run; unlimited with a feed. */
 int rw_load_count(int run)
 {
     return rw_feed_spacing[run] > 0.0 ? 1 << 30 : rw_load_first[run + 1] - rw_load_first[run];
@@ -89,8 +89,8 @@ void rw_write_slots(rw_instance *m)
     m->s.solved = m->s.rated = m->s.shown = 0;
 }
 
-/* How the slots change with the seeds of the parameters: masses, and distances, which fall as the rope before
- * grows, or the whole rope with each round. */
+/* Derivatives of the slots in the direction of the parameter seeds: masses, and distances, which decrease with the
+ * length of rope before the span, and with the total length for each revolution. */
 void rw_slot_seeds(rw_instance *m)
 {
     double grown = 0.0, whole = 0.0;
@@ -105,19 +105,19 @@ void rw_slot_seeds(rw_instance *m)
         for (int j = 0; j < rw_slot_count[k]; j++)
             if (m->s.d[rw_slot_ride[k] + j] > 0.0) {
                 int load = m->s.passed[k] - 1 - j;
-                m->dd[rw_slot_at[k] + j] = -grown - turn_of(run, load) * whole;
+                m->dd[rw_slot_at[k] + j] = -grown - revolution_of(run, load) * whole;
                 m->dd[rw_slot_mass[k] + j] = m->dm[mass_of(run, load)];
             }
         grown += m->dp[rw_length_start[k]];
     }
 }
 
-/* More loads in a span than the FMU has room for is an error: they would get lost. */
+/* More loads in a span than slots are an error. */
 rw_status rw_check_slots(rw_instance *m)
 {
     for (int k = 0; k < RW_NK; k++)
         if (!rw_is_last(k) && m->s.passed[k] - m->s.passed[k + 1] > rw_slot_count[k]) {
-            rw_message(m, RW_ERROR, "logStatusError", "%d loads in the span after %s, which has room for %d: export with wider spacing",
+            rw_message(m, RW_ERROR, "logStatusError", "%d loads in the span after %s, which has %d slots: export with a larger spacing",
                        m->s.passed[k] - m->s.passed[k + 1], rw_support_name[k], rw_slot_count[k]);
             return RW_ERROR;
         }

@@ -1,10 +1,10 @@
-/* The equations, solved for what they determine by a guarded Newton's method. A failure is a
- * status and a message; the values of a failed solve are never shown. */
+/* Solution of the equations by a damped Newton's method. A failure is a status and a message; values of a failed solve
+ * are never returned. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-#define TOLERANCE 1e-12 /* step of Newton's method that would follow the last one, scaled */
+#define TOLERANCE 1e-12 /* of the predicted next Newton step, scaled */
 
 void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u)
 {
@@ -23,7 +23,7 @@ int rw_all_finite(const double *v, int n)
     return 1;
 }
 
-/* Inputs at a time: those that the FMU is given, and its schedules, which are linear between their times. */
+/* Inputs at a time: those of the FMU, and piecewise linear schedules. */
 void rw_inputs_at(rw_instance *m, double t, double *u)
 {
     memcpy(u, m->s.u, sizeof m->s.u);
@@ -43,7 +43,7 @@ void rw_inputs_at(rw_instance *m, double t, double *u)
     }
 }
 
-/* Rates of the inputs that schedules drive, times a factor. */
+/* Rates of scheduled inputs, times a factor. */
 void rw_input_rates(double t, double factor, double *du)
 {
     for (int i = 0; i < RW_NS; i++) {
@@ -70,7 +70,7 @@ int rw_rate_function(rw_instance *m, double t, const double *x, const double *z,
     return 0;
 }
 
-/* What a clock decides at the present point, in m->sample. */
+/* New values of a clock at the present point, in m->sample. */
 int rw_sample(rw_instance *m, int clock)
 {
     int n = rw_clock_first[clock + 1] - rw_clock_first[clock];
@@ -80,7 +80,7 @@ int rw_sample(rw_instance *m, int clock)
     return rw_clock_update[clock](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->sample, n);
 }
 
-/* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY where they have no value. */
+/* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY if they are not finite. */
 static double residual(rw_instance *m, double t, const double *x, const double *z, const double *u, const double *base,
                        double hg)
 {
@@ -132,15 +132,15 @@ rw_status rw_fail(rw_instance *m, const char *reason, double t)
     return RW_DISCARD;
 }
 
-static void advance(const double *from, const double *move, double share, double *x, double *z)
+static void advance(const double *from, const double *increment, double share, double *x, double *z)
 {
-    for (int i = 0; i < RW_NX; i++) x[i] = from[i] - share * move[i] * rw_x_nominal[i];
-    for (int i = 0; i < RW_NZ; i++) z[i] = from[RW_NX + i] - share * move[RW_NX + i] * rw_z_nominal[i];
+    for (int i = 0; i < RW_NX; i++) x[i] = from[i] - share * increment[i] * rw_x_nominal[i];
+    for (int i = 0; i < RW_NZ; i++) z[i] = from[RW_NX + i] - share * increment[RW_NX + i] * rw_z_nominal[i];
 }
 
-/* Solves x - base - hg f(x, z) = 0 and g(x, z) = 0 in place, with u as given. Factors are kept as long as they
- * do; a step that overshoots is taken anew with fresh ones, then shortened. x and z are left as they were when
- * it fails. */
+/* Solves x - base - hg f(x, z) = 0 and g(x, z) = 0 in place for given u. Factors are reused while the iteration
+ * converges; a step that increases the residual is repeated with new factors, then damped. After a failure x and z are
+ * unchanged. */
 rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double *u, const double *base, double hg)
 {
     double first[RW_NW + 1], *from = m->w, before = INFINITY, last = INFINITY;
@@ -155,11 +155,11 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
         double norm = residual(m, t, x, z, u, base, hg), size = 0.0, rate;
         if (it == 0 && isinf(norm)) {
             memset(m->residual, 0, sizeof m->residual);
-            rw_fail(m, "The equations have no value", t);
+            rw_fail(m, "The equations are not finite", t);
             goto failed;
         }
         if (it > 0 && !(norm <= 0.9 * before || (last < 1e-6 && norm <= 1e-12))) {
-            if (!fresh) { /* back, with fresh factors */
+            if (!fresh) { /* repeat with new factors */
                 memcpy(x, from, RW_NX * sizeof(double));
                 memcpy(z, from + RW_NX, RW_NZ * sizeof(double));
                 norm = residual(m, t, x, z, u, base, hg);
@@ -168,10 +168,10 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
                 double share = 0.5;
                 for (;; share *= 0.5) {
                     if (share < 1e-7) {
-                        rw_fail(m, "Newton's method makes no progress", t);
+                        rw_fail(m, "Newton's method stalled", t);
                         goto failed;
                     }
-                    advance(from, m->move, share, x, z);
+                    advance(from, m->increment, share, x, z);
                     norm = residual(m, t, x, z, u, base, hg);
                     if (norm <= (1.0 - 0.1 * share) * before) break;
                 }
@@ -188,36 +188,36 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
             renew = 0;
             fresh = 1;
         }
-        memcpy(m->move, m->residual, sizeof m->residual);
-        rw_back(&m->s.lu, m->move, m->work);
-        if (hg == 0.0) memset(m->move, 0, RW_NX * sizeof(double)); /* x is given: to the last bit */
+        memcpy(m->increment, m->residual, sizeof m->residual);
+        rw_back(&m->s.lu, m->increment, m->work);
+        if (hg == 0.0) memset(m->increment, 0, RW_NX * sizeof(double)); /* x is given and stays unchanged */
         for (int i = 0; i < RW_NW; i++)
-            if (!(fabs(m->move[i]) <= size)) size = fabs(m->move[i]);
+            if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);
         if (!isfinite(size)) {
             rw_fail(m, "The equations are singular", t);
             goto failed;
         }
         memcpy(from, x, RW_NX * sizeof(double));
         memcpy(from + RW_NX, z, RW_NZ * sizeof(double));
-        advance(from, m->move, 1.0, x, z);
-        rate = size / last; /* 0 in the first iteration: nothing is known of it */
+        advance(from, m->increment, 1.0, x, z);
+        rate = size / last; /* 0 in the first iteration */
         if (norm <= 1e-15 * sqrt((double)RW_NW) || size <= 0.1 * TOLERANCE) return RW_OK;
         if (fresh ? (isinf(last) ? 10.0 * size * size <= TOLERANCE : size < 1e-3 && size * rate <= TOLERANCE)
                   : (isfinite(last) && rate < 0.5 && size * rate / (1.0 - rate) <= TOLERANCE))
             return RW_OK;
-        if (isfinite(last) && last < 1e-9 && rate > 0.5) return RW_OK; /* rounding is all that is left */
+        if (isfinite(last) && last < 1e-9 && rate > 0.5) return RW_OK; /* at the level of rounding errors */
         if (!fresh && isfinite(last) && rate > 0.1) renew = 1;
         before = norm;
         last = size;
     }
-    status = rw_fail(m, "Newton's method has not converged", t);
+    status = rw_fail(m, "Newton's method did not converge", t);
 failed:
     memcpy(x, first, RW_NX * sizeof(double));
     memcpy(z, first + RW_NX, RW_NZ * sizeof(double));
     return status;
 }
 
-/* Solves them with the equations that hold now. */
+/* Solves the equations of the active place. */
 rw_status rw_solve_here(rw_instance *m)
 {
     rw_point *q = &m->s.now;
@@ -227,7 +227,7 @@ rw_status rw_solve_here(rw_instance *m)
     if (status != RW_OK) return status;
     if (rw_rate_function(m, q->t, q->x, q->z, m->us, m->s.rate)) {
         memset(m->residual, 0, sizeof m->residual);
-        return rw_fail(m, "The rates have no value", q->t);
+        return rw_fail(m, "The rates are not finite", q->t);
     }
     m->s.solved = 1;
     m->s.rated = m->s.shown = 0;

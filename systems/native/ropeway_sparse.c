@@ -1,5 +1,5 @@
-/* Sparse LU with partial pivoting, column by column (Gilbert and Peierls): the columns are ordered when the
- * FMU is made, the rows are chosen here. The capacities hold for every choice of rows. */
+/* Sparse LU with partial pivoting, column by column (Gilbert and Peierls): the columns are ordered at
+ * export, the rows are chosen here. The capacities are upper bounds for any choice of rows. */
 #include <math.h>
 #include "ropeway.h"
 
@@ -97,7 +97,7 @@ int rw_factor(rw_instance *m, rw_factors *lu, const double *values)
 /* Solves in place. */
 void rw_back(const rw_factors *lu, double *b, double *work)
 {
-    /* L keeps the rows' own numbers: work[k] is the unknown of the k-th pivot. */
+    /* L has original row numbers: work[k] is the unknown of the k-th pivot. */
     int row_of[RW_NW + 1];
     for (int i = 0; i < RW_NW; i++) row_of[lu->pinv[i]] = i;
     for (int k = 0; k < RW_NW; k++) {

@@ -1,8 +1,8 @@
-/* Through time: one-step integration with error control, crossings located inside the step (Co-Simulation); event
- * indicators and the event update (Model Exchange).
+/* Time integration: one-step method with error control, crossings located within the step (Co-Simulation); event
+ * indicators and event update (Model Exchange).
  *
- * The integrator is ARK3(2)4L[2]SA-ESDIRK (Kennedy and Carpenter 2003): four stages, stiffly accurate, so that it
- * starts anew at every communication point at no cost and its end point satisfies the algebraic equations. Where
+ * The integrator is ARK3(2)4L[2]SA-ESDIRK (Kennedy and Carpenter 2003): four stages, stiffly accurate: a
+ * restart at a communication point costs nothing, and the end point satisfies the algebraic equations. Where
  * rates depend on inputs only (commanded speeds) they are integrated exactly. */
 #include <math.h>
 #include <string.h>
@@ -11,8 +11,8 @@
 #define GAMMA (1767732205903.0 / 4055673282236.0)
 #define STANDING_STEP 0.02 /* s, while a load stands on a sheave */
 #define LEAST_STEP 1e-11   /* s */
-#define ENOUGH (30.0 * RW_FORCE_NEAR) /* N, by which a side is ahead when a load is released: well above rounding */
-#define LOOK 0.01          /* part of a mean span by which the rope moves at most between two looks at the limits */
+#define RELEASE_FORCE (30.0 * RW_FORCE_NEAR) /* N, force at which a load is released: well above rounding errors */
+#define CHECK_TRAVEL 0.01          /* of a mean span: largest travel of the rope between two checks of the limits */
 
 static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
 static const double stage_weight[4][3] = {
@@ -28,7 +28,7 @@ static const double lower_order[4] = {
     2193209047091.0 / 5459859503100.0,
 };
 
-/* One step of h from the present point, whose rates are known; `error` relative to what is allowed. */
+/* One step of h from the present point, whose rates are known; `error` relative to the tolerance. */
 static rw_status driven_step(rw_instance *m, const rw_point *from, double h, double *error)
 {
     rw_point *q = &m->s.now;
@@ -78,8 +78,8 @@ static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, do
     return rw_solve(m);
 }
 
-/* Back to a point from which a step is tried again; its rates are known. */
-static rw_status back_to(rw_instance *m, const rw_point *from)
+/* Restores the point before a rejected step, with its rates. */
+static rw_status restore(rw_instance *m, const rw_point *from)
 {
     rw_status status;
     m->s.now = *from;
@@ -89,26 +89,26 @@ static rw_status back_to(rw_instance *m, const rw_point *from)
     return status == RW_OK ? rw_rates(m) : status;
 }
 
-/* A step from `from` by at most *h, shortened until it succeeds; rates are known at its end. */
+/* A step from `from` by at most *h, reduced until it succeeds; rates are known at its end. */
 static rw_status step(rw_instance *m, const rw_point *from, double *h, double stop)
 {
     for (;;) {
         double error;
         rw_status status = RW_COUPLED ? coupled_step(m, from, *h, &error) : driven_step(m, from, *h, &error);
         if (status == RW_OK && error <= 1.0) {
-            double wish = *h * fmin(5.0, 0.9 / cbrt(fmax(error, 1e-9)));
+            double next = *h * fmin(5.0, 0.9 / cbrt(fmax(error, 1e-9)));
             if (from->t + *h >= stop - LEAST_STEP) m->s.now.t = stop;
-            if (wish > m->s.h || error > 0.3) m->s.h = wish;
+            if (next > m->s.h || error > 0.3) m->s.h = next;
             return rw_rates(m);
         }
         if (status == RW_ERROR) return status;
         *h *= status == RW_OK && error < 1e9 ? fmax(0.2, 0.9 / cbrt(error)) : 0.25;
         m->s.h = *h;
         if (*h < LEAST_STEP) {
-            rw_message(m, RW_DISCARD, "logStatusDiscard", "The step at t = %.9g s cannot be made small enough", from->t);
+            rw_message(m, RW_DISCARD, "logStatusDiscard", "The step at t = %.9g s fails at the smallest step size", from->t);
             return RW_DISCARD;
         }
-        status = back_to(m, from);
+        status = restore(m, from);
         if (status != RW_OK) return status;
     }
 }
@@ -119,7 +119,7 @@ static rw_status after_event(rw_instance *m, rw_status status)
     return status == RW_OK ? rw_rates(m) : status;
 }
 
-/* A step of at most h; the crossings and releases that it has run over bring it back to their time. */
+/* A step of at most h, reduced to the time of the first crossing or release within it. */
 static rw_status step_to_event(rw_instance *m, double h, double stop)
 {
     rw_point from = m->s.now;
@@ -128,23 +128,23 @@ static rw_status step_to_event(rw_instance *m, double h, double stop)
     int standing = rw_standing(m);
     rw_status status = standing ? rw_release(m, &leaving, &before) : RW_OK;
     if (status != RW_OK) return status;
-    if (before >= ENOUGH) return after_event(m, rw_let_go(m, &leaving));
-    for (int turn = 0; turn < 40; turn++) {
+    if (before >= RELEASE_FORCE) return after_event(m, rw_let_go(m, &leaving));
+    for (int trial = 0; trial < 40; trial++) {
         status = step(m, &from, &h, stop);
         if (status != RW_OK) return status;
         if (rw_next_crossing(m, &coming) && coming.gap < -RW_NEAR * rw_span_scale[rw_run_of[coming.k]]) {
-            /* overrun: its start is a crossing that is not due yet */
+            /* a crossing lies within the step */
             double less = h + coming.time;
-            h = less > 0.0 && turn < 20 ? less : h / 2.0;
+            h = less > 0.0 && trial < 20 ? less : h / 2.0;
         } else {
             if (!standing) return RW_OK;
             status = rw_release(m, &leaving, &ahead);
             if (status != RW_OK || ahead <= RW_FORCE_NEAR) return status;
             if (ahead <= 1e3 * RW_FORCE_NEAR || h < 1e-6) return after_event(m, rw_let_go(m, &leaving));
-            h *= turn < 20 ? (ENOUGH - before) / (ahead - before) : 0.5;
+            h *= trial < 20 ? (RELEASE_FORCE - before) / (ahead - before) : 0.5;
         }
         if (h < LEAST_STEP) break;
-        status = back_to(m, &from);
+        status = restore(m, &from);
         if (status != RW_OK) return status;
     }
     rw_message(m, RW_DISCARD, "logStatusDiscard", "An event cannot be located after t = %.9g s", from.t);
@@ -156,7 +156,7 @@ static double next_tick(const rw_instance *m, int clock)
     return rw_clock_phase[clock] + m->s.ticks[clock] * rw_clock_period[clock];
 }
 
-/* Ticks before the present time are past. */
+/* Skips ticks before the present time. */
 void rw_start_clocks(rw_instance *m)
 {
     for (int i = 0; i < RW_NC; i++) {
@@ -165,7 +165,7 @@ void rw_start_clocks(rw_instance *m)
     }
 }
 
-/* Clocks that tick now decide; what changes the line's motion takes effect when all have. */
+/* Evaluates the clocks that tick now; corrections take effect after all of them. */
 static rw_status tick(rw_instance *m)
 {
     int any = 0;
@@ -176,7 +176,7 @@ static rw_status tick(rw_instance *m)
         if (status != RW_OK) return status;
         m->s.ticks[i]++;
         if (rw_sample(m, i)) {
-            rw_message(m, RW_DISCARD, "logStatusDiscard", "A response has no value at t = %.9g s", m->s.now.t);
+            rw_message(m, RW_DISCARD, "logStatusDiscard", "A response is not finite at t = %.9g s", m->s.now.t);
             return RW_DISCARD;
         }
         for (int p = rw_clock_first[i]; p < rw_clock_first[i + 1]; p++) {
@@ -204,21 +204,21 @@ static int tick_due(const rw_instance *m)
     return 0;
 }
 
-/* How soon to look at the limits again, at the present rates: a load is heaviest on its rope in mid-span. Where a
- * carriage goes from place to place the state is the travel of the drum that pulls it. */
-static double next_look(const rw_instance *m)
+/* Time to the next check of the limits at the present rates. With a carriage that moves between places the state is the
+ * travel of its drum. */
+static double next_limit_check(const rw_instance *m)
 {
-    double soon = INFINITY;
-    for (int k = 0; k < RW_NK; k++) soon = fmin(soon, LOOK * rw_span_scale[rw_run_of[k]] / fabs(rw_travel_rate(m, k)));
+    double time = INFINITY;
+    for (int k = 0; k < RW_NK; k++) time = fmin(time, CHECK_TRAVEL * rw_span_scale[rw_run_of[k]] / fabs(rw_travel_rate(m, k)));
     if (RW_NPL)
-        for (int i = 0; i < RW_NX; i++) soon = fmin(soon, LOOK * RW_MEAN_SPAN / fabs(m->s.rate[i]));
-    return soon;
+        for (int i = 0; i < RW_NX; i++) time = fmin(time, CHECK_TRAVEL * RW_MEAN_SPAN / fabs(m->s.rate[i]));
+    return time;
 }
 
 static rw_status advance(rw_instance *m, double end)
 {
     rw_status status = rw_overrun_moving(m);
-    for (int turn = 0; status == RW_OK && turn < 1000000; turn++) {
+    for (int trial = 0; status == RW_OK && trial < 1000000; trial++) {
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
         int some = rw_next_crossing(m, &coming);
@@ -237,7 +237,7 @@ static rw_status advance(rw_instance *m, double end)
         if (some) h = fmin(h, coming.time);
         if (rw_standing(m)) h = fmin(h, STANDING_STEP);
         if (RW_COUPLED) h = fmin(h, m->s.h);
-        if (RW_NL) h = fmin(h, next_look(m));
+        if (RW_NL) h = fmin(h, next_limit_check(m));
         status = step_to_event(m, h, stop);
         if (status == RW_OK) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
@@ -249,7 +249,7 @@ static rw_status advance(rw_instance *m, double end)
     return status;
 }
 
-/* From the present time to `end`. When it fails the state is the one before. */
+/* From the present time to `end`; after a failure the state is unchanged. */
 rw_status rw_do_step(rw_instance *m, double end)
 {
     rw_status status;
@@ -262,7 +262,7 @@ rw_status rw_do_step(rw_instance *m, double end)
     return status;
 }
 
-/* The time at which a schedule bends or a clock ticks next. */
+/* Time of the next vertex of a schedule or tick of a clock. */
 double rw_next_time_event(const rw_instance *m)
 {
     double next = INFINITY;
@@ -299,7 +299,7 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
     return RW_NB ? rw_border_indicators(m, indicator + RW_NK + RW_NL) : RW_OK;
 }
 
-/* All that is due at the present time. */
+/* All events at the present time. */
 rw_status rw_event_update(rw_instance *m)
 {
     rw_crossing leaving;

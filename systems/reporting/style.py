@@ -9,9 +9,9 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ropeway.components import units
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.rounding import at_least, at_most
+from ropeway.components.units import factor
 from ropeway.systems.reporting.labels import ENGLISH
 
 Units = Literal["metric", "imperial"]
@@ -46,16 +46,16 @@ _METRIC = {
     "number": Shown("", 1.0, 2),
 }
 _IMPERIAL = _METRIC | {
-    "length": Shown("ft", units.FOOT, 1),
-    "short_length": Shown("ft", units.FOOT, 2),
-    "diameter": Shown("in", units.INCH, 3),
-    "mass": Shown("lb", units.POUND, 0),
-    "mass_per_length": Shown("lb/ft", units.POUND_PER_FOOT, 3),
-    "force": Shown("kip", units.KIP, 2),
-    "stiffness": Shown("kip", units.KIP, 0),
-    "speed": Shown("ft/s", units.FOOT, 3),
-    "power": Shown("hp", units.HORSEPOWER, 1),
-    "acceleration": Shown("ft/s²", units.FOOT, 4),
+    "length": Shown("ft", factor("ft", "m"), 1),
+    "short_length": Shown("ft", factor("ft", "m"), 2),
+    "diameter": Shown("in", factor("in", "m"), 3),
+    "mass": Shown("lb", factor("lb", "kg"), 0),
+    "mass_per_length": Shown("lb/ft", factor("lb/ft", "kg/m"), 3),
+    "force": Shown("kip", factor("kip", "N"), 2),
+    "stiffness": Shown("kip", factor("kip", "N"), 0),
+    "speed": Shown("ft/s", factor("ft", "m"), 3),
+    "power": Shown("hp", factor("hp", "W"), 1),
+    "acceleration": Shown("ft/s²", factor("ft", "m"), 4),
 }
 _SHOWN: Mapping[str, Mapping[str, Shown]] = {"metric": _METRIC, "imperial": _IMPERIAL}
 
@@ -85,7 +85,7 @@ class Style:
     def number(self, value: Any, quantity: str, side: Side = "near") -> str:
         """A value in SI units as text, without its unit; a dash where there is none."""
         if value is None or not math.isfinite(float(value)):
-            return "–" if value is None or math.isnan(float(value)) else "∞"
+            return "-" if value is None or math.isnan(float(value)) else "∞"
         unit = self.shown(quantity)
         scaled = float(value) / unit.size
         if side == "near":

@@ -91,7 +91,7 @@ class Blocks:
         for block in blocks:
             part = self._part(block)
             nominal, n = self.model.z.nominals[part.columns], len(part.columns)
-            x, z, u, p, d = (point.vector(kind)[places] for kind, places in zip(VECTORS, part.used, strict=True))
+            x, z, u, p, d = (vector[places] for vector, places in zip(point.vectors, part.used, strict=True))
             rest = [u, p, d, x_rate[part.used[0]], slope[part.used[2]]]
             v, sides = damped(
                 z / nominal,

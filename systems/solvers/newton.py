@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -23,14 +23,20 @@ Slot = tuple[Kind, int]
 
 _SMALL = 1e-11
 """Scaled residual of a root."""
-VECTORS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
+VECTORS = {
+    Kind.STATE: "x",
+    Kind.ALGEBRAIC: "z",
+    Kind.INPUT: "u",
+    Kind.PARAMETER: "p",
+    Kind.DISCRETE: "d",
+}
+"""The vectors of a model in the order of its functions' arguments, and what each is called."""
 
 
 @dataclass(frozen=True)
-class Point:
-    """A point of the model: time [s] and the values of all vectors."""
+class Vectors:
+    """One array for each vector of a model."""
 
-    t: float
     x: np.ndarray
     z: np.ndarray
     u: np.ndarray
@@ -38,9 +44,20 @@ class Point:
     d: np.ndarray
 
     def vector(self, kind: Kind) -> np.ndarray:
-        """The vector of a kind."""
-        vectors = (self.x, self.z, self.u, self.p, self.d)
-        return vectors[VECTORS.index(kind)]
+        """The array of a kind."""
+        return np.asarray(getattr(self, VECTORS[kind]))
+
+    @property
+    def vectors(self) -> tuple[np.ndarray, ...]:
+        """All of them, in the order of `VECTORS`."""
+        return (self.x, self.z, self.u, self.p, self.d)
+
+
+@dataclass(frozen=True)
+class Point(Vectors):
+    """A point of the model: the values of all vectors, and the time [s]."""
+
+    t: float = 0.0
 
     @property
     def arguments(self) -> tuple[np.ndarray, ...]:
@@ -49,7 +66,8 @@ class Point:
 
     def copy(self) -> Point:
         """With vectors of its own."""
-        return Point(self.t, *(self.vector(kind).copy() for kind in VECTORS))
+        x, z, u, p, d = (vector.copy() for vector in self.vectors)
+        return Point(x, z, u, p, d, self.t)
 
 
 class Buffered:
@@ -82,6 +100,22 @@ class Buffered:
         return buffer.set_arg, call, results, [None] * self.function.n_in()
 
 
+class NewtonInputs(NamedTuple):
+    """Inputs of a residual and its Jacobian: the scaled `unknowns`, the point's other vectors, the `target` of given
+    values, the `damping` of the idlers' travels with their start `anchor`, and the `slope` of the inputs [per s]."""
+
+    unknowns: Any
+    t: Any
+    x: Any
+    u: Any
+    p: Any
+    d: Any
+    target: Any
+    damping: Any
+    anchor: Any
+    slope: Any
+
+
 class Newton:
     """Solves a model's algebraic equations for its algebraic variables and, in exchange for `given` values
     of variables or outputs, for the `freed` entries of its other vectors."""
@@ -109,12 +143,13 @@ class Newton:
             y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
             residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
-        known = [point[kind] for kind in VECTORS if kind is not Kind.ALGEBRAIC]
-        inputs = [v, time, *known, target, damping, anchor, slope]
-        self.residual = ca.Function("residual", inputs, [residual])
+        known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
+        inputs = NewtonInputs(unknowns=v, t=time, **known, target=target, damping=damping, anchor=anchor, slope=slope)
+        names = list(NewtonInputs._fields)
+        self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
         matrix = ca.jacobian(residual, v)
         stop_if_interrupted()
-        self.jacobian = ca.Function("jacobian", inputs, [matrix])
+        self.jacobian = ca.Function("jacobian", inputs, [matrix], names, ["jacobian"])
         self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
@@ -129,12 +164,21 @@ class Newton:
         drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
         return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
 
-    def arguments(self, point: Point) -> list[np.ndarray]:
-        """Inputs of the residual and the Jacobian at a point: unknowns, knowns, no target, no damping."""
+    def arguments(self, point: Point) -> NewtonInputs:
+        """Inputs of the residual and the Jacobian at a point, without target and damping."""
         zero = np.zeros(1)
-        slope = np.zeros(len(point.u))
-        z = point.z / self.model.z.nominals
-        return [self._start(point), np.array([point.t]), point.x, point.u, point.p, point.d, zero[:0], zero, z, slope]
+        return NewtonInputs(
+            unknowns=self._start(point),
+            t=np.array([point.t]),
+            x=point.x,
+            u=point.u,
+            p=point.p,
+            d=point.d,
+            target=zero[:0],
+            damping=zero,
+            anchor=point.z / self.model.z.nominals,
+            slope=np.zeros(len(point.u)),
+        )
 
     def matrix(self, point: Point) -> csc_matrix:
         """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
@@ -169,19 +213,21 @@ class Newton:
         n = len(self.scale)
         if n == 0:
             return None if slope is None else np.zeros(0)
-        v, *rest = self.arguments(point)
+        inputs = self.arguments(point)._replace(damping=np.array([damping]))
         if target is not None:
-            rest[5] = target
-        rest[6] = np.array([damping])
+            inputs = inputs._replace(target=target)
         if slope is not None:
-            rest[8] = slope
+            inputs = inputs._replace(slope=slope)
+        known = inputs[1:]
         function = self._step if slope is None else self._step_and_rates
 
         def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, sides = function(v, *rest)
+            value, sides = function(v, *known)
             return value.copy(), sides.copy()
 
-        v, sides = damped(v, step, lambda v: self._value(v, *rest)[0], self.model.r.names, iterations, shortest)
+        v, sides = damped(
+            inputs.unknowns, step, lambda v: self._value(v, *known)[0], self.model.r.names, iterations, shortest
+        )
         self._put(v, point)
         return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
 
@@ -222,7 +268,7 @@ def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
     return rows[order], order
 
 
-def _linear_solves(name: str, inputs: list[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
+def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
     """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
     parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
     stop_if_interrupted()

@@ -126,7 +126,7 @@ class LineState:
         d = model.d.values.copy()
         d[model.kept] = record.kept
         passed = [p - run.loads.first for p, run in zip(record.passed, runs, strict=True)]
-        state = cls(model, Point(record.time, record.x.copy(), record.z.copy(), record.u.copy(), p, d), runs, passed)
+        state = cls(model, Point(record.x.copy(), record.z.copy(), record.u.copy(), p, d, record.time), runs, passed)
         state.write_slots()
         return state
 
@@ -135,7 +135,7 @@ class LineState:
         self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
         d = self.model.d.values.copy()
         d[self.model.kept] = self.point.d[old.kept]
-        self.point = Point(self.point.t, self.point.x, self.point.z, self.point.u, self.point.p, d)
+        self.point = replace(self.point, d=d)
 
     def settle(self) -> bool:
         """Puts each load into the span where the rope has taken it. False when one had to move."""
@@ -333,7 +333,7 @@ def restored_points(
     passed = [np.array([record.passed[r] for record in records]) - run.loads.first for r, run in enumerate(runs)]
     for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
         layout.slots.write(d, run, beyond, layout.start(p))
-    points = [Point(q.time, q.x.copy(), q.z.copy(), q.u.copy(), p, own) for q, own in zip(records, d, strict=True)]
+    points = [Point(q.x.copy(), q.z.copy(), q.u.copy(), p, own, q.time) for q, own in zip(records, d, strict=True)]
     return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
 
 
@@ -344,12 +344,12 @@ def declared_point(model: Model) -> Point:
         for s, open_start in zip(model.signals, model.u.values, strict=True)
     ]
     x, z, p, d = (table.values.copy() for table in (model.x, model.z, model.p, model.d))
-    return Point(0.0, x, z, np.array(u), p, d)
+    return Point(x, z, np.array(u), p, d)
 
 
 def support_points(model: Model, r: int, point: Point) -> np.ndarray:
     """Places of the supports of a run, shape (supports, 3) [m]: parameters, or variables where ropes hold them."""
-    return np.concatenate([point.vector(kind) for kind in VECTORS])[_coordinates(model, r)]
+    return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 
 @lru_cache(maxsize=64)

@@ -5,8 +5,7 @@ import math
 import casadi as ca
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.smooth import clip, clip_above

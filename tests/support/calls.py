@@ -45,9 +45,7 @@ EXTENSION = {
 def public_names() -> list[str]:
     """All names of the root and of `rw.fmu` that can be called, without the errors and what components are made of."""
     names = [
-        n
-        for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__))
-        if n not in EXTENSION and callable(public(n))
+        n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in (*EXTENSION, "fmu", "units")
     ]
     return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 

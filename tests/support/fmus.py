@@ -163,10 +163,14 @@ class Opened:
         if self.three:
             self.fmu.instantiate(logMessage=self._log3)
         else:
-            from fmpy.fmi2 import calloc, fmi2CallbackFunctions, free
-            from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
-            from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
-            from fmpy.fmi2 import fmi2CallbackLoggerTYPE as Logger
+            from fmpy.fmi2 import (
+                calloc,
+                fmi2CallbackAllocateMemoryTYPE as Allocate,
+                fmi2CallbackFreeMemoryTYPE as Free,
+                fmi2CallbackFunctions,
+                fmi2CallbackLoggerTYPE as Logger,
+                free,
+            )
 
             self._callbacks = fmi2CallbackFunctions()
             self._callbacks.logger = Logger(lambda env, name, status, category, text: self.log.append(text.decode()))

@@ -260,6 +260,15 @@ class RigOracle:
         """Whether a rope that ends at the carriage comes from smaller x: skyline and mainline do, a haulback not."""
         return bool(pull[0, 0].real > 0.0)
 
+    def leaves_shoe(self, u: np.ndarray, force: np.ndarray, end: np.ndarray) -> bool:
+        """Whether the skyline pulls the carriage on a shoe to its own side at both of its ends."""
+        if self.under is None:
+            return True
+        away = (u[self.at[self.car]][[0, 2]] - self.under.centre) / self.under.radius
+        along = np.array([away[1], -away[0]])
+        k = int(self.first[self._sky]) + list(self.lines[self._sky].nodes).index(self.car)
+        return bool(force[0, k, [0, 2]] @ along > 0.0 and end[0, k - 1, [0, 2]] @ along > 0.0)
+
     def _on_shoe(self, u: np.ndarray, pull: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         shoe = self.under
         assert shoe is not None
@@ -288,7 +297,11 @@ class RigOracle:
         total = pulls[self.car] - mass * rig.gravity * UP
         if self.ideal:
             k = int(self.first[self._sky]) + list(self.lines[self._sky].nodes).index(self.car)
-            way = force[:, k] / norm(force[:, k])[:, None] - -end[:, k - 1] / norm(end[:, k - 1])[:, None]
+            # As the skyline pulls at the carriage: where it lies on the shoe, along it.
+            before, behind = (
+                self._attached(u, self.car, pull, sign)[2] for pull, sign in ((end[:, k - 1], -1.0), (force[:, k], 1.0))
+            )
+            way = behind / norm(behind)[:, None] - before / norm(before)[:, None]
             if rig.carriage.holding == "horizontal":
                 way = way * np.array([1.0, 1.0, 0.0])
             total = total - (F * u[:, self.scalar["hold"]] / norm(way))[:, None] * way

@@ -67,7 +67,7 @@ def misses(law: RigOracle, u: np.ndarray) -> list[str]:
 def described(law: RigOracle, u: np.ndarray) -> State:
     """A solved point, judged."""
     force, end, length = law.forces(u[None])
-    taut = bool(length.min() > 0.0)
+    taut = bool(length.min() > 0.0) and law.leaves_shoe(u, force, end)
     for k, (line, _, _) in enumerate(law.spans):
         if line.role in ("mainline", "haulback") or (line.role == "skyline" and law.height is not None):
             flat = float(np.hypot(*force[0, k, :2]))

@@ -146,7 +146,9 @@ def _judge_payloads(found: Verdict, case: Drawn, stations: np.ndarray, rng: np.r
         alone = rw.payload(rig, clearance=case.clearance, stations=[float(s)]).frame.to_dict("records")[0]
         if not alike(rows[s], alone):
             found.faults.append(("payload by order", float(s), rows[s]["payload"], alone["payload"]))
-        found.faults += [("payload", float(s), why) for why in _not_greatest(case, float(s), alone)]
+        wrong = [("payload", float(s), why) for why in _not_greatest(case, float(s), alone)]
+        # Where no equilibrium limits it, one of the oracle's is a refusal: it may be none that is reached from empty.
+        (found.refused_wrongly if alone["limited_by"] == "no equilibrium" else found.faults).extend(wrong)
 
 
 def _margins(case: Drawn, row: Row) -> dict[str, float]:

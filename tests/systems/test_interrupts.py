@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.systems.dynamics.simulation import _Simulation
+from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.interrupts import interruptible, keeping, stop_if_interrupted, users_code
 from ropeway.systems.native import compiler
 from ropeway.systems.solvers.newton import Buffered
@@ -60,7 +60,7 @@ def test_a_simulation_keeps_what_has_run(number: int, monkeypatch: Patch) -> Non
     model = rw.assemble(line(6, 3))
     start = rw.equilibrium(model)
     whole = rw.simulate(model, 12.0, every=0.5, start=start)
-    ctrl_c_at(monkeypatch, _Simulation, "record", number)
+    ctrl_c_at(monkeypatch, Recorder, "record", number)
     with pytest.raises(rw.Interrupted) as caught:
         rw.simulate(model, 12.0, every=0.5, start=start)
     part = caught.value.result
@@ -108,7 +108,7 @@ def test_load_paths_and_payloads_keep_their_rows(monkeypatch: Patch) -> None:
 
 def test_an_inhaul_keeps_the_rows_of_the_stretch_it_is_on(monkeypatch: Patch) -> None:
     whole = rw.inhaul(corridor(), payload=1000.0, start=140.0, end=20.0)
-    ctrl_c_at(monkeypatch, _Simulation, "record", 15)
+    ctrl_c_at(monkeypatch, Recorder, "record", 15)
     with pytest.raises(rw.Interrupted) as caught:
         rw.inhaul(corridor(), payload=1000.0, start=140.0, end=20.0)
     rows = caught.value.result.frame

@@ -6,7 +6,7 @@
 #include "ropeway.h"
 
 typedef struct {
-    rw_instance core; /* first: an fmi2Component is an rw_instance too */
+    rw_instance core; /* first: an fmi2Component is also an rw_instance */
     const fmi2CallbackFunctions *callbacks;
     char *name;
 } instance;
@@ -23,7 +23,7 @@ typedef struct {
 
 static void forward_message(void *context, rw_status status, const char *category, const char *message)
 {
-    /* Some importers show the format itself: the message is given as one, without conversions. */
+    /* Some importers show the format string: the message is passed as the format, without conversions. */
     instance *i = context;
     char plain[512];
     size_t n = 0;
@@ -136,7 +136,7 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t
         (void)vr, (void)value;                                                                   \
         NEEDS(1, #call);                                                                         \
         if (n == 0) return fmi2OK;                                                               \
-        rw_message(CORE, RW_ERROR, "logStatusError", #call ": no such variable");                \
+        rw_message(CORE, RW_ERROR, "logStatusError", #call ": unknown variable");                \
         return fmi2Error;                                                                        \
     }
 NOT_THERE(String, fmi2GetString, (fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]))

@@ -141,7 +141,7 @@ fmi3Status fmi3SetBoolean(fmi3Instance c, const fmi3ValueReference vr[], size_t 
     return (fmi3Status)status;
 }
 
-/* Types without a variable. */
+/* Types without variables. */
 #define NOT_THERE(call, ...)                                                             \
     fmi3Status call(fmi3Instance c, const fmi3ValueReference vr[], size_t n, __VA_ARGS__) \
     {                                                                                    \
@@ -175,7 +175,7 @@ NOT_THERE(fmi3SetIntervalFraction, const fmi3UInt64 value[], const fmi3UInt64 re
 NOT_THERE(fmi3SetShiftDecimal, const fmi3Float64 value[])
 NOT_THERE(fmi3SetShiftFraction, const fmi3UInt64 value[], const fmi3UInt64 resolutions[])
 
-/* What this FMU does not offer. */
+/* Functions that this FMU does not support. */
 #define NOT_OFFERED(call, ...)                     \
     fmi3Status call(fmi3Instance c, __VA_ARGS__) \
     {                                              \

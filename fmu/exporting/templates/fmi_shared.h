@@ -1,4 +1,4 @@
-/* What reads alike in FMI 2.0 and 3.0. Included by fmi2.c and fmi3.c, which define FMI(name), a name of the standard with
+/* Code that FMI 2.0 and 3.0 share. Included by fmi2.c and fmi3.c, which define FMI(name), a name of the standard with
  * its prefix, and one name each where the versions differ by more. An instance begins with its rw_instance. */
 
 #define CORE ((rw_instance *)c)
@@ -124,7 +124,7 @@ FMI(Status) FMI(EnterEventMode)(void *c)
     return FMI(OK);
 }
 
-/* What is due at the present time; the next time event, INFINITY without one. */
+/* Events at the present time; returns the next time event, INFINITY if there is none. */
 static FMI(Status) update(void *c, double *next)
 {
     rw_status status = rw_event_update(CORE);
@@ -199,7 +199,7 @@ FMI(Status) FMI(GetEventIndicators)(void *c, double indicator[], size_t n)
 static FMI(Status) do_step(void *c, double time, double size)
 {
     if (!(size > 0.0) || !isfinite(size) || !isfinite(time) || fabs(time - CORE->s.now.t) > 1e-6 * (1.0 + fabs(time))) {
-        rw_message(CORE, RW_ERROR, "logStatusError", "A step of %g s from %.9g s is asked for at %.9g s", size, time, CORE->s.now.t);
+        rw_message(CORE, RW_ERROR, "logStatusError", "A step of %g s from %.9g s was requested at %.9g s", size, time, CORE->s.now.t);
         return FMI(Error);
     }
     return (FMI(Status))rw_do_step(CORE, time + size);

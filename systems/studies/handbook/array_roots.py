@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ropeway.components.annotation_checks import Array as Array
-from ropeway.components.annotation_checks import Numbers as Numbers
+from ropeway.components.annotation_checks import Array as Array, Numbers as Numbers
 
 _STEP = 1e-30  # complex step: derivatives to rounding
 

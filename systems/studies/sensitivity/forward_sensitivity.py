@@ -146,7 +146,7 @@ class Follower:
 
         def at(t: float, values: np.ndarray) -> Point:
             u = a.point.u + (t - a.point.t) * slope
-            return Point(t, values[:n] * nominal, point.z, u, point.p, point.d)
+            return replace(point, t=t, x=values[:n] * nominal, u=u)
 
         def directions(now: Point, values: np.ndarray) -> Directions:
             x = values[n:].reshape(n, k) * nominal[:, None] * weights

@@ -6,7 +6,6 @@ variables change with it, the algebraic variables follow from the equations by i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import casadi as ca
@@ -14,31 +13,19 @@ import numpy as np
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import splu
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.sampled_control import Clock
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, scalar
+from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Vectors, scalar
 
 
-@dataclass(frozen=True)
-class Directions:
+class Directions(Vectors):
     """Derivatives of the model's vectors at a point, one column a direction: shapes (nx, k), (nz, k), ..."""
-
-    x: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-    p: np.ndarray
-    d: np.ndarray
-
-    def vector(self, kind: Kind) -> np.ndarray:
-        """The directions of one vector."""
-        return (self.x, self.z, self.u, self.p, self.d)[VECTORS.index(kind)]
 
     @property
     def stacked(self) -> np.ndarray:
         """All of them, one below the other."""
-        return np.vstack([self.vector(kind) for kind in VECTORS])
+        return np.vstack(self.vectors)
 
 
 class Jacobian:
@@ -55,7 +42,7 @@ class Jacobian:
 
     def __call__(self, point: Point) -> csc_matrix:
         """At a point."""
-        values = self._f(np.array([point.t]), np.concatenate(point.arguments[1:]))[0]
+        values = self._f(np.array([point.t]), np.concatenate(point.vectors))[0]
         return csc_matrix((values.copy(), self._rows, self._columns), shape=self._shape)
 
 

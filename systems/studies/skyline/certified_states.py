@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ropeway.components.errors import EquilibriumError
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 from ropeway.systems.studies.skyline.station_solver import Stations
 
@@ -33,5 +34,13 @@ def _again(failed: Solved) -> Solved:
     found = failed
     if failed.asked is not None:
         found = Stations(failed.at.rig, by_height=failed.at.by_height).solve(*failed.asked)
-    found.at.certificate([found.point]).require(found.at.model)
+    try:
+        found.at.certificate([found.point]).require(found.at.model)
+    except EquilibriumError as error:
+        where = "" if found.asked is None else f" at station {found.asked.station:g} m"
+        raise EquilibriumError(
+            f"{error.cause}{where}",
+            "Ask beside this station, or change lengths or the payload a little",
+            error.component,
+        ) from error
     return found

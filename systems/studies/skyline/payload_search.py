@@ -35,10 +35,16 @@ _ALIKE = 1e-9
 _ZERO = 1e-10
 """A margin so small is none: the search ends there, without a try to close its bracket."""
 
+_EXACT = 1e-7
+"""A margin that is continuous ends within this of zero."""
+
 _GAPS = (0.2, 0.5, 1.0, 2.0, 4.0, 0.05, 5e-3, 5e-4)
 """Depths below the chord [m] at which an empty carriage is tried first."""
 _LOWEST = 1e-6
 """How exactly the lowest height of an empty carriage is found, in parts of the gap below the chord."""
+
+_RAISED = tuple(0.05 * 2.0**k for k in range(12))
+"""Heights [m] by which a carriage is raised for the skyline to clear the ground."""
 
 _FIRST = 1000.0
 """The first payload tried [kg]: the same at each station, so that no answer depends on another."""
@@ -56,13 +62,26 @@ class PayloadSearch:
     """The largest payload at each station by itself. clearance: to which the yarder lowers the skyline [m]."""
 
     def __init__(
-        self, rig: SkylineRig, margins: dict[str, LimitMargin], clearance: float | None, of_rope: float
+        self,
+        rig: SkylineRig,
+        margins: dict[str, LimitMargin],
+        clearance: float | None,
+        of_rope: float,
+        *,
+        strict: bool = False,
     ) -> None:
-        self.rig, self.margins, self.clearance, self.of_rope = rig, margins, clearance, of_rope
+        self.rig, self.margins, self.clearance, self.of_rope, self.strict = rig, margins, clearance, of_rope, strict
         self.solver = Stations(rig, by_height=clearance is not None)
 
     def at(self, station: float) -> StationRow:
-        """The row of a station."""
+        """The row of a station. Where the state that is found fails its certificate, each one that is tried is
+        certified: beyond the last that holds there is no equilibrium."""
+        try:
+            return self._found(station)
+        except EquilibriumError:
+            return PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope, strict=True)._found(station)
+
+    def _found(self, station: float) -> StationRow:
         if self.clearance is None:
             return self._row(station, *self._largest(station, None))
         height = carriage_height(self.rig, station, self.clearance)
@@ -99,7 +118,9 @@ class PayloadSearch:
         and where the rope paid out hangs in other spans, it does not come down further. The height itself where it
         goes nowhere."""
         room = self._room(station, height)
-        alone = PayloadSearch(self.rig, self.margins, self.clearance, self.of_rope)  # that it counts on nothing else
+        alone = PayloadSearch(
+            self.rig, self.margins, self.clearance, self.of_rope, strict=self.strict
+        )  # that it counts on nothing else
         margin = -1.0
 
         def hangs(gap: float, effort: Effort) -> bool:
@@ -139,9 +160,12 @@ class PayloadSearch:
             return -np.inf if found.solved is None else self._rope_clearance(found) - self.of_rope
 
         top = self._room(station, height) - 0.05
-        if top <= 0.0 or not short(top) >= 0.0:
+        # By steps from below: near the chord another limit can leave no payload, or there is no equilibrium.
+        steps = [0.0, *(step for step in _RAISED if step < top), max(top, 0.0)]
+        enough = next((k for k, step in enumerate(steps) if k > 0 and short(step) >= 0.0), None)
+        if enough is None:
             return 0.0, self._try(station, 0.0, height)._replace(limit="rope clearance")
-        extra = float(brentq(lambda e: max(short(e), -1e3), 0.0, top, xtol=1e-6))
+        extra = float(brentq(lambda e: max(short(e), -1e3), steps[enough - 1], steps[enough], xtol=1e-6))
         mass, found = self._largest(station, height + extra)
         return mass, found._replace(limit="rope clearance") if mass > 0.0 else found
 
@@ -187,13 +211,18 @@ class PayloadSearch:
                 low, high = high, 1.5 * high
         mass = float(brentq(lambda m: least(m) if abs(least(m)) > _ZERO else 0.0, low, high, xtol=1e-7, rtol=1e-11))
         least(mass)
-        if tried[mass].solved is None:
-            mass = max(m for m, found in tried.items() if found.margin >= 0.0 and m <= mass)
-        return mass, tried[mass]
+        if abs(tried[mass].margin) <= _EXACT:
+            return mass, tried[mass]
+        # The margin jumps, as where the mainline takes over from the clamp: the payload stays on the inner side.
+        inner = max(m for m, found in tried.items() if found.margin >= 0.0 and m <= mass)
+        outer = tried[min(m for m in tried if m > inner)]
+        return inner, tried[inner]._replace(limit=outer.limit)
 
     def _try(self, station: float, mass: float, height: float | None, effort: Effort = Effort.FULL) -> Tried:
         try:
             solved = self.solver.solve(station, mass, height, effort=effort)
+            if self.strict:
+                (solved,) = certified([solved])
         except OutOfReachError as error:
             return Tried(-1.0, error.limit, None)
         except EquilibriumError:

@@ -130,8 +130,7 @@ class RigCheck:
     def _jacobian_at(self, point: Point) -> np.ndarray:
         """The entries of the Jacobian of the scaled residuals by the scaled unknowns."""
         arguments = self.newton.arguments(point)
-        arguments[6] = np.zeros(self.newton.jacobian.size1_in(6))
-        return self._jacobian(*arguments)[0]
+        return self._jacobian(*arguments._replace(target=np.zeros(self.newton.jacobian.size1_in("target"))))[0]
 
     def _tops(self) -> dict[str, list[Balance]]:
         """Which way the top of each guyed spar can go."""

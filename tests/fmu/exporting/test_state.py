@@ -97,7 +97,7 @@ def test_a_bad_value_reference_is_refused(open_fmu: Opener, line: Path) -> None:
     one.references["bad"] = 10**6
     with pytest.raises(FMICallException):
         one.get("bad")
-    refused(one, "No such variable")
+    refused(one, "Unknown value reference")
     with pytest.raises(FMICallException):
         one.set(bad=1.0)
     one.references["hidden"] = next(r for r in range(10**4) if r not in one.references.values())

@@ -7,6 +7,9 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.systems.dynamics.line_integrator import LineIntegrator
+from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.dynamics.section_integrator import SectionIntegrator
 from support import schedule_lines
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
@@ -91,16 +94,22 @@ def test_command_lag_and_speed_control_follow_their_closed_form() -> None:
     assert frame["c.rope_speed"].to_numpy() == pytest.approx(exact, abs=2e-5)
 
 
-def test_both_ways_of_going_on_agree() -> None:
-    """Where no limit binds the drives move on their own; a tolerance apart, the whole set gives the same."""
-    system = line(drive=rw.HydraulicDrive(**DRIVE), response=RULE)
-    model = rw.assemble(system)
-    by_sections = rw.simulate(model, until=30.0)
-    from ropeway.systems.solvers.drive_trajectories import drives_of
+def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no limit is active the drives move by themselves; IDAS on all equations at once gives the same."""
+    model = rw.assemble(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE))
+    as_a_whole: list[float] = []
+    advance = LineIntegrator.advance
 
-    drives = drives_of(model, 1e-8)
-    drives.decoupled = lambda point: False  # type: ignore[method-assign]
+    def counted(self: LineIntegrator, motion: LineMotion, stop: float) -> LineMotion:
+        as_a_whole.append(stop)
+        return advance(self, motion, stop)
+
+    monkeypatch.setattr(LineIntegrator, "advance", counted)
+    by_sections = rw.simulate(model, until=30.0)
+    assert not as_a_whole
+    monkeypatch.setattr(SectionIntegrator, "advance", lambda self, motion, stop: None)
     whole = rw.simulate(model, until=30.0, tolerance=1e-8)
+    assert len(as_a_whole) > 30
     tensions = [c for c in whole.frame if ".tension_" in c]
     assert by_sections.frame[tensions].to_numpy() == pytest.approx(whole.frame[tensions].to_numpy(), rel=2e-5)
     crossings = [r.events[r.events["event"].str.startswith("crossing")] for r in (by_sections, whole)]

@@ -1,4 +1,4 @@
-"""Endless ropes keep their loads whichever way they run, and lines say when they make no headway."""
+"""Endless ropes keep their loads whichever way they run, and runs say when they make no progress."""
 
 from __future__ import annotations
 
@@ -103,25 +103,27 @@ def test_a_load_that_gets_lost_is_an_internal_error(monkeypatch: pytest.MonkeyPa
         rw.simulate(loop(1.0), 60.0)
 
 
-def test_a_line_that_makes_no_headway_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_makes_no_progress_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Crossings that change nothing would repeat for ever."""
     monkeypatch.setattr(load_crossings, "apply", lambda *_, **__: "crossing forward")
-    with pytest.raises(rw.SimulationError, match=r"no headway: \d+ events and trials at '\w+' within 0.1 s") as caught:
+    with pytest.raises(
+        rw.SimulationError, match=r"no progress: \d+ events and failed steps at '\w+' within 0.1 s"
+    ) as caught:
         rw.simulate(loop(1.0), 60.0)
     assert caught.value.time < 30.0
     assert len(caught.value.result.records) > 100
-    assert "no headway" in str(pickle.loads(pickle.dumps(caught.value)))
+    assert "no progress" in str(pickle.loads(pickle.dumps(caught.value)))
 
 
-def test_headway_counts_events_of_a_short_time() -> None:
-    headway = ChatterGuard(3)
+def test_events_of_a_short_time_are_counted() -> None:
+    guard = ChatterGuard(3)
     for time in np.arange(0.0, 500.0, 0.5):
         for _ in range(300):
-            headway.require(float(time), "s1")
-    for _ in range(headway.most - headway.count):
-        headway.require(499.55)
+            guard.require(float(time), "s1")
+    for _ in range(guard.most - guard.count):
+        guard.require(499.55)
     with pytest.raises(FinalError, match="'s1'"):
-        headway.require(499.55)
+        guard.require(499.55)
 
 
 def test_an_error_that_shorter_steps_do_not_mend_is_raised_at_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -42,8 +42,7 @@ from ropeway.systems.studies.control.scheduling.problem import ScheduleProblem
 from ropeway.systems.studies.control.scheduling.sample_times import sample_times
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.scheduling.section_equations import Constraint, LineEquations, drive_parameters
-from ropeway.systems.studies.control.scheduling.solution import Planned
-from ropeway.systems.studies.control.scheduling.solution import planned as solved
+from ropeway.systems.studies.control.scheduling.solution import Planned, planned as solved
 from ropeway.systems.studies.control.scheduling.terms import Bounds, Parts, Task
 
 _ROUNDS, _ITERATIONS, _TOLERANCE = 8, 300, 1e-6

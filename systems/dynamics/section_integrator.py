@@ -1,0 +1,109 @@
+"""Integration by sections: the drives move by themselves, and a section is solved only where a load crosses.
+
+While no limit of a drive is active, its motion does not depend on the tensions (`drive_trajectories`): the travel of
+the drives is known over a whole window, and the sections between them are independent of each other.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ropeway.systems.dynamics import load_crossings as loads
+from ropeway.systems.dynamics.chattering import ChatterGuard
+from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper
+from ropeway.systems.dynamics.load_events import LoadEvents
+from ropeway.systems.dynamics.recorder import Recorder
+from ropeway.systems.solvers.drive_trajectories import Window, drives_of
+
+LEAST_STEP = 1e-5
+"""Shortest step [s] that is tried when a longer one has failed."""
+
+LONGEST_STEP = 1.0
+"""Longest step [s] between two checks of the drives' limits, and of whether the rope has turned."""
+
+
+class _UnforeseenError(Exception):
+    """A load has crossed a support before the time that rates predict."""
+
+
+class SectionIntegrator:
+    """Advances a line section by section."""
+
+    def __init__(self, line: LineStepper, events: LoadEvents, guard: ChatterGuard, recorder: Recorder) -> None:
+        self.line = line
+        self.events = events
+        self.guard = guard
+        self.recorder = recorder
+
+    def advance(self, motion: LineMotion, stop: float) -> LineMotion | None:
+        """Advances the line towards `stop`. None, and the line is unchanged, where a limit of a drive is active or a
+        load stands on a support."""
+        line = self.line
+        drives = drives_of(line.state.model, line.tolerance)
+        if line.state.standing() or not drives.decoupled(line.state.point):
+            return None
+        saved, checkpoint, slope = line.state.copy(), self.recorder.checkpoint(), line.slope(stop)
+        begin, end = line.time, min(stop, line.time + LONGEST_STEP) if drives.ties else stop
+        window = drives.window(line.state.point, end - begin, motion.x, slope)
+        if not drives.alone(window, line.state.point, slope):
+            return None
+        overrun = bool(loads.overrun(line.state, set()))
+        while end > begin:
+            try:
+                done = self._through(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
+                if done is not None:
+                    return done
+                end = begin
+            except _UnforeseenError:  # over a shorter step rates predict it
+                end = (begin + end) / 2.0
+            self.guard.require(begin)
+            line.state = saved.copy()
+            self.recorder.rewind(checkpoint)
+        return None
+
+    def _through(
+        self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
+    ) -> LineMotion | None:
+        """To the `end` of a window, crossing by crossing; None where a limit is active. strict: raises
+        _UnforeseenError."""
+        line = self.line
+        drives = drives_of(line.state.model, line.tolerance)
+        crossed = -np.inf
+        while (coming := loads.next_crossing(line.state, motion.travel)) is not None:
+            if coming.time > end - line.time:
+                break
+            motion = self._follow(window, line.time + coming.time, motion)
+            touched = line.sections_beside([coming])
+            motion = line.correct(motion, stop, touched)
+            now = loads.gap_of(line.state, coming, motion.travel)
+            if abs(now.gap) > loads.NEAR * line.state.span_scale[now.r]:
+                if now.time > end - line.time:
+                    continue
+                # The section is solved here: one short step brings the load onto its support.
+                motion = self._follow(window, line.time + now.time, motion)
+                if abs(now.time) > line.tiny:
+                    motion = line.correct(motion, stop, touched)
+                    now = loads.gap_of(line.state, coming, motion.travel)
+                    if abs(now.gap) > loads.NEAR * line.state.span_scale[now.r]:
+                        continue
+            if strict and line.time < crossed - LEAST_STEP:
+                raise _UnforeseenError
+            # A crossing can activate a limit that is inactive again before the stop.
+            alone = drives.decoupled(line.state.point)
+            motion, crossed = self.events.cross(now, motion, stop, exact=False), line.time
+            if not alone or not drives.decoupled(line.state.point):
+                return None
+            if line.state.standing():
+                return line.solve(stop)
+        motion = line.correct(self._follow(window, end, motion), stop)
+        if strict and loads.overrun(line.state, set()):
+            raise _UnforeseenError
+        return motion if drives.decoupled(line.state.point) else None
+
+    def _follow(self, window: Window, time: float, motion: LineMotion) -> LineMotion:
+        """Takes the states from the drives' trajectories, and the algebraic variables along a straight line."""
+        line = self.line
+        line.state.point.x[:], x_rate = window.at(time)
+        line.state.point.z[:] += (time - line.time) * motion.z
+        line.set_time(time)
+        return line.motion_at(x_rate, motion.z)

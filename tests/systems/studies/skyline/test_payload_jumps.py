@@ -1,0 +1,52 @@
+"""Payloads at which a rig's state jumps: the answer stays on the inner side, and names what limits it beyond."""
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from support.random_rigs import Drawn, drawn
+from support.rig_verdicts import path_row
+
+
+def _case(seed: int, i: int) -> Drawn:
+    case = drawn(np.random.default_rng([seed, i]))
+    assert case is not None
+    return case
+
+
+@pytest.mark.parametrize(("seed", "i", "station"), [(1013, 142, 257.55), (1024, 211, 295.29), (1024, 120, 147.87)])
+def test_payload_is_within_its_limit_where_the_mainline_takes_over(seed: int, i: int, station: float) -> None:
+    """The log's front is lower by decimetres once the mainline holds the carriage in place of its clamp."""
+    case = _case(seed, i)
+    (found,) = rw.payload(case.rig, clearance=case.clearance, stations=[station]).frame.to_dict("records")
+    assert found["limited_by"] == "clearance"
+    inner, outer = (path_row(case.rig, found["payload"] * share, station) for share in (1.0, 1.0001))
+    assert (inner["held_by"], outer["held_by"]) == ("clamp", "mainline")
+    assert outer["front_clearance"] < case.clearance <= inner["front_clearance"]
+    assert found["front_clearance"] == pytest.approx(inner["front_clearance"], abs=1e-9)
+
+
+def test_carriage_is_raised_over_a_gap_in_height() -> None:
+    """The skyline clears the ground 4 cm higher; 1 m higher it lifts off its support even with an empty carriage."""
+    case = _case(1024, 154)
+
+    def at(clearance: float) -> dict[str, object]:
+        return rw.payload(case.rig, clearance=clearance, stations=[243.2]).frame.to_dict("records")[0]
+
+    found = at(case.clearance)
+    assert found["limited_by"] == "rope clearance"
+    assert found["rope_clearance"] == pytest.approx(0.0, abs=1e-5)
+    assert found["payload"] == pytest.approx(at(float(found["clearance"]))["payload"], rel=1e-6)
+    assert found["payload"] > 350.0
+    assert at(2.0)["payload"] == 0.0
+
+
+def test_payload_beside_a_shoe_ends_where_no_certified_state_is() -> None:
+    """Heavier ones press the carriage against the steep flank of the shoe: the rope from above would leave it
+    backwards."""
+    case = _case(1013, 266)
+    (found,) = rw.payload(case.rig, clearance=case.clearance, stations=[238.97957]).frame.to_dict("records")
+    assert found["limited_by"] == "no equilibrium"
+    assert path_row(case.rig, found["payload"], 238.97957)["held_by"] == "clamp"
+    with pytest.raises(rw.EquilibriumError, match="at station 238"):
+        rw.load_path(case.rig, found["payload"] * 1.002, [238.97957])
