@@ -70,6 +70,7 @@ from .systems.modelling.component_functions import check_component as check_comp
 from .systems.modelling.dae_model import Model as Model
 from .systems.modelling.intervention import Intervention as Intervention
 from .systems.modelling.system import System as System
+from .systems.reporting.document import Project as Project
 from .systems.rigs.endless import endless as endless
 from .systems.rigs.guylines import string_guylines as string_guylines
 from .systems.rigs.live_skyline import gravity_skyline as gravity_skyline, live_skyline as live_skyline

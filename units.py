@@ -1,8 +1,8 @@
 """Other units in SI units, for scripts: `45.0 * rw.units.KIP` is a force in N, `length / rw.units.FOOT` one in feet.
 
-Mass [kg]: POUND, SHORT_TON, TONNE; length [m]: INCH, FOOT, MILE; force [N]: POUND_FORCE, KIP, KILOGRAM_FORCE, TONNE_FORCE;
-mass per length [kg/m]: POUND_PER_FOOT; speed [m/s]: FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR; pressure [Pa]:
-PSI; power [W]: HORSEPOWER.
+Mass [kg]: POUND, SHORT_TON, TONNE; length [m]: INCH, FOOT, MILE; force [N]: POUND_FORCE, KIP, KILOGRAM_FORCE,
+TONNE_FORCE; mass per length [kg/m]: POUND_PER_FOOT; speed [m/s]: FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR;
+pressure [Pa]: PSI; power [W]: HORSEPOWER.
 """
 
 from ropeway.components.units import factor

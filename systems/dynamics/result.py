@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
 from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
@@ -70,6 +72,30 @@ class Result(RunData):
     def energy(self) -> pd.Series:
         """The energy balance of the run [J]."""
         return energy(self)
+
+    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+        """Write the report of the run: the moving line, tensions, supports, spans, drives and events.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        **options
+            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError, WriteError
+        """
+        from ropeway.systems.results.result_report import sections_of
+
+        self._require_rope()
+        style = style_of(options)
+        return write_report(path, self.model.name, sections_of(self, self.summary(), style), options)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
         """Tensions over time at the control sheaves (or the first idlers, where there are none), or at `components`,

@@ -98,10 +98,10 @@ def _write_equilibrium(encoder: Encoder, line: Equilibrium) -> dict[str, Json]:
 
 def _read_equilibrium(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Equilibrium:
     model = decoder.thing(data["model"], (*keys, "model"))
-    vectors = [np.array(decoder.value(data["point"][name], keys), dtype=float) for name in _VECTORS]
+    vectors = {name: np.array(decoder.value(data["point"][name], keys), dtype=float) for name in _VECTORS}
     return Equilibrium(
         model,
-        Point(float(data["point"]["t"]), *vectors),
+        Point(**vectors, t=float(data["point"]["t"])),
         _runs(model, data["loads"]),
         tuple(np.array(p, dtype=int) for p in data["passed"]),
         tuple(data["held"]),

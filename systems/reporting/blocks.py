@@ -27,11 +27,12 @@ class Text:
 @checked
 @dataclass(frozen=True)
 class Table:
-    """A table: heads of the columns, and rows of texts."""
+    """A table: heads of the columns, and rows of texts; `texts`: how many columns hold words, not numbers."""
 
     head: tuple[str, ...]
     rows: Sequence[Sequence[str]]
     note: str = ""
+    texts: int = 1
     kind: ClassVar[str] = "table"
 
 
@@ -130,8 +131,8 @@ class Section:
 
 _LAYOUT: Mapping[str, Any] = {
     "height": 340,
-    "margin": {"l": 62, "r": 14, "t": 14, "b": 46},
-    "legend": {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0},
+    "margin": {"l": 62, "r": 14, "t": 10, "b": 46},
+    "legend": {"orientation": "h", "y": -0.2, "yanchor": "top", "x": 0},
     "hovermode": "x unified",
     "template": "none",
     "font": {"family": "system-ui, sans-serif", "size": 12},

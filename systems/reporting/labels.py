@@ -101,6 +101,7 @@ ENGLISH: Mapping[str, str] = {
     "slope_distance": "Slope distance",
     "rise": "Height difference",
     "azimuth_note": "Azimuths are clockwise from grid north; without a map they are angles from the line's own axis.",
+    "azimuth_xy_note": "Azimuths are clockwise from the y axis: from grid north where x and y are map coordinates.",
     # set-up
     "set_up": "Rope lengths and set-up",
     "unstretched": "Unstretched length",

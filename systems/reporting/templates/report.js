@@ -1,6 +1,6 @@
 "use strict";
 (function () {
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] };
+  const config = { responsive: true, displayModeBar: false, displaylogo: false };
   for (const source of document.querySelectorAll("script[data-chart]")) {
     const figure = JSON.parse(source.textContent);
     Plotly.newPlot(source.dataset.chart, figure.data, figure.layout, config);
