@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ropeway.systems.results.run_data import RunData
     from ropeway.systems.statics.equilibrium import Equilibrium
 
-FRAMES = 200
+FRAMES = 150
 """Most pictures of the line that a player has."""
 MOST_EVENTS, MOST_POINTS = 250, 1200
 """Most events of a list, and points of a curve."""
@@ -119,7 +119,7 @@ def _warnings(result: RunData, summary: Summary, style: Style) -> Iterator[str]:
                     yield style.text(key, what=str(own.idxmax()), tension=tension, limit=allowed)
                     break
     events = result.events
-    bad = {event for event in result.model.limits.events if not event.startswith("above")} | {"load held"}
+    bad = {event for event in result.model.limits.events if not event.startswith("tension above")} | {"load held"}
     for event, rows in events[events["event"].isin(bad)].groupby("event", sort=False):
         first = rows.iloc[0]
         time = style.value(first["time"], "time")
@@ -199,7 +199,8 @@ def _still(result: RunData, style: Style) -> list[dict[str, Any]]:
     for run in result.runs:
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.points[:, :2], axis=0).T))])
         for node, x in zip(run.nodes, along, strict=True):
-            kinds.setdefault(node.role, []).append((x, node.at[2], node.label))
+            _, _, z = node.at
+            kinds.setdefault(node.role, []).append((x, z, node.label))
     symbols = {"control sheave": "square", "drum": "diamond", "anchor": "triangle-up"}
     colours = {"control sheave": "#d62728", "drum": "#9467bd", "anchor": "#8c564b"}
     found = []
