@@ -124,6 +124,7 @@ from .systems.studies.skyline.inhaul import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
 from .systems.studies.skyline.payload import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history
+from .systems.studies.skyline.reporting.path_report import load_path_report as load_path_report
 from .systems.studies.skyline.support_layout import (
     Candidate as Candidate,
     SupportPlan as SupportPlan,

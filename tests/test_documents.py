@@ -29,7 +29,7 @@ def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert scripts
     for script in scripts:
         exec(compile(script, document, "exec"), {})
-    assert list(tmp_path.glob("*.png")) or "plot(" not in "".join(scripts)
+    assert list(tmp_path.glob("*.png")) or ".plot(" not in "".join(scripts)
 
 
 def test_every_public_name_is_listed() -> None:

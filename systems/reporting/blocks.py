@@ -143,7 +143,14 @@ _LAYOUT: Mapping[str, Any] = {
 
 def axis(title: str, **more: Any) -> dict[str, Any]:
     """An axis with a title."""
-    line = {"gridcolor": "#e4e4e4", "zeroline": False, "linecolor": "#999", "ticks": "outside", "tickcolor": "#999"}
+    line = {
+        "gridcolor": "#e4e4e4",
+        "zeroline": False,
+        "linecolor": "#999",
+        "ticks": "outside",
+        "tickcolor": "#999",
+        "automargin": True,
+    }
     return {"title": {"text": title, "standoff": 8}, **line, **more}
 
 

@@ -36,8 +36,8 @@ def print_to_pdf(page: str, path: Path) -> None:
         source, target = Path(folder) / "report.html", Path(folder) / "report.pdf"
         source.write_text(page, encoding="utf-8")
         command = [
-            browser, "--headless", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={folder}/profile",
-            "--run-all-compositor-stages-before-draw", "--virtual-time-budget=20000", f"--print-to-pdf={target}",
+            browser, "--headless", "--disable-gpu", "--no-pdf-header-footer", "--window-size=1100,1500",
+            f"--user-data-dir={folder}/profile", "--virtual-time-budget=20000", f"--print-to-pdf={target}",
         ]  # fmt: skip
         if sys.platform == "linux" and os.geteuid() == 0:  # Chromium refuses to run as root otherwise
             command.append("--no-sandbox")

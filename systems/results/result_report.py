@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 FRAMES = 150
 """Most pictures of the line that a player has."""
-MOST_EVENTS, MOST_POINTS = 250, 1200
+MOST_EVENTS, MOST_POINTS = 120, 1200
 """Most events of a list, and points of a curve."""
 _POINTS = 7
 """Points of a span's curve, besides its loads."""
@@ -34,16 +34,16 @@ _COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#e377c2", "#
 
 def sections_of(result: RunData, summary: Summary, style: Style) -> list[Section]:
     """The sections of a run's report."""
-    player, tensions = _line(result, style), _tensions(result, style)
+    player, tensions = line_player(result, style), tensions_chart(result, style)
     return [
         warnings_of(list(_warnings(result, summary, style)), style),
-        Section(style.text("inputs"), (values_of(_inputs(result, style), style), ropes_table(_ropes(result), style))),
+        Section(style.text("inputs"), (values_of(_inputs(result, style), style), ropes_table(ropes_in(result), style))),
         Section(style.text("simulation"), (player, tensions)),
         Section(style.text("supports"), (_supports(result, summary, style),)),
         Section(style.text("spans"), (_spans(summary, style),)),
         *_drives(result, style),
         Section(style.text("staking"), tuple(_legs(run, style) for run in result.runs)),
-        Section(style.text("events"), (_events(result, style),)),
+        Section(style.text("events"), _events(result, style)),
     ]
 
 
@@ -78,7 +78,7 @@ def limit_curves(rope: Rope, factor: float, name: str, span: tuple[float, float]
     return found
 
 
-def _ropes(result: RunData) -> list[tuple[str, Rope, float]]:
+def ropes_in(result: RunData) -> list[tuple[str, Rope, float]]:
     found: dict[Rope, str] = {}
     for run in result.runs:
         for span in run.spans:
@@ -126,7 +126,7 @@ def _warnings(result: RunData, summary: Summary, style: Style) -> Iterator[str]:
         yield style.text("happened", event=event, count=len(rows), component=first["component"], time=time)
 
 
-def _line(result: RunData, style: Style) -> Player:
+def line_player(result: RunData, style: Style) -> Player:
     """The line with its loads, as it moves."""
     grid = np.flatnonzero(result.on_grid)
     chosen = grid[np.unique(np.linspace(0, len(grid) - 1, min(FRAMES, len(grid))).astype(int))].tolist()
@@ -134,8 +134,8 @@ def _line(result: RunData, style: Style) -> Player:
     loads: list[list[np.ndarray]] = [[], []]
     for i in chosen:
         for kept, found in zip((ropes, loads), _shape(result.record(i)), strict=True):
-            for own, values in zip(kept, found, strict=True):
-                own.append(style.scaled(values, "length"))
+            for own, points in zip(kept, found, strict=True):
+                own.append(style.scaled(points, "length"))
     times, frame = result.times[chosen], result.full_frame.iloc[chosen]
     ends = frame.filter(regex=r"\.tension_[ab]$")
     highest, lowest = ends.max(axis=1), ends.min(axis=1)
@@ -150,7 +150,7 @@ def _line(result: RunData, style: Style) -> Player:
             for node in _driven(result)
         ),
     ]
-    chart = Chart("line", [*_still(result, style), *_moving_traces(style)], _line_layout(result, style))
+    chart = Chart("line", [*_still(result, style), *_moving_traces(style)], _layout(result, style))
     still = len(chart.traces) - 2
     return Player(
         chart,
@@ -198,9 +198,9 @@ def _still(result: RunData, style: Style) -> list[dict[str, Any]]:
     kinds: dict[str, list[tuple[float, float, str]]] = {}
     for run in result.runs:
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.points[:, :2], axis=0).T))])
-        for node, x in zip(run.nodes, along, strict=True):
-            _, _, z = node.at
-            kinds.setdefault(node.role, []).append((x, z, node.label))
+        for node, x in zip(run.nodes, along.tolist(), strict=True):
+            _, _, height = node.at
+            kinds.setdefault(node.role, []).append((x, height, node.label))
     symbols = {"control sheave": "square", "drum": "diamond", "anchor": "triangle-up"}
     colours = {"control sheave": "#d62728", "drum": "#9467bd", "anchor": "#8c564b"}
     found = []
@@ -216,7 +216,7 @@ def _moving_traces(style: Style) -> list[dict[str, Any]]:
     return [rope, dots([], [], style.text("loads"), "#2ca02c", size=7, hoverinfo="x+y")]
 
 
-def _line_layout(result: RunData, style: Style) -> dict[str, Any]:
+def _layout(result: RunData, style: Style) -> dict[str, Any]:
     points = np.vstack([run.points for run in result.runs])
     low, high = style.scaled([points[:, 2].min(), points[:, 2].max()], "length")
     room = 0.1 * (high - low) + 0.005 * float(style.scaled(np.ptp(points[:, 0]), "length")) + 2.0
@@ -228,7 +228,7 @@ def _line_layout(result: RunData, style: Style) -> dict[str, Any]:
     }
 
 
-def _tensions(result: RunData, style: Style) -> Chart:
+def tensions_chart(result: RunData, style: Style) -> Chart:
     """Highest and lowest tension of all spans and those of the control sheaves over time, against the limits."""
     frame = thinned(result.full_frame)
     ends, time = frame.filter(regex=r"\.tension_[ab]$"), frame.index.to_numpy()
@@ -239,7 +239,7 @@ def _tensions(result: RunData, style: Style) -> Chart:
     for node, colour in zip(_driven(result), _COLOURS, strict=False):
         values = style.scaled(frame[f"{node.name}.tension_in"], "force")
         traces.append(curve(time, values, style.text("coming_in", name=node.label), colour, width=1.1))
-    for use, rope, factor in _ropes(result):
+    for use, rope, factor in ropes_in(result):
         traces += limit_curves(rope, factor, use, (float(time[0]), float(time[-1])), style)
     axes = {"xaxis": axis(style.head("time", "time")), "yaxis": axis(style.head("tension", "force"))}
     return Chart("tensions", traces, axes, marked=True)
@@ -349,10 +349,13 @@ def _legs(run: Run, style: Style) -> Block:
     return Table(head, rows, style.text("azimuth_xy_note"), texts=2)
 
 
-def _events(result: RunData, style: Style) -> Table:
+def _events(result: RunData, style: Style) -> tuple[Table, Table]:
+    """How often what happened, and a list of what is not a load that crosses a support."""
     events = result.events
-    shown = events.head(MOST_EVENTS)
+    counts = [(str(event), str(count)) for event, count in events["event"].value_counts().items()]
+    listed = events[~events["event"].str.startswith("crossing")]
+    shown = listed.head(MOST_EVENTS)
     rows = [(style.number(e.time, "time"), str(e.event), str(e.component), str(e.load)) for e in shown.itertuples()]
     head = (style.head("time", "time"), style.text("event"), style.text("component"), style.text("load"))
-    left_out = style.text("events_left_out", count=len(shown), all=len(events)) if len(shown) < len(events) else ""
-    return Table(head, rows, left_out)
+    left_out = style.text("events_left_out", count=len(shown), all=len(listed)) if len(shown) < len(listed) else ""
+    return Table((style.text("event"), style.text("count")), counts), Table(head, rows, left_out, texts=4)

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, Unpack
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -59,6 +61,29 @@ class Inhaul(Tabular):
 
     def __repr__(self) -> str:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
+
+    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+        """Write the report of the run: the moving carriage, tensions, powers and events.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        **options
+            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError, WriteError
+        """
+        from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
+
+        style = style_of(options)
+        return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
 
     def plot(self) -> Figure:
         """Place, tensions and powers over time."""

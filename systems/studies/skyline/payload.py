@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack, cast
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.rounding import at_most
 from ropeway.components.terrain import Profile
 from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
 from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.load_path import rope_clearance, stations_of, units_of
@@ -48,6 +50,29 @@ class PayloadStudy(PayloadData):
     def _unhauled(self) -> str:
         count = len(self.not_hauled)
         return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
+
+    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+        """Write the report of the study: payloads by station, supports, anchors, set-up.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        **options
+            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError, WriteError
+        """
+        from ropeway.systems.studies.skyline.reporting.payload_report import sections_of
+
+        style = style_of(options)
+        return write_report(path, self.rig.name, sections_of(self, style), options)
 
     def plot(self) -> Figure:
         """The corridor to scale with the load path, the payload by station in the colour of the limit that

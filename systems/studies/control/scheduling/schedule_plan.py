@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Unpack
 
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.systems.modelling.system import System
+from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
 from ropeway.systems.studies.control.scheduling.plan_data import PlanData
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance, robustness, trimmed_line
 
@@ -53,6 +55,28 @@ class SchedulePlan(PlanData):
         """
 
         return robustness(self, disturbances, settle)
+
+    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+        """Write the report of the plan: objectives, speeds, the moving line, active limits.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        **options
+            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError, WriteError
+        """
+        from ropeway.systems.studies.control.scheduling.plan_report import sections_of
+
+        return write_report(path, self.line.name, sections_of(self, style_of(options)), options)
 
     def plot(self) -> Figure:
         """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""
