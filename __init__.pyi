@@ -4,18 +4,7 @@ from . import fmu as fmu, units as units
 from .components.anchor import Anchor as Anchor, SpringAnchor as SpringAnchor
 from .components.carriage import Carriage as Carriage
 from .components.carriage_on_shoe import CarriageOnShoe as CarriageOnShoe
-from .components.component import (
-    Component as Component,
-    Energies as Energies,
-    Equations as Equations,
-    Kind as Kind,
-    Limit as Limit,
-    Node as Node,
-    RopeEnd as RopeEnd,
-    Seat as Seat,
-    Site as Site,
-    Variable as Variable,
-)
+from .components.component import Component as Component, RopeEnd as RopeEnd, Seat as Seat
 from .components.control_sheave import ControlSheave as ControlSheave
 from .components.diesel_unit import DieselHydraulicUnit as DieselHydraulicUnit
 from .components.drive import (
@@ -47,6 +36,7 @@ from .components.intermediate_support import IntermediateSupport as Intermediate
 from .components.joint import Joint as Joint
 from .components.load import Load as Load
 from .components.log import Log as Log
+from .components.node import Node as Node
 from .components.power_unit import HydraulicPowerUnit as HydraulicPowerUnit
 from .components.response import ProportionalResponse as ProportionalResponse, ThresholdResponse as ThresholdResponse
 from .components.return_wheel import TensionedReturn as TensionedReturn
@@ -62,6 +52,14 @@ from .components.span import Span as Span
 from .components.spar import Block as Block, HeadSpar as HeadSpar, Tailhold as Tailhold, TailSpar as TailSpar
 from .components.table_writer import write_table as write_table
 from .components.terrain import Profile as Profile
+from .components.variable import (
+    Energies as Energies,
+    Equations as Equations,
+    Kind as Kind,
+    Limit as Limit,
+    Site as Site,
+    Variable as Variable,
+)
 from .systems.dynamics.result import Result as Result
 from .systems.dynamics.simulation import simulate as simulate
 from .systems.exchange.study_inputs import StudyInputs as StudyInputs
@@ -76,8 +74,9 @@ from .systems.rigs.guylines import string_guylines as string_guylines
 from .systems.rigs.live_skyline import gravity_skyline as gravity_skyline, live_skyline as live_skyline
 from .systems.rigs.monocable import monocable as monocable
 from .systems.rigs.running_skyline import running_skyline as running_skyline
-from .systems.rigs.skyline_rig import SkylineRig as SkylineRig, Turn as Turn
+from .systems.rigs.skyline_rig import SkylineRig as SkylineRig
 from .systems.rigs.standing_skyline import standing_skyline as standing_skyline
+from .systems.rigs.turn import Turn as Turn
 from .systems.statics.equilibrium import Equilibrium as Equilibrium
 from .systems.statics.equilibrium_solver import equilibrium as equilibrium
 from .systems.studies.control.objectives import objectives as objectives
@@ -122,7 +121,7 @@ from .systems.studies.saved_files import load as load, run_study as run_study, s
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
 from .systems.studies.skyline.inhaul import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
-from .systems.studies.skyline.payload import PayloadStudy as PayloadStudy, payload as payload
+from .systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history
 from .systems.studies.skyline.reporting.path_report import load_path_report as load_path_report
 from .systems.studies.skyline.support_layout import (

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropeway.cli_options import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line, folder_for
+from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
 from ropeway.components.table_writer import write_table
@@ -27,22 +28,22 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    rich_markup_mode=None,  # it would take [m/s] for a tag
+    rich_markup_mode=None,  # it would read [m/s] as a tag
 )
 
 app.add_typer(fmu_commands, name="fmu")
 
-Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; made if it does not exist.")]
+Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; created if it does not exist.")]
 SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
 
 
 _FILES = ("tensions.csv", "events.csv", "tensions.png", "line.png")
-"""What a simulation leaves in its folder."""
+"""Files of a simulation in its folder."""
 
 
 @app.command()
 def demo(out: Out = Path("ropeway-demo")) -> None:
-    """Run ten minutes of an example: a mono-cable line of 24 spans, 2.4 km, with a 300 kg load every 50 m."""
+    """Simulate ten minutes of an example: a mono-cable line of 24 spans, 2.4 km, with a 300 kg load every 50 m."""
     import ropeway as rw
 
     with errors_on_one_line(), as_file(files("ropeway.examples") / "line.csv") as supports:
@@ -52,19 +53,9 @@ def demo(out: Out = Path("ropeway-demo")) -> None:
 
 
 @app.command()
+@grouped
 def simulate(
-    line: Annotated[
-        Path,
-        typer.Argument(
-            help="Supports: CSV or Excel with columns name,x,y,z,kind (metres; kind: anchor, "
-            "drum, idler, control, return), in the order of the rope."
-        ),
-    ],
-    rope: RopeName = "RHOL-IWRC 29",
-    tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Speed of the rope [m/s]; below zero it runs backwards.")] = 1.0,
-    load_mass: LoadMass = 300.0,
-    load_spacing: LoadSpacing = 50.0,
+    line: LineOptions,
     until: Annotated[float, typer.Option(help="Duration of the run [s].")] = 600.0,
     every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
@@ -74,104 +65,111 @@ def simulate(
     import ropeway as rw
 
     with errors_on_one_line():
-        chosen = rw.Rope.named(rope, safety_factor=safety_factor)
-        system = rw.monocable(
-            chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
-        )
+        system = line.system(safety_factor)
         _simulate(lambda: rw.simulate(system, until=until, every=every), out)
 
 
-@app.command()
-def optimise(
-    line: Annotated[Path, typer.Argument(help="Supports, as for `simulate`, with at least two control sheaves.")],
-    rope: RopeName = "RHOL-IWRC 29",
-    tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Speed of the rope [m/s].")] = 1.0,
-    load_mass: LoadMass = 300.0,
-    load_spacing: LoadSpacing = 50.0,
-    until: Annotated[float, typer.Option(help="Duration of the schedule [s].")] = 120.0,
-    intervals: Annotated[int, typer.Option(help="Number of intervals of the schedule.")] = 60,
-    minimise: Annotated[
-        str, typer.Option(help="What to minimise: peak tension, tension deviation or energy.")
-    ] = "peak tension",
-    force: Annotated[float, typer.Option(help="Largest force of a drive [N].")] = float("inf"),
-    power: Annotated[float, typer.Option(help="Largest power of a drive [W].")] = float("inf"),
+@dataclass(frozen=True)
+class PlanOptions:
+    """A schedule of the control sheaves."""
+
+    until: Annotated[float, typer.Option(help="Duration of the schedule [s].")] = 120.0
+    intervals: Annotated[int, typer.Option(help="Number of intervals of the schedule.")] = 60
+    minimise: Annotated[str, typer.Option(help="Objective to minimise: peak tension, tension deviation or energy.")] = (
+        "peak tension"
+    )
+    force: Annotated[float, typer.Option(help="Largest force of a drive [N].")] = float("inf")
+    power: Annotated[float, typer.Option(help="Largest power of a drive [W].")] = float("inf")
     settle: Annotated[
         float | None,
         typer.Option(
-            help="When tensions begin to count in the objective [s]; by default 10 s or a quarter of the "
-            "schedule. Energy always counts over the whole schedule, and limits hold from the beginning."
+            help="Time from which tensions count in the objective [s]; by default 10 s or a quarter of the "
+            "schedule. Energy counts over the whole schedule, and limits hold from the beginning."
         ),
-    ] = None,
-    safety_factor: SafetyFactor = 3.0,
-    out: Out = Path("ropeway-schedule"),
-) -> None:
-    """Optimise the speeds of the control sheaves of a mono-cable line: schedules, active limits, robustness."""
-    import ropeway as rw
-
-    with errors_on_one_line():
-        chosen = rw.Rope.named(rope, safety_factor=safety_factor)
-        system = rw.monocable(
-            chosen, line, tension=tension, speed=speed, load_mass=load_mass, load_spacing=load_spacing, name=line.stem
-        )
-        limits = rw.ScheduleLimits(force=force, power=power)
-        folder_for(out)
-        _report_plan(
-            rw.optimise_schedule(system, until, minimise=minimise, limits=limits, intervals=intervals, settle=settle),
-            out,
-        )
+    ] = None
 
 
 @app.command()
+@grouped
+def optimise(
+    line: LineOptions, plan: PlanOptions, safety_factor: SafetyFactor = 3.0, out: Out = Path("ropeway-schedule")
+) -> None:
+    """Optimise the speeds of the control sheaves of a mono-cable line: schedules, active limits, robustness.
+
+    The line needs at least two control sheaves.
+    """
+    import ropeway as rw
+
+    with errors_on_one_line():
+        system, limits = line.system(safety_factor), rw.ScheduleLimits(force=plan.force, power=plan.power)
+        folder_for(out)
+        found = rw.optimise_schedule(
+            system, plan.until, minimise=plan.minimise, limits=limits, intervals=plan.intervals, settle=plan.settle
+        )
+        _report_plan(found, out)
+
+
+@dataclass(frozen=True)
+class SkylineOptions:
+    """Ropes and spars of a skyline."""
+
+    skyline: Annotated[str, typer.Option(help="Name of the skyline; `ropeway ropes` lists them.")] = "RHOL-IWRC 29"
+    mainline: Annotated[
+        str | None,
+        typer.Option(help="Name of the mainline; otherwise an ideal holding force acts at each station."),
+    ] = None
+    tension: Annotated[float, typer.Option(help="Tension of the bare skyline at the headspar [N].")] = 70e3
+    head: Annotated[float | None, typer.Option(help="Station of the headspar [m]; by default the first.")] = None
+    tail: Annotated[float | None, typer.Option(help="Station of the tailspar [m]; by default the last.")] = None
+    head_height: Annotated[float, typer.Option(help="Height of the headspar [m].")] = 15.0
+    tail_height: Annotated[float, typer.Option(help="Height of the tailspar [m].")] = 8.0
+    support: Annotated[
+        list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
+    ] = None
+
+
+@dataclass(frozen=True)
+class PayloadOptions:
+    """Carriage, limits and stations of a payload study."""
+
+    carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0
+    load_depth: Annotated[
+        float, typer.Option(help="Distance from the skyline down to the lowest point of the load [m].")
+    ] = 0.0
+    safety_factor: SafetyFactor = 3.0
+    clearance: Annotated[float, typer.Option(help="Smallest clearance of the load above the ground [m].")] = 1.0
+    spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0
+
+
+@app.command()
+@grouped
 def payload(
     corridor: Annotated[
         Path, typer.Argument(help="Ground of the corridor: CSV or Excel with columns station,elevation [m].")
     ],
-    skyline: Annotated[str, typer.Option(help="Name of the skyline; `ropeway ropes` lists them.")] = "RHOL-IWRC 29",
-    mainline: Annotated[
-        str | None,
-        typer.Option(help="Name of the mainline; without one an ideal force holds the carriage at each station."),
-    ] = None,
-    tension: Annotated[float, typer.Option(help="Tension of the bare skyline at the headspar [N].")] = 70e3,
-    head: Annotated[float | None, typer.Option(help="Station of the headspar [m]; by default the first.")] = None,
-    tail: Annotated[float | None, typer.Option(help="Station of the tailspar [m]; by default the last.")] = None,
-    head_height: Annotated[float, typer.Option(help="Height of the headspar [m].")] = 15.0,
-    tail_height: Annotated[float, typer.Option(help="Height of the tailspar [m].")] = 8.0,
-    support: Annotated[
-        list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
-    ] = None,
-    carriage_mass: Annotated[float, typer.Option(help="Mass of the carriage [kg].")] = 450.0,
-    load_depth: Annotated[
-        float, typer.Option(help="Distance from the skyline down to the lowest point of the load [m].")
-    ] = 0.0,
-    safety_factor: SafetyFactor = 3.0,
-    clearance: Annotated[float, typer.Option(help="Clearance that the load must keep above the ground [m].")] = 1.0,
-    spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0,
+    rig: SkylineOptions,
+    limits: PayloadOptions,
     out: Out = Path("ropeway-payload"),
 ) -> None:
-    """Largest payload at stations along a standing skyline, and what limits it."""
+    """Calculate the largest payload at stations along a standing skyline, and its limits."""
     import ropeway as rw
-    from ropeway.systems.studies.skyline.payload_command import payload_command
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
 
     with errors_on_one_line():
         folder_for(out)
-        study, paths = payload_command(
-            corridor,
-            skyline=rw.Rope.named(skyline),
-            mainline=None if mainline is None else rw.Rope.named(mainline),
-            tension=tension,
-            head=head,
-            tail=tail,
-            head_height=head_height,
-            tail_height=tail_height,
-            supports=tuple(support or ()),
-            carriage_mass=carriage_mass,
-            load_depth=load_depth,
-            safety_factor=safety_factor,
-            clearance=clearance,
-            spacing=spacing,
-            out=out,
+        request = CorridorRequest(
+            corridor=corridor,
+            skyline=rw.Rope.named(rig.skyline),
+            mainline=None if rig.mainline is None else rw.Rope.named(rig.mainline),
+            tension=rig.tension,
+            head=rig.head,
+            tail=rig.tail,
+            head_height=rig.head_height,
+            tail_height=rig.tail_height,
+            supports=tuple(rig.support or ()),
+            **asdict(limits),
         )
+        study, paths = payload_command(request, out)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
@@ -208,8 +206,10 @@ def ropes() -> None:
 
 
 def _simulate(run: Callable[[], Result], out: Path) -> None:
-    """Runs a simulation, writes its tables and pictures, and prints a summary. What has run is written too where the
-    run stops before its end."""
+    """Runs a simulation, writes its tables and pictures, and prints a summary.
+
+    After an error or interrupt the results up to then are written.
+    """
     from ropeway.systems.dynamics.result import Result
 
     folder_for(out)
@@ -243,7 +243,7 @@ def _report(result: Result) -> None:
     frame, events, rope = result.frame, result.events, result.runs[0].rope
     tensions = result.full_frame.filter(regex=r"\.(tension_in|tension_out|rope_tension)$")
     ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
-    driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.kept_tension is not None]
+    driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.set_tension is not None]
     names = [c for n in driven for c in tensions.columns if c.startswith(f"{n.name}.")]
     _table(
         f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",
@@ -264,7 +264,7 @@ def _report(result: Result) -> None:
         f"SWL {at_most(rope.safe_working_load / 1e3, 1)} kN, MBL {at_most(rope.breaking_load / 1e3, 1)} kN. "
         f"Lowest {at_most(ends.min().min() / 1e3, 1)} kN."
     )
-    if highest > rope.breaking_load >= ends.iloc[0].max():  # at rest it is a warning of the equilibrium
+    if highest > rope.breaking_load >= ends.iloc[0].max():  # at rest the equilibrium has warned
         typer.echo("ropeway: warning: the highest tension is above the minimum breaking load of the rope", err=True)
     elif rope.breaking_load >= highest > rope.safe_working_load:
         typer.echo("ropeway: warning: the highest tension is above the safe working load of the rope", err=True)
@@ -273,7 +273,7 @@ def _report(result: Result) -> None:
 
 
 def _report_plan(plan: SchedulePlan, out: Path) -> None:
-    """Writes schedules, active limits, robustness and a picture; prints what a plan brings."""
+    """Writes schedules, active limits, robustness and a picture; prints the objectives."""
     robust = plan.robustness()
     plan.to_csv(out / "schedule.csv")
     for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
@@ -307,10 +307,10 @@ def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
         for (limit, at), r in zip(plan.active.index, plan.active.itertuples(), strict=True)
     ]
     cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
-    _table("Active limits, and what a unit of them costs", ["limit", "at", "bound", cost], limits)
+    _table("Active limits, and the cost of a unit of each", ["limit", "at", "bound", cost], limits)
     over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
     _table(
-        "Highest tension above that of the plan, when the line is not as planned [%]",
+        "Highest tension above that of the plan, for lines that differ from the plan [%]",
         ["", *over.columns],
         [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
     )

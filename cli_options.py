@@ -1,32 +1,95 @@
-"""What commands share: options of a line, folders, and how they show errors and warnings."""
+"""Code that commands share: groups of options, folders, errors and warnings."""
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Annotated, TextIO
+from typing import TYPE_CHECKING, Annotated, Any, TextIO, get_type_hints
 
 import typer
 
 from ropeway.components.errors import RopewayError, RopewayWarning, WriteError
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as of shells."""
+if TYPE_CHECKING:
+    from ropeway.systems.modelling.system import System
 
-RopeName = Annotated[str, typer.Option(help="Name of the rope; `ropeway ropes` lists them.")]
-Tension = Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")]
-LoadMass = Annotated[float, typer.Option(help="Mass of each load [kg].")]
-LoadSpacing = Annotated[float, typer.Option(help="Length of rope between two loads [m].")]
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as in shells."""
+
+
+@dataclass(frozen=True)
+class LineOptions:
+    """A mono-cable line."""
+
+    line: Annotated[
+        Path,
+        typer.Argument(
+            help="Supports: CSV or Excel with columns name,x,y,z,kind (metres; kind: anchor, "
+            "drum, idler, control, return), in the order of the rope."
+        ),
+    ]
+    rope: Annotated[str, typer.Option(help="Name of the rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29"
+    tension: Annotated[float, typer.Option(help="Tension of the empty rope at the first support [N].")] = 45e3
+    speed: Annotated[float, typer.Option(help="Speed of the rope [m/s]; negative: backwards.")] = 1.0
+    load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0
+    load_spacing: Annotated[float, typer.Option(help="Length of rope between two loads [m].")] = 50.0
+
+    def system(self, safety_factor: float = 3.0) -> System:
+        """The line. Raises InputError, UnknownNameError, SlackRopeError."""
+        from ropeway.components.rope import Rope
+        from ropeway.systems.rigs.monocable import monocable
+
+        return monocable(
+            Rope.named(self.rope, safety_factor=safety_factor),
+            self.line,
+            tension=self.tension,
+            speed=self.speed,
+            load_mass=self.load_mass,
+            load_spacing=self.load_spacing,
+            name=self.line.stem,
+        )
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """A command for Typer; each parameter that is a dataclass becomes an option for each of its fields."""
+    parameters: list[inspect.Parameter] = []
+    groups: dict[str, Any] = {}
+    for name, parameter in inspect.signature(command, eval_str=True).parameters.items():
+        if is_dataclass(parameter.annotation):
+            groups[name] = parameter.annotation
+            hints = get_type_hints(parameter.annotation, include_extras=True)
+            parameters += [_option(field, hints[field.name]) for field in fields(parameter.annotation)]
+        else:
+            parameters.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+
+    def flat(**values: Any) -> None:
+        for name, kind in groups.items():
+            values[name] = kind(**{field.name: values.pop(field.name) for field in fields(kind)})
+        command(**values)
+
+    flat.__name__, flat.__doc__ = command.__name__, command.__doc__
+    flat.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    vars(flat)["__signature__"] = inspect.Signature(parameters)
+    return flat
+
+
+def _option(field: Field[Any], hint: Any) -> inspect.Parameter:
+    default = inspect.Parameter.empty if field.default is MISSING else field.default
+    return inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
 @contextmanager
 def errors_on_one_line() -> Iterator[None]:
-    """Shows errors and warnings as one line each. An error ends the command with exit code 1, Ctrl-C with 130; anything
-    else is a bug and shows its traceback."""
+    """Shows errors and warnings as one line each.
+
+    An error ends the command with exit code 1, Ctrl-C with 130. Any other exception is a bug and shows its traceback.
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -37,7 +100,7 @@ def errors_on_one_line() -> Iterator[None]:
         typer.echo("ropeway: interrupted", err=True)
         raise typer.Exit(INTERRUPTED) from error
     except BrokenPipeError as error:
-        # The reader has gone. What is left in the buffers goes nowhere, so that no error follows at the exit.
+        # The reader closed the pipe. The buffers are discarded, so that no error follows at the exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(1) from error
     except RopewayError as error:
@@ -49,7 +112,7 @@ def errors_on_one_line() -> Iterator[None]:
 
 
 def folder_for(path: Path) -> Path:
-    """The folder for results, made if it does not exist. Raises WriteError."""
+    """The folder for results, created if it does not exist. Raises WriteError."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -27,6 +27,7 @@ import ropeway as rw
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import unpin
 
 rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 line = rw.monocable(rope, {supports!r}, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0)
@@ -38,7 +39,7 @@ class PythonLine(Fmi2Slave):
         model = assemble(line)
         rest = rw.equilibrium(model)
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
-        state.unpin()
+        unpin(state)
         self.stepper = EventStepper(state, model.signals, 1e-6)
         self.stepper.line.set_time(0.0)
         self.stepper.line.solve(0.1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import ropeway as rw
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 TENSION = 45e3

@@ -93,6 +93,11 @@ def unbounded(value: Any) -> Any:
     return float(value) if is_real(value) and value in (math.inf, -math.inf) else real(value)
 
 
+def undefined(value: Any) -> Any:
+    """A number, which may be NaN."""
+    return float(value) if is_real(value) and value != value else real(value)
+
+
 def whole(value: Any) -> Any:
     """An integer."""
     if is_real(value) and isinstance(value, numbers.Integral):
@@ -309,9 +314,9 @@ def any_of(plain: tuple[type, ...], expected: Sequence[str], checks: Sequence[Ch
                 return check(value)
             except RefusedError as refusal:
                 refusals.append(refusal)
-        for refusal in refusals:  # an error within the right container is more specific than the list of kinds
-            if refusal.place or refusal.expected == FINITE:
-                raise refusal
+        for failure in refusals:  # an error within the right container is more specific than the list of kinds
+            if failure.place or failure.expected == FINITE:
+                raise failure
         raise RefusedError(value, " or ".join(dict.fromkeys((*(r.expected for r in refusals), *expected))))
 
     return alternative

@@ -12,7 +12,9 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked
@@ -118,11 +120,11 @@ class SpringAnchor(Node):
             Variable("stiffness", par, "N/m", "stiffness of the anchor", self.stiffness, 1e6, range=POSITIVE),
             *(
                 Variable(f"rest_{a}", par, "m", f"{a} without pull", at, 100.0)
-                for a, at in zip("xyz", self.at, strict=True)
+                for a, at in zip("xyz", self.position, strict=True)
             ),
             *(
                 Variable(a, Kind.ALGEBRAIC, "m", f"{a} of the anchor", at, 100.0)
-                for a, at in zip("xyz", self.at, strict=True)
+                for a, at in zip("xyz", self.position, strict=True)
             ),
             *(Variable(f"spring_{a}", Kind.RESIDUAL, "N", f"forces, {a}", 0.0, 0.01 * site.force) for a in "xyz"),
             Variable("tension", Kind.OUTPUT, "N", "tension of the rope at the anchor", nominal=site.force),

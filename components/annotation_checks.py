@@ -59,8 +59,6 @@ def check_of(hint: Any) -> Check | None:
     origin, arguments = get_origin(hint), get_args(hint)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1])
-    if origin in (typing.Required, typing.NotRequired):
-        return check_of(arguments[0])
     if origin in (Union, types.UnionType):
         return _union(arguments)
     if origin is Literal:
@@ -73,8 +71,14 @@ def check_of(hint: Any) -> Check | None:
             members, f"{accepted_values.article(hint.__name__)}, which has {', '.join(members)}"
         )
     if isinstance(hint, type):
-        return accepted_values.instance_of((hint,), _name(hint))
+        return _maker(hint) or accepted_values.instance_of((hint,), _name(hint))
     raise TypeError(f"No check for {hint!r}")
+
+
+def _maker(hint: Any) -> Check | None:
+    """The class method `_from_given` of a class that users give in other forms too: a rope by its name, a profile by
+    the path of its table."""
+    return getattr(hint, "_from_given", None) if isinstance(hint, type) else None
 
 
 def _name(kind: Any) -> str:
@@ -86,7 +90,7 @@ def _annotated(hint: Any, extra: Any) -> Check | None:
     if extra == _INFINITE:
         return accepted_values.unbounded
     if extra == _UNDEFINED:
-        return accepted_values.instance_of((float, int), "a number")
+        return accepted_values.undefined
     inner = check_of(hint)
     if inner is None or not isinstance(extra, Range):
         return inner
@@ -113,6 +117,10 @@ def _union(options: tuple[Any, ...]) -> Check | None:
     if Path in checks:
         del checks[Path]
         checks[str] = accepted_values.path
+    makers = [check for option in checks if (check := _maker(option)) is not None]
+    if makers:  # they take the other forms that the union names; None is left
+        none = (type(None),) if type(None) in checks else ()
+        return accepted_values.any_of(none, [_name(o) for o in none], makers)
     plain = [o for o in checks if isinstance(o, type) and o not in (*_PLAIN, str) and not _is_protocol(o)]
     others = [check for option, check in checks.items() if option not in plain and check is not None]
     return accepted_values.any_of(tuple(plain), [_name(o) for o in plain], others)

@@ -132,14 +132,6 @@ def _signature(function: Any, owner: str, hints: Mapping[str, Any]) -> _Signatur
     rest = ""
     for name, parameter in inspect.signature(function).parameters.items():
         hint = hints.get(name, Any)
-        if parameter.kind is parameter.VAR_KEYWORD:
-            (parts,) = typing.get_args(hint)  # Unpack[a TypedDict]
-            for key, kind in typing.get_type_hints(parts, include_extras=True).items():
-                checks[key] = check_of(kind)
-                marker = typing.get_origin(kind)
-                if marker is typing.Required or (parts.__total__ and marker is not typing.NotRequired):
-                    required.append(key)
-            continue
         checks[name] = check_of(hint)
         if parameter.kind is parameter.VAR_POSITIONAL:
             rest = name

@@ -12,9 +12,11 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.smooth import size
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 Holding = Literal["bisector", "horizontal"]
 

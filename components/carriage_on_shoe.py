@@ -13,9 +13,10 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked

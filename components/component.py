@@ -8,96 +8,17 @@ CasADi symbols. The numbers of a component are in `variables`.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.catenary import Vector
-from ropeway.components.check import ANY, Range
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
-
-
-class Kind(Enum):
-    """The role of a variable in the differential-algebraic equations."""
-
-    PARAMETER = "parameter"
-    INPUT = "input"
-    STATE = "state"
-    ALGEBRAIC = "algebraic"
-    DISCRETE = "discrete"
-    RESIDUAL = "residual"
-    OUTPUT = "output"
-
-
-@dataclass(frozen=True, slots=True)
-class Variable:
-    """A variable of a component.
-
-    Parameters
-    ----------
-    name : str
-        Identifier within the component.
-    kind : Kind
-        Its role in the equations.
-    unit : str
-        Symbol of its SI unit; "1" without a unit.
-    description : str
-        Text in tables and FMUs.
-    value : float or tuple of float, default 0
-        Value of a parameter; initial guess or initial value of an unknown.
-    nominal : float, default 1
-        Typical magnitude, by which it is scaled.
-    size : int, default 1
-        Number of elements; above 1 it is an array.
-    freed_by : str, optional
-        Parameter that is freed when this output is solved for.
-    range : Range, optional
-        Valid values of a parameter.
-    kept_at_rest : bool, default False
-        Whether `equilibrium` keeps this state at its value, such as the travel of a drum, instead of solving for a rate
-        of zero.
-    hidden : bool, default False
-        Whether results omit it.
-    """
-
-    name: str
-    kind: Kind
-    unit: str
-    description: str
-    value: float | tuple[float, ...] = 0.0
-    nominal: float = 1.0
-    size: int = 1
-    freed_by: str | None = None
-    range: Range = ANY
-    kept_at_rest: bool = False
-    hidden: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Site:
-    """Surroundings of a component.
-
-    Parameters
-    ----------
-    force, length : float
-        Typical force [N] and length [m], for scaling.
-    slots : int, default 0
-        Number of load slots of a span.
-    tension : tuple of float, default (0, 0, 0)
-        Initial guess of the tension vector at end a of a span [N].
-    """
-
-    force: float
-    length: float
-    slots: int = 0
-    tension: tuple[float, float, float] = (0.0, 0.0, 0.0)
+from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,12 +49,12 @@ class RopeEnd(Port):
 
 @dataclass(frozen=True, slots=True)
 class Outlet(Port):
-    """Port of a source, as a power unit, that feeds any number of other components."""
+    """Port of a source, such as a power unit, that feeds any number of components."""
 
 
 @dataclass(frozen=True, slots=True)
 class Supply(Port):
-    """Port of a component, as a drive, that a source feeds."""
+    """Port of a component, such as a drive, that a source feeds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,49 +94,6 @@ class Seat(Port):
     offset: str | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Equations:
-    """What `equations` returns, by name.
-
-    Parameters
-    ----------
-    rates : mapping of str, optional
-        Time derivatives of the states.
-    residuals : mapping of str, optional
-        Residuals, which are zero in a solution.
-    outputs : mapping of str, optional
-        Outputs.
-    forces : mapping of str, optional
-        Force on the component at each rope end, a vector [N].
-    carried : mapping of str, optional
-        Energy that each metre of rope carries at each rope end, T + T^2/2EA [N].
-    """
-
-    rates: Mapping[str, Any] = field(default_factory=dict)
-    residuals: Mapping[str, Any] = field(default_factory=dict)
-    outputs: Mapping[str, Any] = field(default_factory=dict)
-    forces: Mapping[str, Vector] = field(default_factory=dict)
-    carried: Mapping[str, Any] = field(default_factory=dict)
-
-
-class Energies(NamedTuple):
-    """Energies of a component in a run, arrays over its records.
-
-    Parameters
-    ----------
-    kinetic : array_like, default 0
-        Kinetic energy [J].
-    loss : array_like, default 0
-        Power lost [W].
-    supplied : array_like, default 0
-        Work done from outside since the start [J], such as by a falling weight.
-    """
-
-    kinetic: Any = 0.0
-    loss: Any = 0.0
-    supplied: Any = 0.0
-
-
 def _alone(component: Any) -> Hashable:
     """All values of a component as a key; the component itself if a value has no hash."""
     try:
@@ -239,26 +117,6 @@ def form_of(part: Any) -> Hashable:
     these.
     """
     return (type(part), part.structure) if "structure" in vars(type(part)) else part
-
-
-@dataclass(frozen=True, slots=True)
-class Limit:
-    """An output that must stay within bounds.
-
-    Parameters
-    ----------
-    output : str
-        Name of the output.
-    event : str
-        What is reported when it leaves the bounds.
-    low, high : float, optional
-        Bounds; by default none.
-    """
-
-    output: str
-    event: str
-    low: float = -math.inf
-    high: float = math.inf
 
 
 @checked
@@ -340,26 +198,37 @@ class Component(ABC):
 
     @property
     def outlet(self) -> Outlet:
-        """Where it feeds others, any number of them."""
+        """Port that feeds any number of other components."""
         return Outlet(self, "outlet")
 
     @property
     def supply(self) -> Supply:
-        """Where a source feeds it; it may stay open."""
+        """Port that a source feeds; it may stay open."""
         return Supply(self, "supply")
 
     @property
     def sums(self) -> tuple[str, ...]:
-        """Of a source: what others ask of it by these names, summed, read as attributes of `v`."""
+        """Of a source: demands on it, summed over the components that it feeds, read as attributes of `v`."""
         return ()
 
     @property
     def shares(self) -> tuple[str, ...]:
-        """Outputs of its source that it takes, read as attributes of `v`; each is 1 while its supply is open."""
+        """Outputs of its source that it uses, read as attributes of `v`; each is 1 if its supply is open."""
         return ()
 
     def demand(self, v: Any) -> Mapping[str, Any]:
-        """What it asks of its source, by the names of the source's `sums`, on symbols; not a function of its shares."""
+        """Demand on its source, on symbols.
+
+        Parameters
+        ----------
+        v : object
+            The variables and ports as attributes, without `shares`.
+
+        Returns
+        -------
+        mapping of str
+            Demands by the names of the source's `sums`.
+        """
         return {}
 
     def limits(self) -> tuple[Limit, ...]:
@@ -500,125 +369,3 @@ class Component(ABC):
         """
         shared = "structure" in vars(type(self))
         return (type(self), self.structure(site) if shared else _alone(self), site.slots)
-
-
-@checked
-@dataclass(frozen=True)
-class Node(Component):
-    """A component with a position, where ropes sit.
-
-    Parameters
-    ----------
-    name : str
-        Identifier; dotted names of results begin with it.
-    at : tuple of float
-        Position, (x, z) or (x, y, z) [m].
-    label : str, optional
-        Text in pictures and messages; by default the name.
-    """
-
-    interchangeable: ClassVar[bool] = False
-    """Whether a rope can take any open seat."""
-    role: ClassVar[str] = "other support"
-    """Its name in pictures: supports of one role have one marker."""
-
-    at: tuple[float, ...]
-    label: str = field(default="", kw_only=True)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "label", self.label or self.name)
-        object.__setattr__(self, "at", check.point(self.at, self.described))
-
-    @property
-    def described(self) -> str:
-        """Class and label, for error messages."""
-        return f"{type(self).__name__} {self.label!r}"
-
-    @property
-    def arriving(self) -> Seat:
-        """The seat where a rope arrives."""
-        return self.seats[0]
-
-    @property
-    def leaving(self) -> Seat:
-        """The seat where a rope leaves."""
-        return self.seats[-1]
-
-    @property
-    @abstractmethod
-    def seats(self) -> tuple[Seat, ...]:
-        """The seats, in the order in which the rope runs."""
-
-    @property
-    def ports(self) -> tuple[Port, ...]:
-        """The seats."""
-        return self.seats
-
-    @property
-    def drive_speed(self) -> str | None:
-        """Variable with the commanded or driven rope speed; None if the node does not drive the rope."""
-        return None
-
-    @property
-    def drive_power(self) -> str | None:
-        """Name of the output with the drive's power into the rope [W]; None if it does not drive a rope through."""
-        return None
-
-    def through(self, seat: Seat) -> Seat | None:
-        """The seat where the rope that arrives at a seat leaves.
-
-        Parameters
-        ----------
-        seat : Seat
-            Where the rope arrives.
-
-        Returns
-        -------
-        Seat or None
-            None where the rope ends.
-        """
-        return None
-
-    @property
-    def kept_tension(self) -> float | None:
-        """Constant tension that the node holds by paying out or winding in [N]; None otherwise."""
-        return None
-
-    @property
-    def balance(self) -> str | None:
-        """Name of the residual that determines the node's travel, where that is an algebraic variable."""
-        return None
-
-    def balance_at(self, seat: Seat) -> str | None:
-        """Residual that determines the travel at a seat, where several ropes run over the node.
-
-        Parameters
-        ----------
-        seat : Seat
-            Where the rope sits.
-
-        Returns
-        -------
-        str or None
-            Name of the residual.
-        """
-        return self.balance
-
-    @property
-    def free(self) -> tuple[tuple[str, str], ...]:
-        """Algebraic variables of a position that ropes determine, each with the residual of the forces along it."""
-        return ()
-
-    def place(self) -> tuple[Variable, ...]:
-        """Parameters of the position.
-
-        Returns
-        -------
-        tuple of Variable
-            x, y and z.
-        """
-        return tuple(
-            Variable(axis, Kind.PARAMETER, "m", f"{axis} coordinate of the support", value, 100.0)
-            for axis, value in zip("xyz", self.at, strict=True)
-        )

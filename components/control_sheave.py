@@ -5,17 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Limit, Site, Variable, form_of
+from ropeway.components.component import form_of
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
+from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
 
 Speed = float | Schedule | None
 """A constant [m/s], a schedule, or None: an input of the model."""
@@ -124,8 +126,7 @@ class ControlSheave(Wheel):
         xp = namespace(t_in)
         tight, slack = xp.fmax(t_in, t_out), xp.fmin(t_in, t_out)
         outputs["grip_margin"] = grip_margin(v.grip_friction, outputs["wrap"], v.turns, tight, slack)
-        v.tension_in, v.tension_out, v.bearing_load = t_in, t_out, outputs["bearing_load"]
-        motion = self.drive.motion(v)
+        motion = self.drive.motion(_seen_by_drive(v, outputs))
         # Power into the rope: v0 {(T + T^2/2EA)_in - (..)_out}.
         power = motion.speed * (v.a.carried - v.b.carried)
         return Equations(
@@ -138,10 +139,14 @@ class ControlSheave(Wheel):
 
     def demand(self, v: Any) -> Mapping[str, Any]:
         """Demand of the drive on a power unit."""
-        outputs = self.wheel_equations(v)
-        v.tension_in, v.tension_out = outputs["tension_in"], outputs["tension_out"]
-        v.bearing_load = outputs["bearing_load"]
-        return self.drive.demand(v)
+        return self.drive.demand(_seen_by_drive(v, self.wheel_equations(v)))
+
+
+def _seen_by_drive(v: Any, outputs: Mapping[str, Any]) -> SimpleNamespace:
+    """What the equations of a sheave's drive read: the sheave's variables, its tensions and bearing load."""
+    return SimpleNamespace(
+        **{**vars(v), **{name: outputs[name] for name in ("tension_in", "tension_out", "bearing_load")}}
+    )
 
 
 def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:

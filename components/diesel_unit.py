@@ -10,9 +10,10 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE
-from ropeway.components.component import Component, Equations, Kind, Limit, Port, Site, Variable
+from ropeway.components.component import Component, Port
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 PEAK = 0.6
 """Speed of the peak torque over rated speed."""

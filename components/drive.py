@@ -17,9 +17,9 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE, SHARE, Range
-from ropeway.components.component import Energies, Kind, Limit, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.smooth import clip, clip_above, sign
+from ropeway.components.variable import Energies, Kind, Limit, Variable
 
 STANDSTILL = 0.01
 """Width of the smooth transition between driving and braking [m/s]."""
@@ -58,7 +58,7 @@ class Drive(ABC):
     rope_speed: ClassVar[str] = "speed"
     """Variable of the sheave with the actual or the commanded rope speed."""
     shares: ClassVar[tuple[str, ...]] = ()
-    """Outputs of a power unit that it reads."""
+    """Outputs of a power unit that it uses."""
 
     @abstractmethod
     def motion(self, v: Any) -> DriveMotion:
@@ -103,7 +103,7 @@ class Drive(ABC):
         return ()
 
     def demand(self, v: Any) -> Mapping[str, Any]:
-        """Demand on a power unit.
+        """Demand on a power unit, on symbols.
 
         Parameters
         ----------
@@ -112,8 +112,8 @@ class Drive(ABC):
 
         Returns
         -------
-        dict of float or symbol
-            `flow` [m3/s] and `power` [W]; empty for a drive that takes no power unit.
+        mapping of str
+            `flow` [m3/s] and `power` [W]; by default none.
         """
         return {}
 

@@ -10,9 +10,11 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked
@@ -68,7 +70,7 @@ class Drum(Node):
         return "speed" if self.tension is None else None
 
     @property
-    def kept_tension(self) -> float | None:
+    def set_tension(self) -> float | None:
         return self.tension
 
     @property

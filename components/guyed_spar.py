@@ -14,12 +14,13 @@ from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import HeadSpar, Tailhold
 from ropeway.components.terrain import Profile
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked
@@ -227,7 +228,7 @@ class GuyedSpar(HeadSpar):
             ),
             Variable("height", par, "m", "length of the mast", self.height or 0.0, 10.0, range=POSITIVE),
             Variable("mass", par, "kg", "mass of the mast", self.mass, 1000.0, range=NOT_NEGATIVE),
-            *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.at, strict=True)),
+            *(Variable(a, alg, "m", f"{a} of the top", at, 100.0) for a, at in zip("xyz", self.position, strict=True)),
             Variable("axial", alg, "N", "compression of the mast", upright, force),
             *(
                 Variable(f"{r}_travel", alg, "m", f"unstretched length of {r} run through its block", 0.0, site.length)

@@ -11,10 +11,11 @@ import numpy as np
 from ropeway.components import check, laws, shoe
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Equations, Kind, Limit, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.sheave import Wheel
 from ropeway.components.smooth import sign
 from ropeway.components.spar import Standing
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked

@@ -9,7 +9,9 @@ from typing import Any, ClassVar
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked
@@ -69,7 +71,7 @@ class Joint(Node):
         return (
             *(
                 Variable(axis, Kind.ALGEBRAIC, "m", f"{axis} of the joint", value, 100.0)
-                for axis, value in zip("xyz", self.at, strict=True)
+                for axis, value in zip("xyz", self.position, strict=True)
             ),
             Variable("mass", Kind.PARAMETER, "kg", "mass of the joint", self.mass, 1000.0, range=NOT_NEGATIVE),
             *(

@@ -12,8 +12,10 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Equations, Kind, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 _FORCE = 1e4
 """Unit of the normal force in the contact law [N]; that of the gap is 1 m."""

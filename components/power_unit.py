@@ -9,8 +9,9 @@ from typing import Any
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
+from ropeway.components.component import Component, Port
 from ropeway.components.smooth import clip_above
+from ropeway.components.variable import Equations, Kind, Site, Variable
 
 
 @checked

@@ -21,9 +21,10 @@ import casadi as ca
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Kind, Variable
+from ropeway.components.component import Component
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind, Variable
 
 PRECEDENCES = ("all at once", "upstream first", "downstream first", "worst first", "neighbours locked out")
 """Which sheaves may act if several request it at one sample: all; the first or the last along the rope; the one with
@@ -76,7 +77,7 @@ class Response(ABC):
 
     @property
     def tension_range(self) -> tuple[float, float] | None:
-        """The lowest and the highest tension that it aims to keep [N]; None where it has no such range."""
+        """Lowest and highest tension that it maintains [N]; None if it has no range."""
         return None
 
     @property
@@ -130,8 +131,10 @@ class Response(ABC):
 
 
 def response_of(component: Component) -> Response | None:
-    """The response of a component, its attribute `response`; None where it has none. Such a component has the variables
-    of its response and the discrete variable `correction` [m/s]."""
+    """The response of a component, its attribute `response`; None if it has none.
+
+    Such a component has the variables of its response and the discrete variable `correction` [m/s].
+    """
     found = getattr(component, "response", None)
     return found if isinstance(found, Response) else None
 

@@ -11,9 +11,9 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE
-from ropeway.components.component import Energies, Equations, Kind, Site, Variable
 from ropeway.components.errors import InputError
 from ropeway.components.sheave import Wheel, free_or_held, held_variables, tension_law
+from ropeway.components.variable import Energies, Equations, Kind, Site, Variable
 
 
 @checked
@@ -76,7 +76,7 @@ class TensionedReturn(Wheel):
         return (
             *(
                 Variable(f"home_{x}", par, "m", f"{x} at zero slide", a, 100.0)
-                for x, a in zip("xyz", self.at, strict=True)
+                for x, a in zip("xyz", self.position, strict=True)
             ),
             *(
                 Variable(f"way_{x}", par, "1", f"direction of the take-up, {x}", d / size)
@@ -85,7 +85,7 @@ class TensionedReturn(Wheel):
             Variable("take_up", par, "N", "force of the take-up", self.take_up, site.force, range=POSITIVE),
             *(
                 Variable(x, alg, "m", f"{x} coordinate of the wheel", a, 100.0)
-                for x, a in zip("xyz", self.at, strict=True)
+                for x, a in zip("xyz", self.position, strict=True)
             ),
             Variable("slide", alg, "m", "displacement of the wheel along its direction"),
             Variable("travel", alg, "m", "unstretched length of rope that has run over", 0.0, site.length),

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from dataclasses import dataclass, field
-from typing import Protocol
+from difflib import get_close_matches
+from typing import Protocol, overload
 
 from ropeway.components import check, table
+from ropeway.components.accepted_values import RefusedError
 from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
@@ -142,6 +143,18 @@ class Rope:
         if self.diameter is not None:
             _require_diameter(self.diameter, owner)
 
+    @classmethod
+    def _from_given(cls, value: object) -> Rope:
+        """A rope as users give it: itself, or the name of one in the catalogue. Raises RefusedError."""
+        if isinstance(value, Rope):
+            return value
+        known = all_ropes()
+        if isinstance(value, str) and value in known:
+            return cls.named(value)
+        near = get_close_matches(value, known, 3) if isinstance(value, str) else ()
+        meant = f"; did you mean {', '.join(map(repr, near))}?" if near else ""
+        raise RefusedError(value, f"a Rope, or the name of one of rw.ropes(){meant}")
+
     @property
     def strain(self) -> Strain:
         """Coefficients of the rope's strain over tension."""
@@ -238,7 +251,7 @@ class Rope:
         """
         known = all_ropes(() if catalogue is None else (catalogue,))
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=4, cutoff=0.5) or list(known)[:6]
+            near = get_close_matches(name, known, n=4, cutoff=0.5) or list(known)[:6]
             raise UnknownNameError(f"No rope {name!r}", f"Near are {', '.join(map(repr, near))}; rw.ropes() has all")
         return cls._of(known[name], stretch, safety_factor)
 
@@ -253,6 +266,19 @@ class Rope:
             safety_factor=safety_factor,
             name=entry.name,
         )
+
+
+@overload
+def rope_of(rope: Rope | str) -> Rope: ...
+
+
+@overload
+def rope_of(rope: Rope | str | None) -> Rope | None: ...
+
+
+def rope_of(rope: Rope | str | None) -> Rope | None:
+    """The rope that an argument stands for. Raises RefusedError."""
+    return None if rope is None else Rope._from_given(rope)
 
 
 def _require_diameter(diameter: float, owner: str) -> None:

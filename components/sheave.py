@@ -12,8 +12,10 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Equations, Kind, Limit, Node, Seat, Site, Variable
+from ropeway.components.component import Seat
+from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked

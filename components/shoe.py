@@ -12,7 +12,7 @@ import numpy as np
 
 from ropeway.components import laws
 from ropeway.components.catenary import Strain, Vector, namespace, norm, segment
-from ropeway.components.component import Kind, Variable
+from ropeway.components.variable import Kind, Variable
 
 Plane = tuple[Any, Any]
 """A vector (x, z)."""

@@ -9,8 +9,9 @@ from typing import Any
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Equations, Kind, Limit, RopeEnd, Site, Variable
+from ropeway.components.component import Component, RopeEnd
 from ropeway.components.rope import Rope
+from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
 
 @checked

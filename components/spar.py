@@ -11,10 +11,11 @@ from typing import Self
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Limit, Node
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.sheave import Sheave
 from ropeway.components.terrain import Profile
+from ropeway.components.variable import Limit
 
 
 @checked

@@ -9,12 +9,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
 from ropeway.components import check, table
+from ropeway.components.accepted_values import RefusedError
 from ropeway.components.argument_checks import checked
-from ropeway.components.catenary import Strain, Vector, segment
+from ropeway.components.catenary import segment
 from ropeway.components.errors import InputError
+from ropeway.components.rope_piece import Piece
 
 _STATIONS = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
 _COORDINATES = table.TableLayout(
@@ -27,19 +30,6 @@ class Clearance(NamedTuple):
 
     height: float
     station: float
-
-
-class Piece(NamedTuple):
-    """A load-free piece of rope in a corridor, towards increasing x.
-
-    Its start (x, z) [m], tension vector there [N], weight [N/m], unstretched length [m] and strain law.
-    """
-
-    start: tuple[float, float]
-    force: Vector
-    weight: float
-    length: float
-    strain: Strain
 
 
 @checked
@@ -80,6 +70,15 @@ class Profile:
 
     def __repr__(self) -> str:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
+
+    @classmethod
+    def _from_given(cls, value: object) -> Profile:
+        """A profile as users give it: itself, or what `from_csv` reads. Raises RefusedError, InputError."""
+        if isinstance(value, Profile):
+            return value
+        if isinstance(value, (str, Path, pd.DataFrame)):
+            return cls.from_csv(value)
+        raise RefusedError(value, "a Profile, or its table as a path or a DataFrame")
 
     @classmethod
     def from_csv(cls, path: table.Source) -> Profile:
@@ -352,6 +351,15 @@ class Profile:
         return Clearance(float(height[k]), float(x[k]))
 
 
+ProfileSource = Profile | table.Source
+"""A profile, or the table of one with station and elevation [m]: its path or a DataFrame."""
+
+
+def profile_of(ground: ProfileSource | None) -> Profile | None:
+    """The profile that an argument stands for. Raises RefusedError, InputError."""
+    return None if ground is None else Profile._from_given(ground)
+
+
 def least_height(ground: Profile, piece: Piece) -> Clearance:
     """`Profile.clearance` without its check of arguments, for repeated calls."""
     fx, fy, v0 = piece.force
@@ -363,7 +371,7 @@ def least_height(ground: Profile, piece: Piece) -> Clearance:
     slopes = np.diff(ground.elevation) / np.diff(ground.station)
     parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
     inside = ground.station[(ground.station > low) & (ground.station < high)]
-    along = np.concatenate([parallel, _distances(piece, np.array([low, *inside, high]), float(total))])
+    along = np.concatenate([parallel, piece.distances(np.array([low, *inside, high]), float(total))])
     reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
     x = x0 + reach[0]
     height = z0 + reach[2] - np.interp(x, ground.station, ground.elevation)
@@ -387,29 +395,6 @@ def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> f
     x = np.array([low, min(max(crossing, low), high), high, *inside])
     line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
     return float((line - np.interp(x, ground.station, ground.elevation)).min())
-
-
-def _distances(piece: Piece, x: np.ndarray, total: float) -> np.ndarray:
-    """Unstretched distances from the start of a piece at which it passes x; `total` is the reach of the piece.
-
-    Newton's method, limited to the piece.
-    """
-    fx, fy, v0 = piece.force
-    flat, wanted = math.hypot(fx, fy), x - piece.start[0]
-    # The initial guess is exact without stretch: linear in asinh(v / h).
-    first, last = (math.asinh(v / flat) for v in (v0, v0 + piece.weight * piece.length))
-    share = np.clip(wanted / total, 0.0, 1.0)
-    d = np.clip((flat * np.sinh(first + share * (last - first)) - v0) / piece.weight, 0.0, piece.length)
-    for _ in range(50):
-        reach = segment((fx, fy, v0), piece.weight, d, piece.strain).reach[0]
-        tension = np.hypot(flat, v0 + piece.weight * d)
-        rate = fx / tension + fx * (piece.strain.c1 + piece.strain.c2 * tension)
-        move = (wanted - reach) / rate
-        d = np.clip(d + move, 0.0, piece.length)
-        # Convergence is quadratic: after a step of 1e-8 only rounding errors are left.
-        if np.abs(move).max(initial=0.0) <= 1e-8 * (1.0 + abs(total)):
-            break
-    return d
 
 
 def deflection(sag: float, span: float) -> float:

@@ -1,1 +1,1 @@
-"""Example scripts and their data. Each has `main(folder)`: it prints a little and writes its pictures there."""
+"""Example scripts and their data. `main(folder)` of each prints results and writes pictures into the folder."""

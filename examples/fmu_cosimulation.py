@@ -1,5 +1,7 @@
-"""A diesel-hydraulic power unit and the example line, each an FMU of its own, in co-simulation: the unit gives pressure
-and flow to the drive of control sheave c4, which loads the engine. Compared with both in one simulation."""
+"""A diesel-hydraulic power unit and the example line as two FMUs in co-simulation, compared with one simulation.
+
+The unit supplies pressure and flow to the drive of control sheave c4, which loads the engine.
+"""
 
 import sys
 from pathlib import Path
@@ -19,14 +21,14 @@ CONNECTIONS = (
 
 
 def power_unit() -> rw.DieselHydraulicUnit:
-    """An engine that is just too weak: it is lugged down, the pressure sinks, and the sheave lets rope back."""
+    """A slightly too weak engine: it is lugged down, the pressure falls, and the sheave slips back."""
     return rw.DieselHydraulicUnit(
         "unit", rated_power=32e3, rated_speed=230.0, inertia=0.6, displacement=16e-6, relief_pressure=300e5
     )
 
 
 def example_line() -> rw.System:
-    """The example line; pressure and flow of c4's drive are left open."""
+    """The example line; pressure and flow of c4's drive are open inputs."""
     drive = rw.HydraulicDrive(
         displacement=60e-6,
         gear_ratio=20.0,

@@ -1,6 +1,7 @@
-"""An FMU that we did not write on the example line: OpenModelica's mass on a spring and a damper, as a dancer that the
-rope behind control sheave c1 presses and whose way gives the sheave its speed. As a component in one simulation with
-the line, and in co-simulation with the line's FMU. Downloads the FMU, unless its path is given:
+"""An FMU of OpenModelica with the example line: a mass with spring and damper as a dancer.
+
+The rope behind control sheave c1 loads the dancer, whose displacement sets the speed of the sheave. Once as a component
+in one simulation, and once in co-simulation with the line's FMU. Downloads the FMU, unless its path is given:
 
     python fmu_foreign.py [folder for the pictures] [Mass_Damper.fmu]
 """
@@ -18,18 +19,18 @@ import numpy as np
 import ropeway as rw
 
 PACKAGE = "gemseo-fmu==3.1.1"
-"""The wheel that carries the FMU (LGPL); it is not installed, only opened."""
+"""The wheel with the FMU (LGPL); it is opened, not installed."""
 MEMBER = "gemseo_fmu/problems/fmu_files/linux/Mass_Damper.fmu"
 FINGERPRINT = "319a1417576bc63ca148e688dd25cc1e834e0c112172405fc0f18132073f136e"
-OFFLINE = f"""This example needs {Path(MEMBER).name} of {PACKAGE}, and a package index to get it from.
+OFFLINE = f"""This example needs {Path(MEMBER).name} of {PACKAGE}, and access to a package index.
 Offline, give the path of that file as the second argument."""
 UNTIL, STEP = 60.0, 0.02
 DANCER = {"mass.m": 200.0, "spring.c": 50e3, "damper.d": 4.5e3, "fixed.s0": 1.17}
-"""It moves 1 m for 50 kN, and stands at 1 m (for 1 m/s) under 66.5 kN."""
+"""1 m per 50 kN; at 66.5 kN the dancer is at 1 m, for 1 m/s."""
 
 
 def foreign_fmu(folder: Path, given: Path | None) -> Path:
-    """The FMU: that given, or the one downloaded, as it was when this example was written."""
+    """The FMU: the given file, or the download, checked by its SHA-256."""
     path = folder / Path(MEMBER).name if given is None else given
     if given is None:
         with tempfile.TemporaryDirectory() as place:
@@ -40,7 +41,7 @@ def foreign_fmu(folder: Path, given: Path | None) -> Path:
             with zipfile.ZipFile(wheel) as archive:
                 path.write_bytes(archive.read(MEMBER))
     if hashlib.sha256(path.read_bytes()).hexdigest() != FINGERPRINT:
-        sys.exit(f"{path} is not the FMU of this example: its SHA-256 is another")
+        sys.exit(f"{path} is not the FMU of this example: its SHA-256 differs")
     return path
 
 
@@ -72,12 +73,12 @@ def main(folder: Path, given: Path | None) -> None:
     one_run = rw.simulate(line, UNTIL, every=STEP).frame
     without = rw.simulate(example_line(), UNTIL, every=STEP).frame
 
-    together = rw.fmu.CoSimulation(STEP, iterated=True)
-    together.add("dancer", fmu, kind="ModelExchange", start=DANCER)
-    together.add("line", example_line())
-    together.connect("line.c1.tension_out", "dancer.f")
-    together.connect("dancer.y", "line.c1.speed")
-    coupled = together.run(until=UNTIL)
+    master = rw.fmu.CoSimulation(STEP, iterated=True)
+    master.add("dancer", fmu, kind="ModelExchange", start=DANCER)
+    master.add("line", example_line())
+    master.connect("line.c1.tension_out", "dancer.f")
+    master.connect("dancer.y", "line.c1.speed")
+    coupled = master.run(until=UNTIL)
 
     shown = {
         "c1.tension_out": ("line.c1.tension_out", "N", 1e-3, "tension behind\nsheave c1 [kN]"),

@@ -1,6 +1,6 @@
-"""A guyed spar under a skyline: how much the skyline's tension falls as the spar leans into it.
+"""A guyed spar of a skyline: decrease of the skyline's tension as the spar leans.
 
-Four guylines at 5, 20 and 50 kN of pretension, on rigid anchors and on stumps that give 0.5 mm per kN.
+Four guylines with pretensions of 5, 20 and 50 kN, on rigid anchors and on stumps with 2 kN/mm.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def main(folder: Path = Path("ropeway-guyed")) -> pd.DataFrame:
 
 
 def picture(paths: dict[tuple[float, float], pd.DataFrame]) -> Figure:
-    """Lean along the corridor; the guylines' tensions, which differ little along it, where the back ones pull most."""
+    """Lean along the corridor, and tensions of the guylines where those at the back are highest."""
     figure = Figure(figsize=(10.0, 7.0), layout="constrained")
     grid = figure.add_gridspec(2, 3)
     lean = figure.add_subplot(grid[0, :])
@@ -87,7 +87,7 @@ def picture(paths: dict[tuple[float, float], pd.DataFrame]) -> Figure:
     lean.legend(fontsize="small", ncols=2, loc="lower center")
     lean.grid(alpha=0.3)
     for axis, title in zip(bars, ("back guyline", "front guyline", "skyline"), strict=True):
-        axis.set_title(f"{title}, where the back ones pull most", fontsize="small")
+        axis.set_title(f"{title}, where the back guylines pull most", fontsize="small")
         axis.set_xticks(range(3), [f"{p / 1e3:.0f} kN" for p in colours])
         axis.set_xlabel("pretension (hatched: anchors 2 kN/mm)")
         axis.margins(y=0.12)

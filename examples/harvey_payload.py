@@ -1,4 +1,4 @@
-"""Harvey's Table 2 and Figure 10 again, with the exact payload in them.
+"""Harvey's Table 2 and Figure 10 with the exact payload.
 
     python examples/harvey_payload.py [folder]
 

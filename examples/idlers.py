@@ -1,4 +1,4 @@
-"""One rope over idler sheaves: a load in one span draws rope from the others."""
+"""One rope over idler sheaves: a load in one span pulls in rope from the others."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Lyons' Figure 2 again: what the average-tension method makes of a rope with construction stretch.
+"""Lyons' Figure 2: the average-tension method for a rope with construction stretch.
 
     python examples/lyons_stretch.py [folder]
 
@@ -21,7 +21,7 @@ from ropeway.systems.studies.handbook.lyons_cases import CASES, locus_phi, psi_a
 def main(folder: Path | None = None) -> Path:
     """Print the table and write the picture; returns its path."""
     print("Average tension over exact, where the tension at support A is a third of the breaking load")
-    print(f"{'case':>4} {'beta':>9} {'tau':>5} {'slope':>6} {'phi':>7} {'ratio':>9}  a rope?")
+    print(f"{'case':>4} {'beta':>9} {'tau':>5} {'slope':>6} {'phi':>7} {'ratio':>9}  possible")
     for case in CASES[4:]:
         phi = float(locus_phi(case.tau, case.slope))
         ratio = float(_ratio(case.beta, case.tau, case.slope, phi))
@@ -58,7 +58,7 @@ def _draw(folder: Path) -> Path:
             whole = rows["utilisation"] <= 1.0
             style = "-" if case.possible else ":"
             for panel in (axes, zoom):
-                label = f"case {number}: {word}" + ("" if case.possible else " (no such rope)")
+                label = f"case {number}: {word}" + ("" if case.possible else " (not possible)")
                 panel.plot(
                     rows["phi"][whole], 100 * (rows["ratio"][whole] - 1), style, color=colour, label=label, lw=1.8
                 )

@@ -1,4 +1,4 @@
-"""A mono-cable line of 24 spans with travelling loads: ten minutes of it."""
+"""Ten minutes of a mono-cable line of 24 spans with travelling loads."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""One span with a turn hanging in it: forces at the ends, the rope's shape, and how much it could carry."""
+"""One span with a turn: forces at the ends, shape of the rope, and the largest load."""
 
 import math
 import sys

@@ -1,11 +1,11 @@
-"""How the control sheaves of a mono-cable line should move: constant speed, a threshold response, optimised.
+"""Control sheaves of a mono-cable line: constant speed, a threshold response, optimised schedules.
 
     python examples/optimise_schedule.py [folder]
 
 The line is `line.csv` (24 spans, 4 control sheaves) with loads of 100 to 500 kg every 51 m, and starts with its control
 sheaves in balance. A minute at 1 m/s: at constant speed, with a threshold response, and with schedules for each of
-the three objectives, within 3 kN and 3 kW at each drive. Prints what each comes to, which limits bind, and what the
-schedules are worth when the line is not as planned, open loop and with a trim; draws `optimise_schedule.png`.
+the three objectives, within 3 kN and 3 kW at each drive. Prints the objectives, the active limits, and the robustness
+of the schedules for lines that differ from the plan, open loop and with a trim; draws `optimise_schedule.png`.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ THRESHOLD = rw.ThresholdResponse(low=40e3, high=48e3, increment=0.015, hold=0.0,
 OBJECTIVES = ("peak tension", "tension deviation", "energy")
 INTERVALS = 30
 UNTIL, SETTLE, RECOVERED = 60.0, 10.0, 20.0
-"""End of the runs; from when tensions count, and from when they do for a line that starts out of balance [s]. Energy
-always counts over the whole run."""
+"""End of the runs; start of the evaluation of tensions, and for a line that starts out of balance [s]. Energy counts
+over the whole run."""
 
 
 def line(response: rw.ThresholdResponse | None = None) -> rw.System:
-    """The line; with a response at all control sheaves but the first, which keeps the line's speed."""
+    """The line; with a response at all control sheaves except the first, which has the line's speed."""
     responses = None if response is None else dict.fromkeys(("c2", "c3", "c4"), response)
     return rw.monocable(ROPE, SUPPORTS, tension=42e3, load_mass=MASSES, load_spacing=51.0, response=responses)
 
@@ -88,9 +88,9 @@ def main(folder: Path = Path("ropeway-schedule")) -> pd.DataFrame:
             f"\nLeast {name}: {len(report.rounds)} rounds, {report.seconds:.0f} s; "
             f"simulation and plan {1e3 * gap.crossing_time:.2g} ms (crossings), {gap.peak_tension:.2g} N (peak) apart"
         )
-        print(plan.active.head(4).round(3).to_string() if len(plan.active) else "No limit costs anything")
+        print(plan.active.head(4).round(3).to_string() if len(plan.active) else "No active limit")
     robust = best["peak tension"].robustness(settle=RECOVERED)
-    print(f"\nHighest tension over the plan's from {RECOVERED:.0f} s on, when the line is not as planned [%]")
+    print(f"\nHighest tension over the plan's from {RECOVERED:.0f} s on, for lines that differ from the plan [%]")
     over = robust.xs("over plan", axis=1, level=1) * 100.0
     print(over.round(2).to_string())
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Components of your own: a counterweight with inertia, and an anchor on a spring and damper; run, swept, exported."""
+"""Own components: a counterweight with inertia and an anchor with spring and damper; simulated, swept, exported."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Counterweight(rw.Node):
 
     travel' = speed, mass speed' = tension - weight - extra - drag speed.
 
-    extra: a further pull [N], a number or a schedule.
+    extra: an additional pull [N], a number or a schedule.
     """
 
     mass: float = 1000.0
@@ -44,8 +44,8 @@ class Counterweight(rw.Node):
             *self.place(),
             rw.Variable("mass", PARAMETER, "kg", "mass of the weight", self.mass, 1000.0),
             rw.Variable("drag", PARAMETER, "N.s/m", "drag of its guide", self.drag, 100.0),
-            rw.Variable("extra", rw.Kind.INPUT, "N", "further pull", nominal=site.force),
-            rw.Variable("travel", STATE, "m", "rope that the weight has let out", 0.0, site.length),
+            rw.Variable("extra", rw.Kind.INPUT, "N", "additional pull", nominal=site.force),
+            rw.Variable("travel", STATE, "m", "length of rope from the weight", 0.0, site.length),
             rw.Variable("speed", STATE, "m/s", "speed of the weight, upward"),
             rw.Variable("tension", OUTPUT, "N", "tension of its rope", nominal=site.force),
         )
@@ -58,7 +58,7 @@ class Counterweight(rw.Node):
 
 @dataclass(frozen=True)
 class DampedAnchor(rw.Node):
-    """An anchor that gives way in x: damping x' = pull - stiffness (x - home)."""
+    """An anchor with a spring and a damper in x: damping x' = pull - stiffness (x - home)."""
 
     stiffness: float = 2e5
     damping: float = 1e5
@@ -87,7 +87,7 @@ class DampedAnchor(rw.Node):
 
 
 def line() -> rw.System:
-    """A rope from a counterweight, pulled at by 2 kN more from 1 s on, over a sheave to a damped anchor."""
+    """A rope from a counterweight, with an extra pull of 2 kN from 1 s on, over a sheave to a damped anchor."""
     pull = rw.Schedule((0.0, 1.0, 1.5, 60.0), (0.0, 0.0, 2e3, 2e3))
     rope = rw.Rope(mass_per_length=2.1, axial_stiffness=19e6, breaking_load=330e3)
     s = rw.System("own components")
@@ -103,13 +103,13 @@ def line() -> rw.System:
 
 
 def main(folder: Path = Path("ropeway-own-component")) -> None:
-    """Checks both components, brings the line to rest, runs it, sweeps the mass and exports an FMU."""
+    """Checks both components, solves the equilibrium, simulates the line, sweeps the mass and exports an FMU."""
     folder.mkdir(parents=True, exist_ok=True)
     for component in (Counterweight("weight", at=(0.0, 0.0)), DampedAnchor("anchor", at=(0.0, 0.0))):
         rw.check_component(component)
     s = line()
     rest = rw.equilibrium(s)
-    print(f"at rest the weight is carried by {rest['weight.tension'] / 1e3:.3f} kN; the anchor gives way by "
+    print(f"at rest the tension at the weight is {rest['weight.tension'] / 1e3:.3f} kN; the anchor moves by "
           f"{1e3 * (rest['anchor.x'] - 170.0):.1f} mm")  # fmt: skip
     run = rw.simulate(s, until=10.0, every=0.1)
     print(run.frame[["weight.travel", "weight.tension", "anchor.x"]].iloc[::20].round(4))

@@ -1,4 +1,4 @@
-"""A running skyline on the first span of the corridor: haulback and mainline share the work.
+"""A running skyline on the first span of the corridor: haulback and mainline carry the load together.
 
 The haulback goes over the carriage to a tail block on the spur and back to the carriage; the yarder sets its tension so
 that the turn just clears the ground.

@@ -1,6 +1,6 @@
-"""The carriage over an intermediate support: how the mainline's pull changes on a saddle that is a point, and on shoes.
+"""The carriage over an intermediate support: the pull of the mainline on a point saddle and on shoes.
 
-The corridor of examples/standing_skyline.py, with a haulback that keeps the lines taut; the carriage with 2500 kg from
+The corridor of examples/standing_skyline.py, with a haulback that holds the lines taut; the carriage with 2500 kg from
 2 m before the jack to 3 m beyond it.
 """
 

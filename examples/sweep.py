@@ -1,4 +1,4 @@
-"""Ten thousand variants of a mono-cable line: other loads, supports not quite where they were drawn.
+"""Ten thousand variants of a mono-cable line: other loads, and deviations of the supports.
 
     python examples/sweep.py [folder] [variants]
 

@@ -1,10 +1,10 @@
-"""How control sheaves keep a mono-cable line in its tension range: eight pictures on one page.
+"""Control sheaves that keep a mono-cable line in its tension range: eight pictures on one page.
 
     python examples/turk_responses.py [folder]
 
-After the subjects of Turk's chapters 3 to 6 (1988). His figures 6 to 18 and their data do not survive, so nothing here
-reproduces them: line, loads, responses and drives are our own. The line is `line.csv` (24 spans, 4 control sheaves),
-its empty rope at 45 kN; loads of 300, 100, 500, 200, 600 kg, a missing one and 450 kg follow each other at 50 m. It
+After the subjects of Turk's chapters 3 to 6 (1988). His figures 6 to 18 and their data are not available, so line,
+loads, responses and drives are our own. The line is `line.csv` (24 spans, 4 control sheaves),
+its empty rope at 45 kN; loads of 300, 100, 500, 200, 600 kg, a missing one and 450 kg have a spacing of 50 m. It
 starts full and out of its range of 44 to 66 kN. Draws `turk_responses.png` and prints a table of the variants.
 """
 
@@ -41,7 +41,7 @@ DRIVE = rw.HydraulicDrive(
 )
 UNTIL, SETTLED, TOP = 300.0, 100.0, 78.0
 CROSSED = 540.0
-"""When the one load has crossed the spans from c1 to c2 [s]."""
+"""Time at which the single load has crossed the spans from c1 to c2 [s]."""
 SHADES = ("#9ecae1", "#4292c6", "#08519c", "#08203f")
 COLOURS = ("#08519c", "#e08214", "#5b8c2a", "#b5482a", "#7b4ea3")
 SPAN, GROUP = "s6_s7", ("c1", "s5", "s6", "s7", "s8", "c2")
@@ -55,7 +55,7 @@ def without() -> rw.Result:
 
 @lru_cache(maxsize=64)
 def variant(precedence: str = "all at once", *, hydraulic: bool = False, **change: float) -> rw.Result:
-    """The line with responses: those of BASE but for what is changed."""
+    """The line with the responses of BASE, with changes."""
     response = rw.ThresholdResponse(low=LOW, high=HIGH, **{**BASE, **change})
     return _simulate(response=response, precedence=precedence, drive=DRIVE if hydraulic else None)
 
@@ -67,7 +67,7 @@ def _simulate(**settings: Any) -> rw.Result:
 
 @lru_cache(maxsize=4)
 def crossing(mass: float) -> tuple[rw.Result, pd.DataFrame]:
-    """One load that crosses the spans from c1 to c2 on an otherwise empty line, and where it is at each record."""
+    """A single load that crosses the spans from c1 to c2, and its position at each record."""
     line = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=(0.0, 0.0, mass) + (0.0,) * 9, load_spacing=940.0)
     result = rw.simulate(line, until=CROSSED, every=2.0)
     places = []
@@ -186,7 +186,7 @@ def _span(top: Axes, bottom: Axes) -> None:
 
 
 def _path(axis: Axes) -> None:
-    """Where loads of different mass run, against the empty rope."""
+    """Paths of loads of different mass, and the empty rope."""
     result, _ = crossing(300.0)
     nodes = _points(result)
     points = np.array([nodes[n] for n in GROUP])
@@ -228,7 +228,7 @@ def _tension(axis: Axes, runs: Mapping[str, rw.Result], colours: tuple[str, ...]
         if tension.max() > TOP:
             axis.annotate(f"{label}: to {tension.max():.0f} kN", (tension.idxmax() + 26.0, TOP - 0.5), **note)
         if run.events.query("event == 'response' and component == 'c1'").empty:
-            axis.annotate(f"{label}: c1 never gets its turn", (UNTIL / 3.0, TOP - 0.5), **note)
+            axis.annotate(f"{label}: c1 never acts", (UNTIL / 3.0, TOP - 0.5), **note)
     axis.set(xlim=(0.0, UNTIL), ylim=(34.0, TOP))
 
 

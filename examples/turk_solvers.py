@@ -1,4 +1,4 @@
-"""How three methods find the tension in a span: successive substitution, Newton-Raphson, Brown.
+"""Three methods for the tension of a span: successive substitution, Newton-Raphson, Brown.
 
     python examples/turk_solvers.py [folder]
 
@@ -34,7 +34,7 @@ def run(problem: SpanProblem, method: str, scale: float, damped: bool) -> Histor
 
 def main(folder: Path | None = None) -> Path:
     """Print the table and write the picture; returns its path."""
-    print(f"{'rope':>8} {'start':>6}  {'method':24s} {'plain':>18} {'damped':>18}   (rounds, evaluations)")
+    print(f"{'rope':>8} {'start':>6}  {'method':24s} {'plain':>18} {'damped':>18}   (iterations, evaluations)")
     for length in (1000.0, 1001.0):
         problem = span(length)
         for scale in (0.1, 1.0 / 3.0, 1.0, 3.0, 10.0):

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, cast
 import pandas as pd
 import typer
 
-from ropeway.cli_options import LoadMass, LoadSpacing, RopeName, Tension, errors_on_one_line
+from ropeway.cli_options import LineOptions, errors_on_one_line, grouped
 from ropeway.components.table_writer import write_table
 
 app = typer.Typer(help="FMUs: export a line, describe an FMU, run an FMU.", no_args_is_help=True, rich_markup_mode=None)
@@ -17,35 +17,20 @@ File = Annotated[Path, typer.Argument(help="An FMU.")]
 
 
 @app.command("export")
+@grouped
 def export_line(
-    line: Annotated[Path, typer.Argument(help="Supports: CSV with columns name,x,y,z,kind, as for `simulate`.")],
+    line: LineOptions,
     out: Annotated[Path, typer.Option("--out", "-o", help="The FMU to write.")] = Path("line.fmu"),
     fmi: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "2.0",
     platform: Annotated[
         list[str] | None, typer.Option(help="Platform of a binary; repeat the option for more.")
     ] = None,
-    rope: RopeName = "RHOL-IWRC 29",
-    tension: Tension = 45e3,
-    speed: Annotated[float, typer.Option(help="Speed of the rope at the start [m/s].")] = 1.0,
-    load_mass: LoadMass = 300.0,
-    load_spacing: LoadSpacing = 50.0,
 ) -> None:
     """Export a mono-cable line as an FMU."""
-    from ropeway.components.rope import Rope
     from ropeway.fmu.exporting.export import export
-    from ropeway.systems.rigs.monocable import monocable
 
     with errors_on_one_line():
-        system = monocable(
-            Rope.named(rope),
-            line,
-            tension=tension,
-            speed=speed,
-            load_mass=load_mass,
-            load_spacing=load_spacing,
-            name=line.stem,
-        )
-        path = export(system, out, cast(Literal["2.0", "3.0"], fmi), platforms=tuple(platform or ("host",)))
+        path = export(line.system(), out, cast(Literal["2.0", "3.0"], fmi), platforms=tuple(platform or ("host",)))
         typer.echo(f"Written to {path.resolve()} ({path.stat().st_size / 1e3:.0f} kB)")
 
 

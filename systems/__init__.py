@@ -1,0 +1,1 @@
+"""Systems: from declarations to equilibria, simulations and studies."""

@@ -1,8 +1,8 @@
-"""Ctrl-C in long calls: it ends them between two steps, with what they have found so far.
+"""Ctrl-C in long calls: they end between two steps, with the results up to then.
 
-CasADi asks Python for signals inside its functions and drops a `KeyboardInterrupt` raised there: IDAS takes it for
-a failed evaluation and tries a smaller step. In an interruptible call the handler only notes the signal, and the
-solvers look at the note where they can stop.
+CasADi checks for signals inside its functions and drops a `KeyboardInterrupt` raised there: IDAS treats it as a failed
+evaluation and reduces its step. In an interruptible call the handler only records the signal, and the solvers check the
+record where they can stop.
 """
 
 from __future__ import annotations
@@ -22,12 +22,14 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
 WAIT = 0.1
-"""Longest wait for something else before signals are looked at [s]."""
+"""Longest wait between two checks for signals [s]."""
 
 
 class _Watch:
-    """Of the main thread while an interruptible call runs: the `handler` that was there before, the signal that has
-    been `noted`, if any, and whether a signal acts `at_once` now."""
+    """Signals of the main thread during an interruptible call.
+
+    `handler`: the previous handler; `noted`: a recorded signal, or None; `at_once`: whether a signal acts immediately.
+    """
 
     def __init__(self) -> None:
         self.handler: Callable[[int, FrameType | None], Any] | None = None
@@ -35,14 +37,14 @@ class _Watch:
         self.at_once = False
 
     def note(self, number: int, frame: FrameType | None) -> None:
-        """The signal handler. A second signal does not wait; it stays noted, as CasADi may drop what is raised."""
+        """The signal handler. A second signal acts immediately, and stays recorded, as CasADi may drop an exception."""
         if self.handler is not None and (self.at_once or self.noted is not None):
             self.handler(number, frame)
         else:
             self.noted = (number, frame)
 
     def act(self) -> None:
-        """Does what the handler that was there before does, now that it is safe. Raises Interrupted."""
+        """Calls the previous handler, where it is safe. Raises Interrupted."""
         noted, self.noted = self.noted, None
         if noted is None or self.handler is None:
             return
@@ -59,19 +61,19 @@ _watch = _Watch()
 
 
 def interrupted() -> bool:
-    """Whether a Ctrl-C waits for the call in this thread to stop."""
+    """Whether a Ctrl-C is recorded for the call in this thread."""
     return _watch.noted is not None and threading.current_thread() is threading.main_thread()
 
 
 def stop_if_interrupted() -> None:
-    """A place where an interruptible call can stop. Raises Interrupted after a Ctrl-C."""
-    if _watch.noted is not None and interrupted():  # asked at every evaluation of a function
+    """Point where an interruptible call can stop. Raises Interrupted after a Ctrl-C."""
+    if _watch.noted is not None and interrupted():  # checked at every evaluation of a function
         _watch.act()
 
 
 @contextmanager
 def _watched() -> Iterator[None]:
-    """Notes Ctrl-C; signals reach the main thread only, and where nobody handles them in Python they keep their way."""
+    """Records Ctrl-C in the main thread, unless the signal has no Python handler."""
     before = signal.getsignal(signal.SIGINT)
     if not callable(before) or _watch.handler is not None:
         yield
@@ -85,7 +87,7 @@ def _watched() -> Iterator[None]:
     except KeyboardInterrupt as error:
         raise Interrupted from error
     except BaseException:
-        stop_if_interrupted()  # what the call stopped with is then the context of the interrupt
+        stop_if_interrupted()  # the error of the call is then the context of the interrupt
         raise
     finally:
         _watch.handler = _watch.noted = None
@@ -93,9 +95,9 @@ def _watched() -> Iterator[None]:
 
 
 def interruptible(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Lets Ctrl-C end a function where what it calls can stop, as Interrupted, and never inside CasADi.
+    """Lets Ctrl-C end a function at points where it can stop, as Interrupted, and never inside CasADi.
 
-    A Python handler that was there before is called at that place: what it raises ends the function.
+    A previous Python handler is called at that point; its exception ends the function.
     """
 
     @wraps(function)
@@ -107,7 +109,7 @@ def interruptible(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 return function(*args, **kwargs)
         with _watched():
             found = function(*args, **kwargs)
-            with keeping(lambda: found):  # a signal in the very last step
+            with keeping(lambda: found):  # a signal during the last step
                 stop_if_interrupted()
             return found
 
@@ -127,7 +129,7 @@ def _acting(*, at_once: bool) -> Iterator[None]:
 
 @contextmanager
 def users_code() -> Iterator[None]:
-    """Around a function of the user's own: it knows no place to stop, so that Ctrl-C ends it at once."""
+    """Around a function of the user, which has no such points: Ctrl-C ends it immediately."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -138,7 +140,7 @@ def users_code() -> Iterator[None]:
 
 @contextmanager
 def keeping(result: Callable[[], object]) -> Iterator[None]:
-    """Gives an interrupt on its way out what the call has found so far."""
+    """Attaches the results up to now to an interrupt."""
     try:
         yield
     except Interrupted as stop:
@@ -149,7 +151,7 @@ def keeping(result: Callable[[], object]) -> Iterator[None]:
 
 
 def next_of(queue: SimpleQueue[_R]) -> _R:
-    """The next of a queue that other threads fill. Raises Interrupted."""
+    """Next element of a queue that other threads fill. Raises Interrupted."""
     while True:
         stop_if_interrupted()
         try:

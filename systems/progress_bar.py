@@ -1,4 +1,4 @@
-"""Progress of long work, on a terminal only."""
+"""Progress bars of long calls, on a terminal only."""
 
 from __future__ import annotations
 
@@ -9,13 +9,15 @@ from multiprocessing import parent_process
 from threading import Lock
 
 _SHOWN = Lock()
-"""Held while a bar is shown: a terminal has room for one."""
+"""Held while a bar is shown: there is one at a time."""
 
 
 @contextmanager
 def bar(label: str, total: float, show: bool | None = None) -> Iterator[Callable[[float], None]]:
-    """Gives a function that takes how much of `total` is done. Quiet unless `show`, or on a terminal; and as a part
-    of longer work that has a bar, or in its worker processes."""
+    """Yields a function that takes the completed part of `total`.
+
+    By default a bar is shown on a terminal only, and not within a longer call that has one, or in its worker processes.
+    """
     wanted = sys.stderr.isatty() and parent_process() is None if show is None else show
     if not wanted or not _SHOWN.acquire(blocking=False):
         yield lambda done: None

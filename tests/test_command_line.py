@@ -146,7 +146,7 @@ def test_files_are_written_before_a_closed_pipe_ends_the_command(line: str, tmp_
     assert (tmp_path / "o" / "line.png").stat().st_size > 5000
 
 
-def test_an_interrupt_leaves_what_has_run(line: str, tmp_path: Path) -> None:
+def test_an_interrupt_keeps_the_results(line: str, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "ropeway", "simulate", line, "--until", "200000", "--out", "o"]
     run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=tmp_path)
     for _ in range(600):
@@ -164,7 +164,7 @@ def test_an_interrupt_leaves_what_has_run(line: str, tmp_path: Path) -> None:
     assert f"the first {table.index[-1]:g}" in errors.decode()
 
 
-def test_a_tension_above_what_a_rope_may_bear_is_a_warning(line: str, command: Command) -> None:
+def test_a_tension_above_a_limit_is_a_warning(line: str, command: Command) -> None:
     for tension, load in (("620e3", "breaking load"), ("240e3", "safe working load")):
         done = command("simulate", line, "--tension", tension, "--until", "2", "--out", "o")
         assert done.exit_code == 0
@@ -175,7 +175,7 @@ def test_a_tension_above_what_a_rope_may_bear_is_a_warning(line: str, command: C
     assert calm.stderr == ""
 
 
-def test_folders_and_files_taken_for_each_other_are_told(line: str, command: Command) -> None:
+def test_folders_and_files_are_distinguished(line: str, command: Command) -> None:
     Path("maps").mkdir()
     for arguments, words in (
         (("simulate", "maps"), "maps"),
@@ -190,7 +190,7 @@ def test_folders_and_files_taken_for_each_other_are_told(line: str, command: Com
         assert len(done.stderr.splitlines()) == 1
 
 
-def test_a_name_used_twice_does_not_lead_into_the_command_lines_own_code(tmp_path: Path, command: Command) -> None:
+def test_a_duplicate_name_shows_no_internal_code(tmp_path: Path, command: Command) -> None:
     (tmp_path / "twice.csv").write_text(LINE.replace("t2", "t1"))
     done = command("simulate", "twice.csv")
     assert done.exit_code == 1
@@ -220,7 +220,7 @@ def test_printed_limits_are_on_the_safe_side(tmp_path: Path, command: Command) -
     assert printed <= least < printed + 1
 
 
-def test_loads_that_are_too_heavy_are_called_that(line: str, command: Command) -> None:
+def test_loads_that_are_too_heavy_are_named(line: str, command: Command) -> None:
     done = command("simulate", line, "--load-mass", "30000", "--load-spacing", "60")
     assert done.exit_code == 1
     assert "too heavy" in done.stderr

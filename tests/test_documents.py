@@ -1,4 +1,4 @@
-"""What the documents say can be done: their scripts run, and no public name is missing from the list of names."""
+"""The documents: their scripts run, their list of names is complete, their language is plain."""
 
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/skylines.md",
         "docs/components.md",
         "docs/projects.md",
+        "docs/catalogue.md",
+        "docs/reports.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
     ],
 )
@@ -40,10 +42,15 @@ def test_every_public_name_is_listed() -> None:
 
 
 BANNED = (
-    "comes to an end", "find no place", "finds no place", "is asked of", "to and fro", "have not come together",
-    "makes an end", "what there is", "no less", "is told",
+    "comes to an end", "find no place", "finds no place", "find a place", "is asked of", "to and fro", "makes an end",
+    "have not come together", "what there is", "no less", "is told", "are told", "told of", "that there is",
+    "gone wrong",
+    "does not get over", "gives in exchange", "in exchange for a freed", "too much said", "keeps together", "bears out",
+    "what cannot be", "of its own accord", "said to be", "has come to", "at hand", "as it stands", "is left alone",
+    "are left alone", "lets go", "cannot take down", "somebody", "no more good", "way of the empty carriage",
+    "stands inside the rope", "without one an ideal hold", "giving way", "is given in exchange",
 )  # fmt: skip
-"""Literary phrases where a technical word exists."""
+"""Literary phrases for which technical words exist."""
 
 
 def test_prose_is_plain() -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,8 +13,8 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.table_writer import plain
 from ropeway.systems.reporting.blocks import Chart, Moving, Player, Section, Table, axis, curve, dots
-from ropeway.systems.reporting.document import ReportOptions, style_of, values_of, warnings_of, write_report
-from ropeway.systems.reporting.style import Style
+from ropeway.systems.reporting.document import Project, ReportOptions, values_of, warnings_of, write_report
+from ropeway.systems.reporting.style import Style, Units
 from ropeway.systems.results.result_report import thinned
 
 _FRAMES, _CHARTS, _CURVES = 200, 8, 10
@@ -24,7 +25,15 @@ _COLOURS = (
 
 
 @checked
-def run_report(frame: pd.DataFrame, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+def run_report(
+    frame: pd.DataFrame,
+    path: str | Path,
+    *,
+    project: Project | None = None,
+    units: Units = "metric",
+    labels: Mapping[str, str] | None = None,
+    more: Sequence[Section] = (),
+) -> Path:
     """Write the report of a run of FMUs.
 
     Parameters
@@ -33,8 +42,14 @@ def run_report(frame: pd.DataFrame, path: str | Path, **options: Unpack[ReportOp
         As `rw.fmu.CoSimulation.run` returns it: outputs over time [s].
     path : str or Path
         HTML, or PDF by a browser's print; needs the extra `report`.
-    **options
-        `project`, `labels`, `more`, see `docs/reports.md`; outputs keep the units of their FMUs.
+    project : Project, optional
+        Title, place, client, author and a remark.
+    units : {"metric", "imperial"}, default "metric"
+        Outputs keep the units of their FMUs.
+    labels : mapping, optional
+        Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+    more : sequence of Section, optional
+        Sections of your own after the others.
 
     Returns
     -------
@@ -47,14 +62,15 @@ def run_report(frame: pd.DataFrame, path: str | Path, **options: Unpack[ReportOp
     WriteError
         The file could not be written.
     """
-    style = style_of(options)
+    options = ReportOptions(project, units, labels, more)
+    style = options.style
     numbers = frame.select_dtypes(["number", "bool"]).astype(float)
     if numbers.empty or frame.index.dtype.kind != "f":
         raise InputError("The frame holds no outputs over time", "Give what rw.fmu.CoSimulation.run returns")
-    units = dict(frame.attrs.get("units", {}))
+    known = dict(frame.attrs.get("units", {}))
     groups: dict[str, list[str]] = {}
     for name in numbers.columns:
-        groups.setdefault(str(units.get(name, "1")), []).append(str(name))
+        groups.setdefault(str(known.get(name, "1")), []).append(str(name))
     ended = frame.attrs.get("ended")
     warnings = [style.text("ended", why=ended)] if ended else []
     warnings += [f"{name}: {reason}" for name, reason in dict(frame.attrs.get("left_out", {})).items()]
@@ -64,8 +80,8 @@ def run_report(frame: pd.DataFrame, path: str | Path, **options: Unpack[ReportOp
     sections = [
         warnings_of(warnings, style),
         Section(style.text("inputs"), (values_of(rows, style),)),
-        Section(style.text("cosimulation"), (_player(numbers, groups, units, style), *charts[1:])),
-        Section(style.text("outputs"), (_table(numbers, units, style),)),
+        Section(style.text("cosimulation"), (_player(numbers, groups, known, style), *charts[1:])),
+        Section(style.text("outputs"), (_table(numbers, known, style),)),
     ]
     return write_report(path, style.text("cosimulation"), sections, options)
 

@@ -23,7 +23,7 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.studies.skyline.carriage_model import Place, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import EDGE, TOUCH, Places, require_pulled
 from ropeway.systems.studies.skyline.load_path import default_stations
-from ropeway.systems.studies.skyline.payload_remarks import haulback_that_hauls
+from ropeway.systems.studies.skyline.payload.remarks import haulback_that_hauls
 from ropeway.systems.studies.skyline.rig_check import SLACK
 from ropeway.systems.studies.skyline.station_solver import SIDE
 

@@ -22,6 +22,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import SWITCHED
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import loads_once, unpin
 from ropeway.systems.statics.pending_events import Pending
 
 
@@ -49,7 +50,7 @@ class ModelEquations:
                 "Export the line at an earlier time, or its equilibrium there: equilibrium(line, start=...)",
             )
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
-        state.unpin()
+        unpin(state)
         return cls(state, pending=rest.pending)
 
     @property
@@ -168,7 +169,7 @@ class ModelEquations:
     def masses(self) -> np.ndarray:
         """Values of `mass_names` [kg]."""
         masses = [
-            self.state.around(r).mass
+            loads_once(self.state, r).mass
             if run.around
             else run.loads.mass
             if run.feed is None

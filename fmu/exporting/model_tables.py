@@ -12,6 +12,7 @@ from ropeway.fmu.exporting.interface import Interface
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import loads_once
 from ropeway.systems.statics.pending_events import Pending
 
 _HIDDEN, _READ, _PARAMETER, _INPUT, _STATE = range(5)
@@ -122,7 +123,7 @@ def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]
             repeated = np.array(run.feed.masses)[np.arange(len(run.loads.mass)) % len(run.feed.masses)]
             if not np.array_equal(repeated, run.loads.mass):
                 raise InputError(f"Loads of {run.name} have other masses than their feed", "Feed loads of these masses")
-    places = [state.around(r).place if run.around else run.loads.place for r, run in enumerate(state.runs)]
+    places = [loads_once(state, r).place if run.around else run.loads.place for r, run in enumerate(state.runs)]
     tables.integers("load_first", _offsets([len(place) for place in places]))
     tables.numbers("load_place", np.concatenate([[], *places]))
     tables.integers("around", [run.around for run in state.runs])

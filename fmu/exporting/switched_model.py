@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.check import ANY
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Limits, Model, VariableTable
 from ropeway.systems.solvers.newton import VECTORS, Point
 

@@ -18,7 +18,8 @@ import pandas as pd
 
 from ropeway.components import check, units
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Component, Equations, Kind, Port, Site, Variable
+from ropeway.components.component import Component, Port
+from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import Instance, require_kind

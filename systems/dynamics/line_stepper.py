@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.load_crossings import Crossing
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.idas import Idas
 from ropeway.systems.solvers.newton import Buffered, dense, newton_of
@@ -38,7 +37,9 @@ class LineStepper:
     """A line and the signals of its inputs. `state` is advanced in place; `tolerance` is that of the run."""
 
     short = 5e-3
-    """Steps up to this [s] are one trapezoidal step: they bring a load onto its support."""
+    """Steps up to this [s] are one explicit step: they bring a load onto its support."""
+    bent = 1e-6
+    """Where the second-order part of such a step is beyond this, relative to nominal, it is a fourth-order one."""
     tiny = 1e-4
     """Steps up to this [s] are linear: the second order is below rounding."""
 
@@ -125,16 +126,29 @@ class LineStepper:
             self.set_time(t + h)
             return motion
         if abs(h) <= self.short:
-            x = point.x.copy()
-            point.x[:] = x + h * motion.x
-            point.z[:] += h * motion.z
-            self.set_time(t + h)
-            end = self.solve(stop)
-            if np.array_equal(end.x, motion.x):
-                return end
-            self.state.point.x[:] = x + h / 2.0 * (motion.x + end.x)
-            return self.solve(stop)
+            return self._short_step(h, motion, stop)
         return self.integrate(h, motion, stop)
+
+    def _short_step(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
+        """A step of Heun's method, or Runge and Kutta's where rates change fast, as after a loss of pressure."""
+        x, t = self.state.point.x.copy(), self.time
+
+        def moved(step: float, rates: np.ndarray) -> LineMotion:
+            self.state.point.x[:] = x + step * rates
+            self.set_time(t + step)
+            return self.solve(stop)
+
+        self.state.point.z[:] += h * motion.z
+        end = moved(h, motion.x)
+        if np.array_equal(end.x, motion.x):
+            return end
+        second = h / 2.0 * (end.x - motion.x)
+        if np.all(np.abs(second) <= self.bent * self.state.model.x.nominals):
+            return moved(h, (motion.x + end.x) / 2.0)
+        middle = moved(h / 2.0, motion.x)
+        again = moved(h / 2.0, middle.x)
+        end = moved(h, again.x)
+        return moved(h, (motion.x + 2.0 * (middle.x + again.x) + end.x) / 6.0)
 
     def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
         """Advances the state by `h` seconds with IDAS. Raises EquilibriumError, SimulationError."""
@@ -147,13 +161,13 @@ class LineStepper:
         return motion
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def idas_of(model: Model, tolerance: float) -> Idas:
     """The integrator of a model: made once, as its functions take a while to build."""
     return Idas(model, tolerance)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
     return dense(model, model.dae)

@@ -18,6 +18,7 @@ import numpy as np
 
 from ropeway.systems.dynamics.chattering import FinalError
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import extend
 from ropeway.systems.statics.stability import unstable
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"
@@ -56,9 +57,9 @@ def gaps(state: LineState, r: int) -> Gaps:
     """The gaps of a run; takes more loads from its feed when the last one comes near."""
     run = state.runs[r]
     if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
-        state.extend(r)
+        extend(state, r)
     if run.around and state.passed[r][-1] < 1:
-        state.extend(r, ahead=True)
+        extend(state, r, ahead=True)
     beyond, rope = state.passed[r], state.rope(r)
     padded = np.concatenate([[np.inf], state.runs[r].loads.place, [-np.inf]])
     # rope falls as travel grows: the next load forward is the first that has not passed.

@@ -8,7 +8,8 @@ import numpy as np
 
 from ropeway.systems.dynamics.load_crossings import Crossing
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.statics.line_state import LineState, Record
+from ropeway.systems.statics.line_records import Record, recorded
+from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
 
@@ -46,7 +47,7 @@ class Recorder:
 
     def record(self, state: LineState, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes a state down."""
-        self.entries.append(Entry(state.snapshot(self.pending), on_grid, exact))
+        self.entries.append(Entry(recorded(state, self.pending), on_grid, exact))
 
     def note(self, state: LineState, crossing: Crossing, what: str) -> None:
         """Writes down what happened to a load; the event's value is the load's number on the rope."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,9 @@ from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
 from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
@@ -28,18 +30,52 @@ if TYPE_CHECKING:
 @checked
 @dataclass(frozen=True, eq=False)
 class Result(RunData):
-    """A simulation. `records` are all states written down, both sides of every event among them; `on_grid`
-    marks those of the frame, `exact` those in which every section of the line was solved: the others are
-    solved when they are asked for. `parameters` is the model's parameter vector of the run; `noted` is what was
-    written down as it happened, `events` that and the limits reached; `tolerance` is that of the integration."""
+    """A simulation: states at many times, and what follows from them by the model.
+
+    Attributes
+    ----------
+    model : Model
+    runs : tuple of Run
+        The ropes with their loads.
+    parameters : ndarray
+        The model's parameter vector of the run, shape (np,).
+    records : tuple of Record
+        All states, on both sides of every event too.
+    on_grid : ndarray of bool
+        Which records belong to `frame`, shape (records,).
+    exact : ndarray of bool
+        Records in which every section of the line was solved; the others are solved when they are read.
+    noted : tuple of Event
+        Crossings, responses and interventions; `events` has the limits reached too.
+    tolerance : float
+        Of the integration.
+    """
 
     def __repr__(self) -> str:
         end = self.records[-1].time if self.records else 0.0
         return f"<Result of {self.model.name!r}: {end:g} s, {len(self.records)} records>"
 
     def at(self, time: float) -> Equilibrium:
-        """The line at a time [s], after an event at that time: `simulate(start=...)` goes on from it as the run did.
-        Raises InputError outside the run, SimulationError where its certificate fails."""
+        """The line at a time, after an event at that time.
+
+        `simulate(start=...)` continues from it as the run did.
+
+        Parameters
+        ----------
+        time : float
+            Within the run [s].
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        InputError
+            Outside the run.
+        SimulationError
+            Where the state fails its certificate.
+        """
         times = self.times
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
@@ -56,8 +92,17 @@ class Result(RunData):
         return self._line(state, i)
 
     def summary(self) -> Summary:
-        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held. Raises
-        InputError without a rope."""
+        """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held.
+
+        Returns
+        -------
+        Summary
+
+        Raises
+        ------
+        InputError
+            Without a rope.
+        """
         self._require_rope()
         return summary(self)
 
@@ -66,22 +111,45 @@ class Result(RunData):
             raise InputError(f"System {self.model.name!r} has no rope", "Look at its frame")
 
     def power(self) -> pd.DataFrame:
-        """Mean, highest and lowest power [W], energy pulled and recovered [J] of each control sheave and the line."""
+        """Mean, highest and lowest power [W], energy supplied and recovered [J] of each drive and of the line.
+
+        Returns
+        -------
+        DataFrame
+        """
         return power(self)
 
     def energy(self) -> pd.Series:
-        """The energy balance of the run [J]."""
+        """The energy balance of the run [J].
+
+        Returns
+        -------
+        Series
+        """
         return energy(self)
 
-    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
         """Write the report of the run: the moving line, tensions, supports, spans, drives and events.
 
         Parameters
         ----------
         path : str or Path
             HTML, or PDF by a browser's print; needs the extra `report`.
-        **options
-            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
 
         Returns
         -------
@@ -89,34 +157,76 @@ class Result(RunData):
 
         Raises
         ------
-        InputError, WriteError
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
         """
         from ropeway.systems.results.result_report import sections_of
 
         self._require_rope()
-        style = style_of(options)
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
         return write_report(path, self.model.name, sections_of(self, self.summary(), style), options)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
-        """Tensions over time at the control sheaves (or the first idlers, where there are none), or at `components`,
-        with SWL and MBL. Raises InputError without a rope, UnknownNameError."""
+        """Plot tensions over time, with SWL and MBL.
+
+        Parameters
+        ----------
+        components : sequence of str, optional
+            By default the control sheaves, or the first idlers where there are none.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            Without a rope.
+        UnknownNameError
+        """
         from ropeway.systems.results.plots import tensions_over_time
 
         self._require_rope()
         return tensions_over_time(self, components)
 
     def plot_power(self) -> Figure:
-        """Power of the control sheaves over time, and energy pulled and recovered. Raises UnknownNameError where there
-        is none."""
+        """Plot the power of the drives over time, and the energy supplied and recovered.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        UnknownNameError
+            Without a drive.
+        """
         from ropeway.systems.results.plots import power_over_time
 
         return power_over_time(self)
 
     def plot_line(self, time: float | None = None, *, ground: Profile | None = None) -> Figure:
-        """The line at a time [s], by default the last: profile, loads, supports, tensions.
+        """Plot the line at a time: profile, loads, supports, tensions.
 
-        ground: the ground under it, a `rw.Profile` over the horizontal distance along the line. Raises InputError
-        without a rope, and for a ground that ends before the line."""
+        Parameters
+        ----------
+        time : float, optional
+            [s]; by default the end.
+        ground : Profile, optional
+            The ground over the horizontal distance along the line.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            Without a rope, outside the run, and for a ground that ends before the line.
+        """
         from ropeway.systems.results.line_plot import line_profile
 
         self._require_rope()

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal
@@ -19,7 +18,7 @@ from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of, nearest
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
 from ropeway.systems.modelling.intervention import Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
@@ -29,6 +28,7 @@ from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
@@ -47,17 +47,49 @@ def simulate(
     stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
 ) -> Result:
-    """Simulate a system from its equilibrium.
+    """Simulate a system in time.
 
-    until: end [s]; every: interval of the result's frame [s]; inputs: constant or Schedule for each input
-    left open, or in place of a component's own (`{"c1.speed": 1.02}`); start: where to start from, of the same
-    declarations but for responses and speeds: an equilibrium, or `result.at(t)`, from which clocks, delayed
-    responses, brakes and an emergency stop go on, times again from 0 on (a speed given in inputs ends the stop of its
-    drive); interventions: brakes, failures, an emergency stop;
-    tolerance: of IDAS, absolute on scaled variables; stop_at: names of events at which to stop; progress: show
-    a bar (by default only on a terminal).
+    Parameters
+    ----------
+    system : System or Model
+        Its declarations, or `assemble` of them.
+    until : float
+        End of the run [s].
+    every : float, default 1.0
+        Interval of the result's frame [s].
+    inputs : mapping of str to float or Schedule, optional
+        A signal for each input without one of its own, or in place of a component's own (`{"c1.speed": 1.02}`).
+    start : Equilibrium, optional
+        Where the run starts: an equilibrium of the same declarations (responses and speeds may differ), or
+        `result.at(t)`, from which clocks, delayed responses, brakes and an emergency stop continue; times count from 0
+        again. A speed in `inputs` ends the emergency stop of its drive. By default the system's equilibrium.
+    tolerance : float, default 1e-6
+        Of IDAS, absolute on scaled variables.
+    interventions : sequence of Intervention, optional
+        Brakes, losses of pressure, an emergency stop.
+    stop_at : str or sequence of str, optional
+        Names of events at which the run stops: those of limits, and "load held".
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
 
-    Raises InputError before the run; SimulationError, with the result so far, when it cannot go on.
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    InputError, UnknownNameError
+        Before the run.
+    EquilibriumError
+        Where the system has no equilibrium to start from.
+    SimulationError
+        Where the run cannot continue, with the result so far.
+
+    Examples
+    --------
+    >>> result = rw.simulate(line, 600.0, interventions=[rw.Intervention(60.0, "brake", "c1")])  # doctest: +SKIP
+    >>> result.frame["c1.tension_in"].max()  # doctest: +SKIP
+    61234.5
     """
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
@@ -154,7 +186,7 @@ class _Simulation:
 
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
-        state.unpin()
+        unpin(state)
         self.recorder = Recorder()
         self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
         self.line = self.stepper.line
@@ -306,7 +338,7 @@ class _Simulation:
         return True
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def update_of(model: Model, clock: Clock) -> Buffered:
     """The update of a clock, on arrays."""
     return dense(model, clock.update)

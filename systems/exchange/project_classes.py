@@ -25,7 +25,7 @@ from ropeway.components.span import Span
 from ropeway.components.spar import Block, HeadSpar, Tailhold, TailSpar
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.intervention import Intervention
-from ropeway.systems.rigs.skyline_rig import Turn
+from ropeway.systems.rigs.turn import Turn
 
 CLASSES: Mapping[str, type] = {
     cls.__name__: cls

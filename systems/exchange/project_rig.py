@@ -14,8 +14,10 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.terrain import Profile
 from ropeway.systems.exchange.project_text import Json, Keys, ProjectText
 from ropeway.systems.exchange.project_values import Decoder, Encoder, FileKind
-from ropeway.systems.rigs.rig_builder import joined
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.rig_builder import build_rig
+from ropeway.systems.rigs.rig_kind import GRAVITY, LIVE, RUNNING, STANDING, RigKind
+from ropeway.systems.rigs.rig_parts import RigParts
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 
 _NEEDED = ("headspar", "tailspar", "carriage")
 _PLAIN = ("terrain", "haulback", "haulback_tension", "haulback_block", "mainline", "turn", "name", "gravity")
@@ -25,12 +27,12 @@ _FIELDS = ("kind", *_NEEDED, *_PLAIN, "skyline", "supports", "tension", "length"
 
 def kind_name(kind: RigKind) -> str:
     """How a file names a kind of rig."""
-    return f"{kind.value} skyline"
+    return f"{kind.name} skyline"
 
 
 def _write(encoder: Encoder, rig: SkylineRig) -> dict[str, Json]:
     """A rig without what follows from the rest: the length for a tension, places of spars on the terrain."""
-    running = rig.kind is RigKind.RUNNING
+    running = not rig.kind.keeps_length
     found: dict[str, Any] = {"name": rig.name, "gravity": rig.gravity}
     found["haulback" if running else "skyline"] = encoder.rope(rig.skyline)
     found["length" if rig.tension is None else "tension"] = rig.length if rig.tension is None else rig.tension
@@ -58,7 +60,7 @@ def _write(encoder: Encoder, rig: SkylineRig) -> dict[str, Json]:
 
 
 def _read(kind: RigKind, decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> SkylineRig:
-    running = kind is RigKind.RUNNING
+    running = not kind.keeps_length
     decoder.require_fields(data, keys, _FIELDS, (*_NEEDED, "haulback" if running else "skyline"))
     given: dict[str, Any] = {}
     for name, value in data.items():
@@ -69,8 +71,13 @@ def _read(kind: RigKind, decoder: Decoder, data: Mapping[str, Json], keys: Keys)
     if running:
         given["skyline"] = given.pop("haulback")
     given.setdefault("terrain", None)
-    rig: SkylineRig = decoder.made(partial(joined, kind), keys, given)
+    given.setdefault("name", kind_name(kind))
+    rig: SkylineRig = decoder.made(partial(_made, kind), keys, given)
     return rig
+
+
+def _made(kind: RigKind, *, holding: Any = "bisector", **parts: Any) -> SkylineRig:
+    return build_rig(kind, RigParts(**parts), holding)
 
 
 def _difference(one: SkylineRig, other: SkylineRig) -> str | None:
@@ -86,7 +93,7 @@ def _difference(one: SkylineRig, other: SkylineRig) -> str | None:
 
 
 KINDS = tuple(
-    FileKind(kind_name(kind), SkylineRig, _write, partial(_read, kind), lambda rig, kind=kind: rig.kind is kind)  # type: ignore[misc]
-    for kind in RigKind
+    FileKind(kind_name(kind), SkylineRig, _write, partial(_read, kind), lambda rig, kind=kind: rig.kind == kind)  # type: ignore[misc]
+    for kind in (STANDING, LIVE, GRAVITY, RUNNING)
 )
 """The four kinds of rig in files."""

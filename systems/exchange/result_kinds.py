@@ -19,7 +19,7 @@ from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.results.run_data import Event
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_state import Record
+from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.pending_events import Pending
 
 _VECTORS = ("x", "z", "u", "p", "d")

@@ -1,1 +1,1 @@
-"""Floor 2: declarations, and the flat model that is made of them."""
+"""Floor 2: declarations, and the flat model that is assembled from them."""

@@ -9,8 +9,9 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import POSITIVE, Range
-from ropeway.components.component import Kind, Node, Site, Variable
 from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.node import Node
+from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import (

@@ -10,8 +10,9 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Component, Kind, RopeEnd, Site, Variable
+from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
+from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 

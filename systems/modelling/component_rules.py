@@ -1,4 +1,4 @@
-"""Rules that every component keeps: names, units, counts, and equations that are made of symbols."""
+"""Rules for every component: names, units, counts, and equations on symbols."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components import units
-from ropeway.components.component import Component, Equations, Kind, Node, RopeEnd, Variable
+from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError, RopewayError
+from ropeway.components.node import Node
+from ropeway.components.variable import Equations, Kind, Variable
 
 RESERVED = ("time", "gravity")
-"""What `v` has besides a component's own."""
+"""Attributes of `v` besides those of a component."""
 _UNKNOWNS = (Kind.STATE, Kind.ALGEBRAIC, Kind.PARAMETER)
 _TRIES = 4
 
 
 def require_declared(component: Component, variables: Sequence[Variable]) -> None:
-    """Raises InputError for variables, ports and limits that do not fit each other."""
-    if component.external:  # it takes names and units from elsewhere
+    """Raises InputError for inconsistent variables, ports and limits."""
+    if component.external:  # its names and units come from elsewhere
         return
     owner = _owner(component)
     for v in variables:
@@ -41,19 +43,19 @@ def require_declared(component: Component, variables: Sequence[Variable]) -> Non
 
 def _require_names(component: Component, variables: Sequence[Variable]) -> None:
     owner = _owner(component)
-    taken = dict.fromkeys(RESERVED, "a quantity of every component")
+    taken = dict.fromkeys(RESERVED, "a quantity that every component has")
     taken.update({port.name: "a port" for port in component.ports})
     taken.update(dict.fromkeys((*component.sums, *component.shares), "a signal"))
     for v in variables:
         if not v.name.isidentifier() and v.kind is not Kind.RESIDUAL:
-            raise InputError(f"{owner}: {v.name!r} is no name for a variable", "Use letters, digits and _")
+            raise InputError(f"{owner}: {v.name!r} is not a valid name of a variable", "Use letters, digits and _")
         if v.name in taken:
-            raise InputError(f"{owner}: variable {v.name!r} has the name of {taken[v.name]}", "Give it another name")
+            raise InputError(f"{owner}: variable {v.name!r} has the name of {taken[v.name]}", "Rename it")
     for kinds in ((*_UNKNOWNS, Kind.INPUT, Kind.DISCRETE, Kind.OUTPUT), (Kind.RESIDUAL,)):
         counts = Counter(v.name for v in variables if v.kind in kinds)
         twice = [name for name, count in counts.items() if count > 1]
         if twice:
-            raise InputError(f"{owner}: two variables are named {twice[0]!r}", "Give each variable a name of its own")
+            raise InputError(f"{owner}: two variables are named {twice[0]!r}", "Give each variable its own name")
 
 
 def _require_sound(v: Variable, owner: str) -> None:
@@ -64,33 +66,35 @@ def _require_sound(v: Variable, owner: str) -> None:
     if not all(isinstance(n, (int, float, np.number)) and not isinstance(n, bool) for n in numbers):
         raise InputError(f"{named} has the value {v.value!r} and the nominal value {v.nominal!r}", "Give numbers")
     if units.parse(v.unit) is None and v.unit:
-        raise InputError(f"{named} has the unit {v.unit!r}, which is not known", "Write it as in 'N', 'm/s2' or '1'")
+        raise InputError(f"{named} has the unit {v.unit!r}, which is unknown", "Write it like 'N', 'm/s2' or '1'")
     if not (isinstance(v.size, int) and v.size >= 0):
-        raise InputError(f"{named} has the size {v.size!r}", "Give a count")
+        raise InputError(f"{named} has the size {v.size!r}", "Give an integer, 0 or more")
     if not (np.isfinite(v.nominal) and v.nominal > 0.0):
-        raise InputError(f"{named} has the nominal value {v.nominal!r}", "Give a typical size above zero")
+        raise InputError(f"{named} has the nominal value {v.nominal!r}", "Give a typical magnitude above zero")
     values = np.atleast_1d(np.asarray(v.value, dtype=float))
     if not np.isfinite(values).all():
         raise InputError(f"{named} has the value {v.value!r}", "Give finite numbers")
     if isinstance(v.value, tuple) and len(v.value) != v.size:
-        raise InputError(f"{named} has {len(v.value)} values and the size {v.size}", "Give one value for each")
+        raise InputError(f"{named} has {len(v.value)} values and the size {v.size}", "Give one value for each element")
 
 
 def _require_references(component: Component, kinds: Mapping[str, Kind]) -> None:
-    """Raises InputError where a limit, seat or balance names what does not exist."""
+    """Raises InputError if a limit, seat or balance names an unknown variable."""
     owner = _owner(component)
 
     def require(name: str | None, wanted: tuple[Kind, ...], what: str) -> None:
         if name is not None and not (name in kinds and kinds[name] in wanted):
             words = " or ".join(kind.value for kind in wanted)
-            raise InputError(f"{owner}: {what} names {name!r}, which is no {words}", f"Declare {name!r} in variables()")
+            raise InputError(
+                f"{owner}: {what} names {name!r}, which is not {words}", f"Declare {name!r} in variables()"
+            )
 
     for limit in component.limits():
         require(limit.output, (Kind.OUTPUT,), f"the limit {limit.event!r}")
     if not isinstance(component, Node):
         return
     for axis in "xyz":
-        require(axis, _UNKNOWNS, "the place of a node")
+        require(axis, _UNKNOWNS, "the position of a node")
     require(component.drive_speed, (Kind.INPUT, *_UNKNOWNS), "drive_speed")
     for seat in component.seats:
         require(seat.travel, _UNKNOWNS, f"the travel of seat {seat.name!r}")
@@ -103,7 +107,7 @@ def _require_references(component: Component, kinds: Mapping[str, Kind]) -> None
 
 
 def evaluated(component: Component, v: Any) -> Equations:
-    """The equations of a component on symbols. Raises InputError where they are not made of symbols."""
+    """The equations of a component on symbols. Raises InputError if they cannot be evaluated on symbols."""
     owner = _owner(component)
     try:
         found = component.equations(v)
@@ -118,8 +122,8 @@ def evaluated(component: Component, v: Any) -> Equations:
         ) from error
     except (RuntimeError, TypeError, NotImplementedError) as error:
         raise InputError(
-            f"{owner}: its equations ask a symbol for its value ({str(error).strip().splitlines()[-1][:120]})",
-            "Equations are called once, on CasADi symbols: use casadi.if_else, fmax, fmin and sqrt instead of if, "
+            f"{owner}: its equations use the value of a symbol ({str(error).strip().splitlines()[-1][:120]})",
+            "Equations are evaluated once, on CasADi symbols: use casadi.if_else, fmax, fmin and sqrt instead of if, "
             "max, min and math.sqrt",
         ) from error
     if not isinstance(found, Equations):
@@ -128,7 +132,7 @@ def evaluated(component: Component, v: Any) -> Equations:
 
 
 def require_complete(component: Component, variables: Sequence[Variable], found: Equations) -> None:
-    """Raises InputError unless the equations give all that is declared, and nothing else."""
+    """Raises InputError unless the equations return exactly what is declared."""
     owner, ends = _owner(component), [port.name for port in component.ports if isinstance(port, RopeEnd)]
     for what, given, wanted in (
         ("rates", found.rates, [v.name for v in variables if v.kind is Kind.STATE]),
@@ -139,11 +143,11 @@ def require_complete(component: Component, variables: Sequence[Variable], found:
     ):
         missing, extra = [n for n in wanted if n not in given], [n for n in given if n not in wanted]
         if missing:
-            raise InputError(f"{owner}: its equations give no {what[:-1]} {missing[0]!r}", f"Add it to {what}")
+            raise InputError(f"{owner}: its equations return no {what[:-1]} {missing[0]!r}", f"Add it to {what}")
         if extra:
             raise InputError(
-                f"{owner}: its equations give {what} {extra[0]!r}, which is not declared",
-                f"Declare it in variables(), or take it out of {what}",
+                f"{owner}: its equations return {what} {extra[0]!r}, which is not declared",
+                f"Declare it in variables(), or remove it from {what}",
             )
     sizes = {v.name: v.size for v in variables}
     for values in (found.rates, found.residuals, found.outputs):
@@ -153,11 +157,11 @@ def require_complete(component: Component, variables: Sequence[Variable], found:
                 raise InputError(f"{owner}: {name!r} has {count} values and the size {sizes[name]}", "Make them equal")
     for end in ends:
         if len(found.forces[end]) != 3:
-            raise InputError(f"{owner}: the force of {end!r} has {len(found.forces[end])} parts", "Give (x, y, z)")
+            raise InputError(f"{owner}: the force of {end!r} has {len(found.forces[end])} components", "Give (x, y, z)")
 
 
 def require_numbers(component: Component, function: ca.Function, names: Sequence[Sequence[str]]) -> None:
-    """Raises InputError for a result that is no number for any values: as after `math.sqrt` of a symbol."""
+    """Raises InputError for a result that is always NaN, as after `math.sqrt` of a symbol."""
     rng = np.random.default_rng(1)
     shapes = [function.size_in(i) for i in range(function.n_in())]
     broken: list[np.ndarray] | None = None
@@ -169,8 +173,8 @@ def require_numbers(component: Component, function: ca.Function, names: Sequence
         for name, is_bad in zip(owned, bad, strict=False):
             if is_bad:
                 raise InputError(
-                    f"{_owner(component)}: {name!r} is not a number for any values",
-                    "Use casadi's functions, as casadi.sqrt, instead of those of math on symbols",
+                    f"{_owner(component)}: {name!r} is NaN for all values",
+                    "Use functions of CasADi, such as casadi.sqrt, instead of those of math",
                 )
 
 

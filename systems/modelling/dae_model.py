@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import casadi as ca
 import numpy as np
@@ -14,8 +14,8 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
-from ropeway.components.component import Kind
 from ropeway.components.schedule import Schedule
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
@@ -189,6 +189,27 @@ class Limits:
         return np.asarray((values < self.low) | (values > self.high))
 
 
+_Arguments = ParamSpec("_Arguments")
+_Made = TypeVar("_Made")
+
+
+def kept_with_model(
+    make: Callable[Concatenate[Model, _Arguments], _Made],
+) -> Callable[Concatenate[Model, _Arguments], _Made]:
+    """A function of a model, such as a solver made for it, that is evaluated once: the model keeps what it returns, for
+    as long as it lives itself. Threads that are first at the same time get one answer."""
+
+    @wraps(make)
+    def kept(model: Model, /, *args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Made:
+        key = (make, args, *kwargs.values())
+        if key not in model.derived:
+            model.derived.setdefault(key, make(model, *args, **kwargs))
+        found: _Made = model.derived[key]
+        return found
+
+    return kept
+
+
 @checked
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -215,6 +236,14 @@ class Model:
     clocks: tuple[Clock, ...]
     kept: np.ndarray
     free_states: tuple[str, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "derived"}
+
+    @cached_property
+    def derived(self) -> dict[Hashable, Any]:
+        """What functions decorated with `kept_with_model` have made from it; not copied to other processes."""
+        return {}
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{len(table)} {kind.value}" for kind, table in self.tables.items())

@@ -1,4 +1,4 @@
-"""What a system declares: its components, how they are joined, and the loads on its ropes."""
+"""Declarations of a system: its components, their connections, and the loads on its ropes."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from ropeway.components.span import Span
 
 @dataclass(frozen=True)
 class Hung:
-    """A load on consecutive spans: `at` [m, unstretched] from the first span's end a. On a single span it
-    is pinned at that distance until the line moves; on several it has its place on the rope."""
+    """A load on consecutive spans, `at` [m, unstretched] from end a of the first span.
+
+    On a single span it is fixed at that distance until the line moves; on several spans it is fixed to the rope.
+    """
 
     load: Load
     spans: tuple[Span, ...]
@@ -21,9 +23,11 @@ class Hung:
 
 @dataclass(frozen=True)
 class Feed:
-    """Loads that come in at a run's first support, every `spacing` metres of unstretched rope, with `masses`
-    [kg] used in order and repeated; they are taken off at its last support. On an endless rope there are
-    `around` loads, and they go round."""
+    """Loads that enter at the first support of a run, every `spacing` metres of unstretched rope.
+
+    `masses` [kg] are used in order and repeated. The loads are taken off at the last support. On an endless rope
+    `around` loads circulate.
+    """
 
     spans: tuple[Span, ...]
     spacing: float
@@ -33,9 +37,12 @@ class Feed:
 
 
 class Declarations:
-    """What `System` holds. `connections`: the seat of each rope end; `supplies`: the power unit of each drive; `links`:
-    the source of each driven input; `precedences`: who acts first among the control sheaves of each subsystem, ""
-    being those of the system itself."""
+    """Content of a `System`.
+
+    `connections`: the seat of each rope end; `supplies`: the source of each supply; `links`: the source of each
+    connected input; `precedences`: precedence among the control sheaves of each subsystem, "" being those of the system
+    itself.
+    """
 
     def __init__(self, name: str, gravity: float, precedence: str) -> None:
         self.name = name

@@ -1,8 +1,8 @@
-"""The empty rope at rest over its supports: how its length is shared out between them.
+"""The empty rope at rest over its supports: its length in each span.
 
-At rest the tension is equal on both sides of each support, and along each span the strain potential
-changes by w times the height gained. So the tension at every support follows in closed
-form from the first one, and each span is a small problem of its own: they are solved side by side.
+At rest the tension is equal on both sides of each support, and along each span the strain potential increases by w
+times the rise. The tension at every support therefore follows in closed form from the first one, and each span is a
+small independent problem; all are solved in parallel.
 """
 
 from __future__ import annotations
@@ -15,13 +15,15 @@ import numpy as np
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError
-
-_STEP = 1e-30  # complex step: derivatives to rounding
+from ropeway.systems.modelling.complex_newton import solve_side_by_side
 
 
 class _Taut(NamedTuple):
-    """Lengths [m] and their derivatives by the tension at the first support [m/N], shapes (n,); of each span horizontal
-    tension, vertical component at the start, and length, (n, 3)."""
+    """Spans of a taut rope.
+
+    Lengths [m], shape (n,), and their derivatives by the tension at the first support [m/N]; `spans`, shape (n, 3):
+    horizontal tension, vertical component at the start, length.
+    """
 
     length: np.ndarray
     slope: np.ndarray
@@ -33,7 +35,7 @@ def lengths_for_tension(
 ) -> np.ndarray:
     """Unstretched span lengths [m], shape (n,), for a tension [N] at the first of n + 1 support points.
 
-    Taut branch. Raises SlackRopeError that names the first span for which the tension is too low.
+    Taut branch. Raises SlackRopeError with the first span for which the tension is too low.
     """
     return _solve(np.array(points, dtype=float), weight, strain, tension, names).length
 
@@ -43,8 +45,8 @@ def lengths_for_total(
 ) -> np.ndarray:
     """Unstretched span lengths [m], shape (n,), that sum to `total`.
 
-    Where the rope is too slack for a taut branch the parabola shares it out. Raises InputError when an
-    inextensible rope is shorter than its chords.
+    If the rope is too slack for a taut branch, parabolas determine the lengths. Raises InputError if an inextensible
+    rope is shorter than its chords.
     """
     at = np.array(points, dtype=float)
     chords = parabola.Chords.between(at)
@@ -64,8 +66,10 @@ def lengths_for_total(
 
 
 class Pretension(NamedTuple):
-    """What a newton more of the empty rope's tension at its first support does: to the lengths of the spans
-    (n,) [m/N], and to the tensions at all supports (n + 1,)."""
+    """Derivatives by the tension of the empty rope at its first support.
+
+    Of the lengths of the spans (n,) [m/N], and of the tensions at all supports (n + 1,).
+    """
 
     length: np.ndarray
     support: np.ndarray
@@ -74,9 +78,9 @@ class Pretension(NamedTuple):
 def pretension(
     points: Sequence[Sequence[float]], weight: float, strain: Strain, total: float, names: Sequence[str]
 ) -> Pretension:
-    """The rates of an empty rope of unstretched length `total` [m] with the tension at its first support.
+    """Derivatives of an empty rope of unstretched length `total` [m] by the tension at its first support.
 
-    Raises SlackRopeError where the rope has no taut branch.
+    Raises SlackRopeError if the rope has no taut branch.
     """
     at = np.array(points, dtype=float)
     tension, taut = _taut_for_total(at, weight, strain, total, names, _parabolic(at, weight, strain, total)[0])
@@ -98,15 +102,17 @@ def _parabolic(at: np.ndarray, weight: float, strain: Strain, total: float) -> t
 def _taut_for_total(
     at: np.ndarray, weight: float, strain: Strain, total: float, names: Sequence[str], reference: float
 ) -> tuple[float, _Taut]:
-    """Tension at the first support [N] and span lengths of a taut empty rope of length `total`, from a tension
-    near it. Raises SlackRopeError."""
+    """Tension at the first support [N] and spans of a taut empty rope of length `total`, from a guess of the tension.
+
+    Raises SlackRopeError.
+    """
     taut: _Taut | None = None
     for _ in range(20):
         taut = _solve(at, weight, strain, reference, names, taut)
-        miss = taut.length.sum() - total
-        if abs(miss) <= 1e-13 * total:
+        error_of_length = taut.length.sum() - total
+        if abs(error_of_length) <= 1e-13 * total:
             return reference, taut
-        reference -= miss / taut.slope.sum()
+        reference -= error_of_length / taut.slope.sum()
     raise SlackRopeError(
         f"The empty rope {names[0]} ... is too long to hang taut between its supports",
         "Shorten it or raise the tension",
@@ -116,12 +122,12 @@ def _taut_for_total(
 def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:
     """Tension of the empty rope at each of the support points (n, 3) for a tension [N] at the first.
 
-    Raises SlackRopeError where none is left.
+    Raises SlackRopeError if one is not positive.
     """
     level = strain.potential(tension) + weight * (at[:, 2] - at[0, 2])
     if level.min() <= 0.0:
         raise SlackRopeError(
-            f"A tension of {tension:.6g} N at the first support leaves none at support {int(np.argmin(level)) + 1}, "
+            f"With {tension:.6g} N at the first support the tension is zero at support {int(np.argmin(level)) + 1}, "
             f"{at[0, 2] - at[int(np.argmin(level)), 2]:.6g} m below it",
             "Raise the tension",
         )
@@ -134,11 +140,13 @@ def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: flo
 def _solve(
     at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str], near: _Taut | None = None
 ) -> _Taut:
-    """All spans by Newton's method on (horizontal tension, vertical component at the start, length), from those at a
-    tension near this one."""
+    """All spans by Newton's method on (horizontal tension, vertical component at the start, length).
+
+    `near`: the solution at a similar tension, as the initial guess.
+    """
     chords = parabola.Chords.between(at)
     support = support_tensions(at, weight, strain, tension)
-    # What 1 N at the first support does at the others: the potential rises alike.
+    # Derivative of the tensions by that at the first support: the potential increases equally.
     gain = (1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1]))
     mean = (support[:-1] + support[1:]) / 2.0
     cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
@@ -159,32 +167,19 @@ def _solve(
             axis=-1,
         )
 
-    before, error = unknown, np.full(len(names), np.inf)
-    probe = 1j * _STEP * np.eye(3)[:, None, :]
+    def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
+        return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
+
+    roots = solve_side_by_side(residual, unknown, relative_step, longest=0.3)
+    unknown, error = roots.unknowns, np.abs(residual(roots.unknowns)).max(axis=1)
     with np.errstate(all="ignore"):
-        for _ in range(60):
-            now = residual(unknown)
-            error = np.abs(now).max(axis=1)
-            jacobian = np.moveaxis(residual(unknown + probe).imag / _STEP, 0, -1)
-            if not np.all(np.isfinite(jacobian)) or np.any(np.linalg.det(jacobian) == 0.0):
-                break
-            move = -np.linalg.solve(jacobian, now[:, :, None])[:, :, 0]
-            size = np.maximum(np.abs(move[:, 2]) / unknown[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
-            last, before = before, unknown
-            unknown = unknown + move * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))[:, None]
-            # Convergence is quadratic: after a move of 1e-10 nothing is left but rounding. Or large moves alternate.
-            alternates = size.max() > 1e-3 and np.abs(unknown / last - 1.0).max() < 1e-5
-            if size.max() < 1e-10 or alternates:
-                error = np.abs(residual(unknown)).max(axis=1)
-                break
-        slope = np.linalg.solve(
-            jacobian, np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
-        )[:, 2, 0]
+        by_tension = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
+        slope = np.linalg.solve(roots.jacobians, by_tension)[:, 2, 0]
     bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
     if bad.any():
         k = int(np.argmax(bad))
         raise SlackRopeError(
-            f"{support[k]:.6g} N at {names[k]!r} is too little for the rope's own weight in that span",
-            "Raise the tension or put a support between",
+            f"{support[k]:.6g} N at {names[k]!r} is too low for the weight of the rope in that span",
+            "Raise the tension or add a support",
         )
     return _Taut(unknown[:, 2], slope * gain, unknown)

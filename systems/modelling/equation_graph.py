@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import casadi as ca
 
-from ropeway.components.component import Component, Kind, Node, RopeEnd, Seat, Site, Variable
+from ropeway.components.component import Component, RopeEnd, Seat
 from ropeway.components.errors import UnbalancedSystemError
+from ropeway.components.node import Node
+from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
 from ropeway.systems.modelling.dae_model import VariableTable

@@ -1,4 +1,4 @@
-"""Starting values from geometry: each group of spans that shares a rope as a parabola with its loads."""
+"""Initial guess from geometry: each group of spans with a common rope as parabolas with their loads."""
 
 from __future__ import annotations
 
@@ -12,8 +12,11 @@ from ropeway.systems.modelling.rope_path import Run, loads_passed
 
 @dataclass(frozen=True)
 class RunStart:
-    """Starting values of a run: `force` (spans, 3) tension vectors at ends a [N]; `travel` (supports,) [m];
-    `passed` (supports,) and `counts` (spans,) of loads; `chord` (spans,) [m]; `scale`: typical tension [N]."""
+    """Initial guess of a run.
+
+    `force` (spans, 3): tension vectors at ends a [N]; `travel` (supports,) [m]; `passed` (supports,) and `counts`
+    (spans,) of loads; `chord` (spans,) [m]; `scale`: typical tension [N].
+    """
 
     force: np.ndarray
     travel: np.ndarray
@@ -34,9 +37,11 @@ def run_start(
     travel: np.ndarray | None = None,
     points: np.ndarray | None = None,
 ) -> RunStart:
-    """Starting values of a run; `lengths` (spans,) at zero travel, by default those of its spans [m], `travel`
-    (supports,), by default none [m], which counts where a support does not let the rope run, and `points`
-    (supports, 3), by default where the supports were declared [m]."""
+    """Initial guess of a run.
+
+    `lengths` (spans,): at zero travel, by default those of its spans [m]; `travel` (supports,): by default zero, used
+    where a support does not let the rope run [m]; `points` (supports, 3): by default the declared positions [m].
+    """
     points = run.points if points is None else points
     weight, strain = run.rope.mass_per_length * gravity, run.rope.strain
     length = np.array([s.length for s in run.spans]) if lengths is None else lengths
@@ -45,7 +50,7 @@ def run_start(
     chords = parabola.Chords.between(points)
     free = np.array([n.drive_speed is None and s.travel is not None for n, s in zip(run.nodes, run.seats, strict=True)])
     held = np.flatnonzero(~free)
-    # Consecutive spans that can pass rope to each other form a group.
+    # Consecutive spans that can exchange rope form a group.
     group = np.concatenate([[0], np.cumsum(~free[1:-1])]).astype(int)
     count = int(group[-1]) + 1
     first = np.searchsorted(group, np.arange(count))
@@ -53,8 +58,8 @@ def run_start(
     total = rope[last] - rope[first]
     kept = np.full(count, np.nan)
     for node, k in ((run.nodes[0], 0), (run.nodes[-1], -1)):
-        if node.kept_tension is not None:
-            kept[group[k]] = node.kept_tension - weight * (points[k, 2] - points[0, 2])
+        if node.set_tension is not None:
+            kept[group[k]] = node.set_tension - weight * (points[k, 2] - points[0, 2])
     closed = np.isnan(kept)
     for _ in range(3 if np.any(free) else 1):
         beyond = loads_passed(run, rope)
@@ -74,7 +79,7 @@ def run_start(
 
 
 def _in_spans(run: Run, beyond: np.ndarray, rope: np.ndarray, gravity: float) -> tuple[np.ndarray, np.ndarray]:
-    """Distances [m] and weights [N] of the loads in each span, shape (spans, most in one span)."""
+    """Distances [m] and weights [N] of the loads in each span, shape (spans, largest number in a span)."""
     n = len(run.spans)
     most = max(1, int((beyond[:-1] - beyond[1:]).max())) if n else 1
     index = beyond[:-1, None] - 1 - np.arange(most)[None, :]
@@ -87,7 +92,7 @@ def _in_spans(run: Run, beyond: np.ndarray, rope: np.ndarray, gravity: float) ->
 
 
 def _rope_at_supports(length: np.ndarray, rope: np.ndarray, held: np.ndarray) -> np.ndarray:
-    """The rope at each support for spans of `length`, counted from the supports that hold it."""
+    """Rope coordinate at each support for spans of `length`, counted from the supports that hold the rope."""
     result = rope.copy()
     origin = int(held[0]) if len(held) else 0
     fixed = set(held.tolist())

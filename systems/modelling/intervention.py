@@ -1,4 +1,4 @@
-"""What somebody or something does to a line while it runs."""
+"""Interventions in a running line: brakes, losses of pressure, emergency stops."""
 
 from __future__ import annotations
 
@@ -14,19 +14,32 @@ SWITCHED = {
     "pressure lost": ("pressure_lost", 1.0),
     "pressure back": ("pressure_lost", 0.0),
 }
-"""Actions that set a discrete variable of a component, and its value."""
+"""Discrete variable of a component that each action sets, and its value."""
 ACTIONS = (*SWITCHED, "emergency stop")
 
 
 @checked
 @dataclass(frozen=True, slots=True)
 class Intervention:
-    """An action at a time [s].
+    """An intervention at a time.
 
-    "brake" holds the sheave `component`, "release" lets it go; "pressure lost" takes the force from its
-    hydraulic drive, "pressure back" returns it. "emergency stop" brings every drive of the line from its
-    present speed to rest at `deceleration` [m/s2] and ends all responses; it takes no component. Raises
-    InputError.
+    Parameters
+    ----------
+    time : float
+        Time [s].
+    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop"}
+        "brake" applies the brake of a control sheave, "release" releases it. "pressure lost" removes the force of its
+        hydraulic drive, "pressure back" restores it. "emergency stop" decelerates all drives of the line to rest and
+        stops all responses.
+    component : str, optional
+        Name of the control sheave; None for an emergency stop.
+    deceleration : float, default 1
+        Deceleration of an emergency stop [m/s2].
+
+    Raises
+    ------
+    InputError
+        An unknown action, a negative time, or a missing or superfluous component.
     """
 
     time: float
@@ -42,11 +55,11 @@ class Intervention:
         if (self.component is None) != (self.action == "emergency stop"):
             raise InputError(
                 f"Intervention {self.action!r} on {self.component!r}",
-                "An emergency stop is for the whole line, all else for one control sheave",
+                "An emergency stop applies to the whole line, any other action to one control sheave",
             )
 
     @property
     def entry(self) -> tuple[str, float]:
-        """The discrete variable that the action sets, and its value."""
+        """Discrete variable that the action sets, and its value."""
         variable, value = SWITCHED[self.action]
         return f"{self.component}.{variable}", value

@@ -1,8 +1,8 @@
-"""A rope over its supports, and which load is in which span.
+"""A rope over its supports, and the loads in each span.
 
-Loads keep their order along the rope, so a run's discrete state is one integer a support: the number of
-loads that have passed it. Span k holds the loads from passed[k + 1] to passed[k] - 1, the last of them
-nearest to its end a. A crossing adds or takes away one; no load can be lost or counted twice.
+Loads keep their order along the rope, so the discrete state of a run is one integer per support: the number of loads
+that have passed it. Span k holds the loads from passed[k + 1] to passed[k] - 1; the last of them is the nearest to its
+end a. A crossing adds or subtracts one, so no load can be lost or counted twice.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ropeway.components.component import Node, Seat
+from ropeway.components.component import Seat
 from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.span import Span
 from ropeway.systems.modelling.declarations import Feed
@@ -22,10 +23,12 @@ from ropeway.systems.modelling.system import System
 
 @dataclass(frozen=True)
 class Loads:
-    """Loads of a run, foremost first: names, masses [kg] and places on the rope [m, unstretched, from the
-    run's first support at zero travel]. `pinned` is the span (its index) at whose end a a load's distance
-    `at` counts; -1 for a load with its place on the rope. `first` is the number of the foremost load: below zero
-    where an endless rope has run backwards."""
+    """Loads of a run, foremost first.
+
+    Names, masses [kg] and positions on the rope [m, unstretched, from the first support at zero travel]. `pinned`:
+    index of the span in which a load is fixed at a distance `at` from end a; -1 for a load fixed to the rope. `first`:
+    number of the foremost load, negative if an endless rope has run backwards.
+    """
 
     names: tuple[str, ...] = ()
     mass: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -35,8 +38,10 @@ class Loads:
     first: int = 0
 
     def sorted(self, material: np.ndarray) -> Loads:
-        """With pinned loads placed where the rope is, in their spans: `material` (supports,) is the rope at each
-        support."""
+        """With positions of pinned loads from the rope at the supports, in order.
+
+        `material` (supports,): the rope coordinate at each support.
+        """
         span = np.maximum(self.pinned, 0)
         inside = np.minimum(material[span] + self.at, np.maximum(material[span], material[span + 1]))
         place = np.where(self.pinned >= 0, inside, self.place)
@@ -53,8 +58,10 @@ class Loads:
 
 @dataclass(frozen=True)
 class Run:
-    """A rope through consecutive spans; nodes has one more element than spans. `seats`: where the rope
-    arrives at each node, and where it leaves the first."""
+    """A rope through consecutive spans; `nodes` has one more element than `spans`.
+
+    `seats`: where the rope arrives at each node, and where it leaves the first.
+    """
 
     nodes: tuple[Node, ...]
     seats: tuple[Seat, ...]
@@ -78,31 +85,31 @@ class Run:
         return np.array([node.at for node in self.nodes])
 
     def start(self, k: int, read: Callable[[str], float]) -> np.ndarray:
-        """Where span k starts, (x, y, z) [m], from a function that reads a variable."""
+        """Start of span k, (x, y, z) [m], from a function that reads a variable."""
         return _place(self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k], read)
 
     def end(self, k: int, read: Callable[[str], float]) -> np.ndarray:
-        """Where span k ends, as `start`: on a shoe not where the next one starts."""
+        """End of span k, as `start`; on a shoe it differs from the start of the next one."""
         return _place(self.seats[k + 1], read)
 
     @property
     def closed(self) -> bool:
-        """Whether the rope ends where it begins, at a driven wheel."""
+        """Whether the rope is endless: it ends where it begins, at a driven wheel."""
         return self.nodes[0] is self.nodes[-1]
 
     @property
     def around(self) -> int:
-        """Number of loads that go round on an endless rope; 0 where none do."""
+        """Number of loads that circulate on an endless rope, else 0."""
         return 0 if self.feed is None else self.feed.around or 0
 
     @property
     def moves(self) -> bool:
-        """Whether rope can run over its ends or through a drive."""
-        return any(n.drive_speed is not None or n.kept_tension is not None for n in self.nodes)
+        """Whether a drive, or a drum with constant tension, can move the rope."""
+        return any(n.drive_speed is not None or n.set_tension is not None for n in self.nodes)
 
 
 def _place(seat: Seat, read: Callable[[str], float]) -> np.ndarray:
-    """Where the rope at a seat is, (x, y, z) [m]."""
+    """Position of the rope at a seat, (x, y, z) [m]."""
     name = seat.owner.name
     place = np.array([read(f"{name}.{axis}") for axis in "xyz"])
     if seat.offset is not None:
@@ -111,16 +118,19 @@ def _place(seat: Seat, read: Callable[[str], float]) -> np.ndarray:
 
 
 def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:
-    """Number of loads beyond each support, shape (supports,): those further along the rope than the rope
-    at the support. Loads that stand on a support have not passed it; `place` is descending."""
+    """Number of loads beyond each support, shape (supports,).
+
+    Those whose position `place` (descending) exceeds the rope coordinate at the support. Loads that are on a support
+    have not passed it.
+    """
     count = np.searchsorted(-place, -material, side="left")
     return np.asarray(np.minimum.accumulate(count))
 
 
 def find_runs(system: System) -> tuple[Run, ...]:
-    """The ropes of a system, each followed from its first support to its last.
+    """The ropes of a system, each followed from its first to its last support.
 
-    Raises UnbalancedSystemError for a rope joined against its direction or one that no support holds.
+    Raises UnbalancedSystemError for a rope joined against its direction, or held by no support.
     """
     nodes = {name: c for name, c in system.components.items() if isinstance(c, Node)}
     spans = {name: c for name, c in system.components.items() if isinstance(c, Span)}
@@ -152,15 +162,15 @@ def find_runs(system: System) -> tuple[Run, ...]:
 
 
 def _cuts(spans: Iterable[str], follows: Mapping[str, str], starts: Sequence[str], system: System) -> list[str]:
-    """For each endless rope the span that leaves its first driven wheel. Raises UnbalancedSystemError."""
+    """For each endless rope the span that starts at its first driven wheel. Raises UnbalancedSystemError."""
     open_ended = set(starts)
     for start in starts:
         while start in follows:
             start = follows[start]
             open_ended.add(start)
-    cuts, left = [], [name for name in spans if name not in open_ended]
-    while left:
-        loop = [left[0]]
+    cuts, remaining = [], [name for name in spans if name not in open_ended]
+    while remaining:
+        loop = [remaining[0]]
         while follows[loop[-1]] != loop[0]:
             loop.append(follows[loop[-1]])
         for name in loop:
@@ -170,9 +180,9 @@ def _cuts(spans: Iterable[str], follows: Mapping[str, str], starts: Sequence[str
                 break
         else:
             raise UnbalancedSystemError(
-                f"No wheel drives the endless rope {loop[0]} ... {loop[-1]}", "Make one of them a ControlSheave"
+                f"No drive moves the endless rope {loop[0]} ... {loop[-1]}", "Make one of its sheaves a ControlSheave"
             )
-        left = [name for name in left if name not in loop]
+        remaining = [name for name in remaining if name not in loop]
     return cuts
 
 
@@ -182,10 +192,12 @@ def _seat(node: Node, name: str) -> Seat:
 
 def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans: tuple[Span, ...]) -> Run:
     if any(span.rope != spans[0].rope for span in spans):
-        raise InputError(f"Rope {spans[0].name} ... {spans[-1].name} changes on its way", "Use one rope a run")
+        raise InputError(
+            f"Rope {spans[0].name} ... {spans[-1].name} has several kinds of rope", "Use one rope in all spans"
+        )
     if all(s.travel is not None for s in seats) and all(n.drive_speed is None for n in nodes):
         raise UnbalancedSystemError(
-            f"Nothing holds the rope {spans[0].name} ... {spans[-1].name}: it could run freely",
+            f"Nothing holds the rope {spans[0].name} ... {spans[-1].name}: it can run freely",
             "Give one of its supports a speed, or anchor an end",
         )
     start = np.concatenate([[0.0], np.cumsum([s.length for s in spans])])
@@ -193,7 +205,7 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
     feed = next((f for f in system.feeds if f.spans[0].name in index), None)
     if feed is not None:
         if set(feed.spans) != set(spans):
-            raise InputError("feed covers part of a rope", "Feed the whole run, from its first span to its last")
+            raise InputError("feed covers only a part of a rope", "Give all its spans, from the first to the last")
         if nodes[0] is nodes[-1]:
             feed = _around(feed, float(start[-1]))
         loads = fed(feed, start[-1])
@@ -216,15 +228,17 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
 
 
 def _around(feed: Feed, length: float) -> Feed:
-    """The feed of an endless rope: as many loads as fit, evenly spread; each comes back after one round."""
+    """Feed of an endless rope: as many loads as fit, evenly spaced."""
     count = max(1, round(length / feed.spacing))
     masses = tuple(feed.masses[i % len(feed.masses)] for i in range(count))
     return replace(feed, spacing=length / count, masses=masses, around=count)
 
 
 def fed(feed: Feed, length: float) -> Loads:
-    """Loads of a feed that fills `length` metres of rope, the last half a spacing inside the first support,
-    and the next few that wait there; on an endless rope those that go round."""
+    """Loads of a feed on `length` metres of rope; the last is half a spacing behind the first support.
+
+    The next few wait there; on an endless rope, those that circulate.
+    """
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     foremost = np.array([(on_line - 0.5) * feed.spacing])
     first = Loads((f"{feed.prefix}l1",), np.array([feed.masses[0]]), foremost, np.array([-1]), np.zeros(1))
@@ -232,7 +246,7 @@ def fed(feed: Feed, length: float) -> Loads:
 
 
 def extended(loads: Loads, feed: Feed, more: int) -> Loads:
-    """With `more` loads behind the last one."""
+    """The loads with `more` behind the last one."""
     number = len(loads.place) + np.arange(more)
     masses = np.array(feed.masses)[number % len(feed.masses)]
     return Loads(
@@ -246,14 +260,16 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
 
 
 def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, behind: int) -> Loads:
-    """The `around` loads of an endless rope of `length` [m] that are listed from `begin` on, as they come `ahead`
-    rounds before and `behind` rounds after: the same loads, a rope's length apart."""
-    turn, load = np.divmod(np.arange(-ahead * around, (behind + 1) * around), around)
+    """The `around` loads of an endless rope, repeated for `ahead` revolutions before and `behind` revolutions after.
+
+    They are listed from `begin` on; repeated loads are a rope's `length` [m] apart.
+    """
+    revolution, load = np.divmod(np.arange(-ahead * around, (behind + 1) * around), around)
     load += begin
     return Loads(
         tuple(loads.names[i] for i in load),
         loads.mass[load],
-        loads.place[load] - turn * length,
+        loads.place[load] - revolution * length,
         loads.pinned[load],
         loads.at[load],
         loads.first + begin - ahead * around,
@@ -261,8 +277,10 @@ def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, beh
 
 
 def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
-    """`passed` for `rope` (supports,) at each support. Loads hung by the user stay on the line, pinned ones in their
-    spans."""
+    """`passed` for `rope` (supports,) at each support.
+
+    Loads hung by the user stay on the line, pinned ones in their spans.
+    """
     beyond = passed(run.loads.place, rope)
     pinned = np.flatnonzero(run.loads.pinned >= 0)
     if len(pinned):
@@ -277,7 +295,7 @@ def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
 
 
 def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]:
-    """Slots of each span: what its loads need now (`counts`), and on a moving line what its length can hold."""
+    """Slots of each span: for its present loads (`counts`), and on a moving line for as many as fit in its length."""
     place = run.loads.place
     gaps = np.diff(-place)
     gap = run.feed.spacing if run.feed is not None else (gaps[gaps > 0.0].min() if np.any(gaps > 0.0) else np.inf)
@@ -290,13 +308,16 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
 
 
 def rounded_up(slots: int) -> int:
-    """A number of slots of few: with three binary digits from 32 on, so that spans with many loads share functions."""
+    """A number of slots rounded up to three binary digits from 32 on.
+
+    Spans with many loads then share functions.
+    """
     step = 1 << max(0, slots.bit_length() - 3) if slots > 32 else 1
     return -(-slots // step) * step
 
 
 def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
-    """For each seat the component and variable with the speed of the nearest drive of its rope."""
+    """Component and variable with the speed of the nearest drive, for each seat of a rope."""
     found = {}
     for run in runs:
         driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]

@@ -14,8 +14,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.response import Response, response_of
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
 
 Precedence = Callable[[str], tuple[str, str]]

@@ -1,7 +1,7 @@
 """Inputs that other components drive.
 
-Such an input becomes an algebraic variable, and that it equals its source is one more residual: so a loop of
-outputs and inputs is solved together with everything else.
+Such an input becomes an algebraic variable, with a residual that equates it to its source. A loop of outputs and inputs
+is so solved together with all other equations.
 """
 
 from __future__ import annotations
@@ -11,16 +11,18 @@ from dataclasses import replace
 
 import casadi as ca
 
-from ropeway.components.component import Kind, Variable
+from ropeway.components.variable import Kind, Variable
 from ropeway.systems.modelling.system import System
 
 Owned = Mapping[str, tuple[Variable, ...]]
-"""The variables of each component."""
+"""Variables of each component."""
 
 
 def with_links(system: System, variables: Owned) -> dict[str, tuple[Variable, ...]]:
-    """The variables with each driven input as an algebraic variable, behind all others of its component; it is as
-    large as its source."""
+    """The variables, with each driven input as an algebraic variable behind all others of its component.
+
+    Its nominal is at least that of its source.
+    """
     nominals = {(name, v.name): v.nominal for name, owned in variables.items() for v in owned}
 
     def driven(name: str, v: Variable) -> Variable:
@@ -36,7 +38,7 @@ def with_links(system: System, variables: Owned) -> dict[str, tuple[Variable, ..
 
 
 def with_residuals(system: System, variables: Owned) -> dict[str, tuple[Variable, ...]]:
-    """The variables of `with_links` with the residual of each driven input, behind all others of its component."""
+    """The variables of `with_links`, with the residual of each driven input behind all others of its component."""
     return {
         name: (*owned, *(replace(v, kind=Kind.RESIDUAL) for v in owned if (name, v.name) in system.links))
         for name, owned in variables.items()
@@ -46,7 +48,7 @@ def with_residuals(system: System, variables: Owned) -> dict[str, tuple[Variable
 def differences(
     system: System, component: str, owned: Sequence[Variable], quantity: Callable[[str, str], ca.MX]
 ) -> list[ca.MX]:
-    """Each driven input of a component less its source; quantity(component, name): a variable or an output."""
+    """Each driven input of a component minus its source; `quantity(component, name)`: a variable or an output."""
     return [
         quantity(component, v.name) - quantity(*system.links[component, v.name])
         for v in owned

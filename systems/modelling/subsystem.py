@@ -6,15 +6,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from ropeway.components.check import PartName
-from ropeway.components.component import Component, Node
+from ropeway.components.component import Component
+from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.modelling.declarations import Declarations
 
 
 @dataclass(frozen=True, eq=False)
 class Subsystem(Mapping[str, Component]):
-    """The components of a system that was added to another, by their own names: `part["c1"].supply` is a port of the
-    component `name.c1`."""
+    """Components of a system that was added to another, by their own names.
+
+    `part["c1"].supply` is a port of the component `name.c1`.
+    """
 
     name: str
     components: Mapping[str, Component]
@@ -33,7 +36,7 @@ class Subsystem(Mapping[str, Component]):
 
 
 def renamed(component: Component, prefix: str) -> Component:
-    """A component under a dotted name."""
+    """A component with a dotted name."""
     name = PartName(f"{prefix}.{component.name}")
     if isinstance(component, Node):
         return replace(component, name=name, label=f"{prefix}.{component.label}")
@@ -41,7 +44,7 @@ def renamed(component: Component, prefix: str) -> Component:
 
 
 def include(outer: Declarations, inner: Declarations, prefix: str, origin: str) -> Subsystem:
-    """Adds the declarations of a system to another, under dotted names. What names a component keeps naming it."""
+    """Adds the declarations of a system to another, with dotted names."""
 
     def named(name: str) -> str:
         return PartName(f"{prefix}.{name}")

@@ -6,9 +6,10 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
+from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, TypedDict
+from typing import Any
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
@@ -30,19 +31,20 @@ class Project:
     remark: str = ""
 
 
-class ReportOptions(TypedDict, total=False):
-    """Options of all reports: the `project`; `units`, "metric" or "imperial"; `labels` in another language, see
-    `ropeway.systems.reporting.labels`; `more` sections after those of the study."""
+@dataclass(frozen=True)
+class ReportOptions:
+    """Options of all reports: the `project`; `units`, "metric" or "imperial"; `labels` in another language, by the keys
+    of `ropeway.systems.reporting.labels`; `more` sections after those of the study. Raises InputError."""
 
-    project: Project
-    units: Units
-    labels: Mapping[str, str]
-    more: Sequence[Section]
+    project: Project | None = None
+    units: Units = "metric"
+    labels: Mapping[str, str] | None = None
+    more: Sequence[Section] = ()
 
-
-def style_of(options: ReportOptions) -> Style:
-    """Words and units of a report. Raises InputError."""
-    return Style(options.get("units", "metric"), options.get("labels", {}))
+    @cached_property
+    def style(self) -> Style:
+        """Words and units. Raises InputError."""
+        return Style(self.units, {} if self.labels is None else self.labels)
 
 
 def write_report(path: str | Path, title: str, sections: Sequence[Section], options: ReportOptions) -> Path:
@@ -67,12 +69,12 @@ def html(title: str, sections: Sequence[Section], options: ReportOptions) -> str
         from plotly.offline import get_plotlyjs
     except ImportError as error:
         raise InputError("Reports need jinja2 and plotly", "pip install ropeway[report]") from error
-    style, project = style_of(options), options.get("project", Project())
+    style, project = options.style, options.project or Project()
     templates = files("ropeway.systems.reporting") / "templates"
     read = {name: (templates / name).read_text(encoding="utf-8") for name in ("report.html", "report.css", "report.js")}
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
     environment.filters["data"] = _script_data
-    every = [_about(project, style), *sections, *options.get("more", ())]
+    every = [_about(project, style), *sections, *options.more]
     return environment.from_string(read["report.html"]).render(
         title=project.title or title,
         subtitle=title if project.title else "",

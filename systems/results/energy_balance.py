@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 from ropeway.systems.results.summary import each_node
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.rope_path import Run

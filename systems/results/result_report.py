@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.systems.reporting.blocks import Block, Chart, Moving, Player, Section, Table, axis, curve, dots
 from ropeway.systems.reporting.document import values_of, warnings_of
@@ -79,6 +79,7 @@ def limit_curves(rope: Rope, factor: float, name: str, span: tuple[float, float]
 
 
 def ropes_in(result: RunData) -> list[tuple[str, Rope, float]]:
+    """The ropes of a run by their ends, with their safety factors."""
     found: dict[Rope, str] = {}
     for run in result.runs:
         for span in run.spans:

@@ -21,7 +21,8 @@ from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_state import LineState, Record, restored_points
+from ropeway.systems.statics.line_records import Record, restored, restored_points
+from ropeway.systems.statics.line_state import LineState
 
 _BATCH = 64
 """Records that are restored together."""
@@ -96,8 +97,8 @@ class RunData(Tabular):
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part]
-            restored = restored_points(self.model, self.runs, self.parameters, records)
-            for i, point, passed in zip(part, *restored, strict=True):
+            solved = restored_points(self.model, self.runs, self.parameters, records)
+            for i, point, passed in zip(part, *solved, strict=True):
                 if not self.exact[i]:
                     newton_of(self.model).solve(point)
                 yield point, passed
@@ -133,7 +134,7 @@ class RunData(Tabular):
         return self._solved[1]
 
     def _state(self, i: int) -> LineState:
-        state = LineState.restored(self.model, self.runs, self.parameters, self.records[i])
+        state = restored(self.model, self.runs, self.parameters, self.records[i])
         if not self.exact[i]:
             newton_of(self.model).solve(state.point)
         return state

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Node
+from ropeway.components.node import Node
 from ropeway.components.response import response_of
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.interrupts import interruptible

@@ -2,42 +2,74 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ropeway.components.anchor import Anchor
+from ropeway.components.errors import SlackRopeError
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.span import Span
 from ropeway.components.spar import Block
+from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.modelling.system import System
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.rig_parts import RigParts
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 
-def bare_tension(rig: SkylineRig) -> float:
+def bare_tension(rig: RigParts) -> float:
     """Its tension at the headspar [N]."""
     bare, spans = _strung(rig)
     return equilibrium(bare)[f"{spans[0].name}.tension_a"]
 
 
-def bare_profile(rig: SkylineRig) -> tuple[np.ndarray, np.ndarray]:
+def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
     """Points along it (x, z) between headspar and tailspar, 201 a span [m]."""
     bare, spans = _strung(rig)
-    found = equilibrium(bare)
-    curves = [found.profile(span.name, 201) for span in spans[: rig.spans]]
+    solution = equilibrium(bare)
+    curves = [solution.profile(span.name, 201) for span in spans[: rig.spans]]
     x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
     return x, z
 
 
-def length_over_shoes(rig: SkylineRig, tension: float) -> float:
+def length_over_shoes(rig: RigParts, tension: float) -> float:
     """Its unstretched length [m] for a tension at the headspar [N], from the rig's length that is near it. Raises
     EquilibriumError."""
     bare, spans = _strung(rig)
     freed = f"{spans[-1].name}.length_start"
-    found = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
-    return float(sum(found[f"{span.name}.length_start"] for span in spans))
+    solution = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
+    return float(sum(solution[f"{span.name}.length_start"] for span in spans))
 
 
-def _strung(rig: SkylineRig) -> tuple[System, tuple[Span, ...]]:
+def tension_over_points(rig: RigParts) -> float:
+    """Its tension at the headspar [N], shoes taken as points; the least possible one for a slack rope."""
+    if rig.tension is not None:
+        return rig.tension
+    points, rope = [tuple(p) for p in rig.points], rig.skyline
+    weight, names = rope.mass_per_length * rig.gravity, _span_names(len(points) - 1)
+    low, high = 0.0, rope.breaking_load
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        try:
+            long = lengths_for_tension(points, weight, rope.strain, middle, names).sum() > (rig.length or 0.0)
+        except SlackRopeError:
+            long = True
+        low, high = (middle, high) if long else (low, middle)
+    return high
+
+
+def lengths_over_points(rig: RigParts, points: Sequence[Sequence[float]] | np.ndarray, length: float) -> np.ndarray:
+    """Unstretched lengths [m] between `points` of a skyline with a total `length` [m], at rest without a load."""
+    weight = rig.skyline.mass_per_length * rig.gravity
+    names = _span_names(len(points) - 1)
+    return lengths_for_total([tuple(p) for p in points], weight, rig.skyline.strain, length, names)
+
+
+def _span_names(count: int) -> list[str]:
+    return [f"skyline {k + 1}" for k in range(count)]
+
+
+def _strung(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
     bare = System(rig.name, gravity=rig.gravity)
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]

@@ -11,14 +11,13 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.return_wheel import TensionedReturn
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave
-from ropeway.components.span import Span
 from ropeway.components.table import Source
 from ropeway.systems.modelling.system import GRAVITY, System
 from ropeway.systems.rigs.support_table import own_values, read_supports
@@ -27,7 +26,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 @checked
 def endless(
-    rope: Rope,
+    rope: Rope | str,
     supports: Source,
     *,
     tension: float,
@@ -41,59 +40,94 @@ def endless(
 ) -> System:
     """An endless line with loads both ways.
 
-    supports: as for `monocable`, in the order of the rope, out and back: the first is the drive (control), at
-    which the rope also ends, one is the return. tension: of the empty rope where it leaves the drive [N].
-    take_up: constant force on the return wheel [N], by default what the empty rope draws with. speed [m/s or
-    Schedule], drive: of the drive; any further controls follow the same speed. load_mass [kg, a number or a
-    sequence used in order and repeated; 0 is a missing load; they go round either way] and load_spacing [m],
-    rounded so that the loads are evenly spread around. Raises InputError, SlackRopeError.
+    Parameters
+    ----------
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    supports : str, Path or DataFrame
+        As for `rw.monocable`, in the order of the rope, out and back: the first is the drive (control), at which the
+        rope also ends, one is the return.
+    tension : float
+        Of the empty rope where it leaves the drive [N].
+    speed : float or Schedule, default 1.0
+        Of the drive and of all other control sheaves [m/s].
+    load_mass : float or sequence of float, optional
+        Of the loads [kg], in order and repeated; 0 is a missing load. They go round either way.
+    load_spacing : float, optional
+        Distance of the loads along the rope [m], rounded so that they are evenly spread around.
+    take_up : float, optional
+        Constant force on the return wheel [N]; by default the force of the empty rope on it.
+    drive : Drive, optional
+        Of the first control sheave and of all others; an ideal one otherwise.
+    name : str, default "endless line"
+        Of the line, in results and messages.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    System
+        The line, its rope full of loads.
+
+    Raises
+    ------
+    InputError
+        A value of the table is wrong (with file, line and column), or there is not one return.
+    SlackRopeError
+        The empty rope does not hang taut at its tension.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> supports = pd.DataFrame(
+    ...     [("drive", 0, 0, 0, "control"), ("out", 80, 1, 9, "idler"), ("wheel", 160, 0, 9, "return"),
+    ...      ("back", 80, -1, 9, "idler")],
+    ...     columns=["name", "x", "y", "z", "kind"],
+    ... )
+    >>> endless("RHOL-IWRC 29", supports, tension=45e3).name
+    'endless line'
     """
-    table = read_supports(supports, endless=True)
+    rope, table = rope_of(rope), read_supports(supports, endless=True)
     check.positive(tension, "endless", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("endless has one of load_mass and load_spacing", "Give both, or none for an empty rope")
     returns = np.flatnonzero(table["kind"] == "return")
     if len(returns) != 1:
         raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
+    line = System(name, gravity=gravity)
     if take_up is None:
-        bare = table[[column for column in table if "." not in column]]  # at rest an ideal drive does
-        empty, _ = _line(rope, bare, tension, 0.0, None, None, name, gravity)
+        at_rest = table[[column for column in table if "." not in column]]  # an ideal drive serves at rest
+        empty = System(name, gravity=gravity)
+        empty.string(rope, *_around(_supports(at_rest, 0.0, None, None)), tension=tension)
         take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
-    line, spans = _line(rope, table, tension, speed, drive, take_up, name, gravity)
+    spans = line.string(rope, *_around(_supports(table, speed, drive, take_up)), tension=tension)
     if load_mass is not None and load_spacing is not None:
         line.feed(spans, spacing=load_spacing, masses=load_mass)
     return line
 
 
-def _line(
-    rope: Rope,
-    table: pd.DataFrame,
-    tension: float,
-    speed: Speed,
-    drive: Drive | None,
-    take_up: float | None,
-    name: str,
-    gravity: float,
-) -> tuple[System, tuple[Span, ...]]:
-    """The line with its return wheel drawn by `take_up`, or in its place for None."""
+def _around(nodes: Sequence[Node]) -> Sequence[Node]:
+    """Supports in the order of an endless rope, which ends where it starts."""
+    return (*nodes, nodes[0])
+
+
+def _supports(table: pd.DataFrame, speed: Speed, drive: Drive | None, take_up: float | None) -> list[Node]:
+    """The supports of a table; its return wheel pulled by `take_up` [N], or fixed in its place for None."""
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     nodes: list[Node] = []
     for i, row in enumerate(table.to_dict("records")):
-        about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
+        about = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
         if row["kind"] == "control":
             own: Drive = drive or IdealDrive()
             own = replace(own, **own_values(own, row, "drive"))
             own_values(None, row, "response")  # no sheave of an endless line has one
             # The drive's wheel lies flat: it holds the rope in height from either side.
-            nodes.append(ControlSheave(**about, at=at, hold_down=i == 0, speed=speed, drive=own))
+            nodes.append(ControlSheave(**about, hold_down=i == 0, speed=speed, drive=own))
         elif row["kind"] == "return" and take_up is not None:
             # It slides in the middle between its ropes, away from them.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
-            way = before / np.linalg.norm(before) + after / np.linalg.norm(after)
-            nodes.append(
-                TensionedReturn(**about, at=at, hold_down=True, direction=tuple(way.tolist()), take_up=take_up)
-            )
+            axis = before / np.linalg.norm(before) + after / np.linalg.norm(after)
+            nodes.append(TensionedReturn(**about, hold_down=True, direction=tuple(axis.tolist()), take_up=take_up))
         else:
-            nodes.append(Sheave(**about, at=at))
-    line = System(name, gravity=gravity)
-    return line, line.string(rope, *nodes, nodes[0], tension=tension)
+            nodes.append(Sheave(**about))
+    return nodes

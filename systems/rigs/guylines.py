@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from ropeway.components.anchor import Anchor, SpringAnchor
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
+from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.modelling.system import System
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -15,14 +15,43 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 @checked
 def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
-    """Strings all guylines of a spar, from their anchors `GUYLINE` to its top, with the lengths that give their
-    pretension while the spar stands upright; released, the spar finds its own place. Raises SlackRopeError,
-    EquilibriumError."""
-    found: list[Span] = []
+    """Strings all guylines of a spar, from their anchors `GUYLINE` to its top.
+
+    Their lengths give them their pretension while the spar stands upright; released, the spar moves to its own
+    equilibrium.
+
+    Parameters
+    ----------
+    system : System
+        The guylines are added to it.
+    spar : GuyedSpar
+        The mast; its guylines have names of their own.
+
+    Returns
+    -------
+    tuple of Span
+        One for each guyline, in order.
+
+    Raises
+    ------
+    SlackRopeError
+        A pretension is too little for a guyline's own weight.
+    EquilibriumError
+        A guyline has no equilibrium on its elastic anchor.
+
+    Examples
+    --------
+    >>> rope = Rope.named("6x19 EEIP 19")
+    >>> guys = [Guyline(f"g{i}", rope, at, 20e3) for i, at in enumerate([(-20, 15, 0), (-20, -15, 0), (20, 0, 0)])]
+    >>> spans = string_guylines(System("mast"), GuyedSpar("mast", foot=(0, 0, 0), height=15.0, guylines=tuple(guys)))
+    >>> [span.name for span in spans]
+    ['g0_mast', 'g1_mast', 'g2_mast']
+    """
+    spans: list[Span] = []
     for guy in spar.guylines:
         length = pretensioned(guy, spar.at, system.gravity)
-        found += system.string(guy.rope, anchor(guy), spar.guy(guy.name), length=length)
-    return tuple(found)
+        spans += system.string(guy.rope, anchor(guy), spar.guy(guy.name), length=length)
+    return tuple(spans)
 
 
 def anchor(guy: Guyline) -> Node:

@@ -2,57 +2,210 @@
 
 from __future__ import annotations
 
-from typing import Unpack
+from collections.abc import Sequence
 
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
-from ropeway.components.carriage import Carriage
+from ropeway.components.carriage import Carriage, Holding
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.rope import Rope
-from ropeway.components.spar import HeadSpar, TailSpar
-from ropeway.components.terrain import Profile
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.rope import Rope, rope_of
+from ropeway.components.spar import Block, HeadSpar, TailSpar
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY
-from ropeway.systems.rigs.rig_builder import SkylineParts, joined
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs import rig_kind
+from ropeway.systems.rigs.rig_builder import build_rig
+from ropeway.systems.rigs.rig_parts import RigParts
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.turn import Turn
 
 
 @checked
-def live_skyline(terrain: Profile | None, **parts: Unpack[SkylineParts]) -> SkylineRig:
-    """A skyline on a drum at the headspar, so that it can be lowered and raised: `HEADSPAR.travel` is the rope
-    paid out [m]. All keywords are those of `standing_skyline`; `payload(..., clearance=)` and `load_path(...,
-    height=)` set its length at each station. Raises InputError, SlackRopeError.
+def live_skyline(
+    terrain: ProfileSource | None,
+    *,
+    headspar: HeadSpar,
+    tailspar: TailSpar | GuyedSpar,
+    supports: Sequence[IntermediateSupport] = (),
+    skyline: Rope | str,
+    tension: float | None = None,
+    length: float | None = None,
+    carriage: Carriage,
+    holding: Holding = "bisector",
+    mainline: Rope | str | None = None,
+    haulback: Rope | str | None = None,
+    haulback_tension: float | None = None,
+    haulback_block: Block | None = None,
+    turn: Turn | None = None,
+    name: str = "live skyline",
+    gravity: Positive = GRAVITY,
+) -> SkylineRig:
+    """A skyline on a drum at the headspar, so that it can be lowered and raised.
+
+    `HEADSPAR.travel` is the rope paid out [m]; `rw.payload(..., clearance=)` and `rw.load_path(..., height=)` set the
+    skyline's length at each station. The arguments come in the groups of `rw.standing_skyline`.
+
+    Parameters
+    ----------
+    terrain : Profile, str, Path, DataFrame or None
+        The ground, or its table with station and elevation [m]. None: spars and supports are placed with `at=`.
+    headspar : HeadSpar
+        A `GuyedSpar` too: its drums stand at its foot.
+    tailspar : TailSpar or GuyedSpar
+        With a tailhold the skyline runs over its top to that.
+    supports : sequence of IntermediateSupport, default ()
+        In the order of their stations.
+    skyline : Rope or str
+        Or the name of one in `rw.ropes()`; so for every rope.
+    tension : float, optional
+        Of the bare skyline at the headspar [N], before it is lowered. Give either this or `length`.
+    length : float, optional
+        Unstretched, from the headspar to the skyline's end [m], before it is lowered.
+    carriage : Carriage
+        Rolling, or clamped to the skyline.
+    holding : {"bisector", "horizontal"}, default "bisector"
+        Direction of the ideal force that holds a rolling carriage without a mainline.
+    mainline : Rope or str, optional
+        From the headspar over rollers at the supports to the carriage.
+    haulback : Rope or str, optional
+        Pulls the carriage out, at the `haulback_tension` that its drum keeps.
+    haulback_tension : float, optional
+        At the haulback's drum [N].
+    haulback_block : Block, optional
+        By the tailspar: the haulback runs to it and back to the carriage. Without one an ideal drum at the tailspar's
+        top pulls.
+    turn : Turn, optional
+        A log on a dropline, which drags on the ground or hangs free; the payload is its mass.
+    name : str, default "live skyline"
+        Of the rig, in results and messages.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    SkylineRig
+        With its parts at their places.
+
+    Raises
+    ------
+    InputError
+        A part is missing, not in order or below the ground, or the skyline is shorter than its chords.
+    SlackRopeError
+        The bare skyline does not hang taut at its tension.
+    EquilibriumError
+        The bare skyline has no equilibrium over its shoes.
+
+    Examples
+    --------
+    >>> rig = live_skyline(
+    ...     None,
+    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=TailSpar("tail", at=(300.0, -20.0)),
+    ...     skyline="compacted skyline 22",
+    ...     length=306.0,
+    ...     carriage=Carriage("carriage", mass=450.0),
+    ... )
+    >>> rig.kind.sets_height
+    True
     """
-    return joined(RigKind.LIVE, terrain, **parts)
+    parts = RigParts(
+        terrain=profile_of(terrain),
+        headspar=headspar,
+        tailspar=tailspar,
+        supports=tuple(supports),
+        skyline=rope_of(skyline),
+        tension=tension,
+        length=length,
+        carriage=carriage,
+        mainline=rope_of(mainline),
+        haulback=rope_of(haulback),
+        haulback_tension=haulback_tension,
+        haulback_block=haulback_block,
+        turn=turn,
+        name=name,
+        gravity=gravity,
+    )
+    return build_rig(rig_kind.LIVE, parts, holding)
 
 
 @checked
 def gravity_skyline(
-    terrain: Profile | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
-    skyline: Rope,
-    mainline: Rope,
-    carriage: Carriage,
+    skyline: Rope | str,
     tension: float | None = None,
     length: float | None = None,
+    carriage: Carriage,
+    mainline: Rope | str,
     name: str = "gravity skyline",
     gravity: Positive = GRAVITY,
 ) -> SkylineRig:
-    """A live skyline without a haulback (shotgun): the empty carriage runs out by its weight, the mainline
-    brings it in. `payload` gives 0 where the empty carriage does not run out. Raises InputError,
-    SlackRopeError.
+    """A live skyline without a haulback (shotgun).
+
+    The empty carriage runs out by its weight, the mainline brings it in. `rw.payload` gives 0 where the empty carriage
+    does not run out.
+
+    Parameters
+    ----------
+    terrain : Profile, str, Path, DataFrame or None
+        The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
+    headspar : HeadSpar
+        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
+    tailspar : TailSpar or GuyedSpar
+        With a tailhold the skyline runs over its top to that.
+    skyline : Rope or str
+        Or the name of one in `rw.ropes()`; so for every rope.
+    tension : float, optional
+        Of the bare skyline at the headspar [N], before it is lowered. Give either this or `length`.
+    length : float, optional
+        Unstretched, from the headspar to the skyline's end [m], before it is lowered.
+    carriage : Carriage
+        Rolling, or clamped to the skyline.
+    mainline : Rope or str
+        From the headspar to the carriage.
+    name : str, default "gravity skyline"
+        Of the rig, in results and messages.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    SkylineRig
+        With its parts at their places.
+
+    Raises
+    ------
+    InputError
+        A part is missing or below the ground, or the skyline is shorter than its chord.
+    SlackRopeError
+        The bare skyline does not hang taut at its tension.
+
+    Examples
+    --------
+    >>> rig = gravity_skyline(
+    ...     None,
+    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=TailSpar("tail", at=(300.0, -80.0)),
+    ...     skyline="compacted skyline 22",
+    ...     tension=40e3,
+    ...     mainline="6x19 EEIP 19",
+    ...     carriage=Carriage("carriage", mass=450.0),
+    ... )
+    >>> rig.spans
+    1
     """
-    return joined(
-        RigKind.GRAVITY,
-        terrain,
+    parts = RigParts(
+        terrain=profile_of(terrain),
         headspar=headspar,
         tailspar=tailspar,
-        skyline=skyline,
+        skyline=rope_of(skyline),
         tension=tension,
         length=length,
-        mainline=mainline,
+        mainline=rope_of(mainline),
         carriage=carriage,
         name=name,
         gravity=gravity,
     )
+    return build_rig(rig_kind.GRAVITY, parts)

@@ -6,17 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
+import pandas as pd
+
 from ropeway.components import check
 from ropeway.components.anchor import Anchor
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import ControlSheave, Speed
 from ropeway.components.drive import Drive, IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.response import Response
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
 from ropeway.systems.modelling.empty_rope import support_tensions
@@ -28,7 +30,7 @@ _Part = TypeVar("_Part", Drive, Response)
 
 @checked
 def monocable(
-    rope: Rope,
+    rope: Rope | str,
     supports: Source,
     *,
     tension: float,
@@ -43,55 +45,113 @@ def monocable(
 ) -> System:
     """A mono-cable line, from drum to drum.
 
-    supports: a table (CSV, Excel or DataFrame) with columns name, x, y, z [m], kind (anchor, drum, idler, control,
-    return) in the order of the rope, see `docs/files.md`. tension: of the empty rope at rest at the first support
-    [N]; it sets how much rope there is between the control sheaves. Drums at the ends keep the tension that the
-    empty rope has there. speed [m/s, from the first support to the last, or a Schedule]: of the rope at all control
-    sheaves; on a line without any the first drum drives. load_mass [kg, or a sequence used in order and repeated] and
-    load_spacing [m of rope]: the rope starts full of loads, more are put on at the first support at the same
-    spacing, and all are taken off at the last; a mass of 0 is a missing load. Loads keep their places on the
-    rope: on a line that runs backwards they leave at the first support, those taken off at the last come in again
-    there, and beyond where the run started the rope comes in empty. drive and response: of the
-    control sheaves, one for all or one for each name (ideal drives and no response otherwise); columns of
-    the table such as drive.relief_pressure or response.increment change single values for a support;
-    precedence: who acts first when several respond. Raises InputError, SlackRopeError.
+    Parameters
+    ----------
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    supports : str, Path or DataFrame
+        Columns name, x, y, z [m], kind (anchor, drum, idler, control, return) in the order of the rope, see
+        `docs/files.md`. Columns such as drive.relief_pressure or response.increment change single values of a control
+        sheave.
+    tension : float
+        Of the empty rope at rest at the first support [N]. It sets how much rope there is between the control
+        sheaves; drums at the ends keep the tension that the empty rope has there.
+    speed : float or Schedule, default 1.0
+        Of the rope at all control sheaves, from the first support to the last [m/s]; on a line without any the first
+        drum drives.
+    load_mass : float or sequence of float, optional
+        Of the loads [kg], in order and repeated; 0 is a missing load. The rope starts full of loads, more are put on
+        at the first support, all are taken off at the last. On a line that runs backwards they leave at the first
+        support, those taken off at the last come in again there, and behind the first load of the start the rope
+        comes in empty.
+    load_spacing : float, optional
+        Distance of the loads along the rope [m].
+    name : str, default "mono-cable line"
+        Of the line, in results and messages.
+    drive : Drive or mapping of str to Drive, optional
+        Of the control sheaves: one for all, or one for each name; ideal drives otherwise.
+    response : Response or mapping of str to Response, optional
+        Of the control sheaves: one for all, or one for each name; none otherwise.
+    precedence : str, default "all at once"
+        Which control sheave acts first when several respond.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    System
+        The line, its rope full of loads.
+
+    Raises
+    ------
+    InputError
+        A value of the table is wrong (with file, line and column), or arguments contradict each other.
+    SlackRopeError
+        The empty rope does not hang taut at its tension.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> supports = pd.DataFrame(
+    ...     [("valley", 0, 0, 0, "drum"), ("s1", 100, 0, 9, "control"), ("mountain", 200, 0, 15, "drum")],
+    ...     columns=["name", "x", "y", "z", "kind"],
+    ... )
+    >>> line = monocable("RHOL-IWRC 29", supports, tension=45e3, load_mass=300.0, load_spacing=50.0)
+    >>> round(rw.equilibrium(line)["valley_s1.tension_a"])
+    45000
     """
-    table = read_supports(supports)
+    rope, table = rope_of(rope), read_supports(supports)
     check.positive(tension, "monocable", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("monocable has one of load_mass and load_spacing", "Give both, or none for an empty rope")
     controlled = bool((table["kind"] == "control").any())
     if "anchor" in set(table["kind"]) and (controlled or speed != 0.0):
         raise InputError("A rope with an anchored end cannot move", "Use drums at the ends, or speed=0 and no controls")
+    for parts in (drive, response):
+        _require_control_sheaves(parts, table)
+    line = System(name, gravity=gravity, precedence=precedence)
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
-    kept = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
+    tensions = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
     nodes: list[Node] = []
     for i, row in enumerate(table.to_dict("records")):
-        about, at = {"name": row["name"], "label": row["label"]}, tuple(points[i])
+        about = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
         if row["kind"] == "anchor":
-            nodes.append(Anchor(**about, at=at))
+            nodes.append(Anchor(**about))
         elif row["kind"] == "control":
-            own: Drive = _of(drive, row) or IdealDrive()
-            own = replace(own, **own_values(own, row, "drive"))
-            rule: Response | None = _of(response, row)
-            changes = own_values(rule, row, "response")
-            rule = None if rule is None else replace(rule, **changes)
-            nodes.append(ControlSheave(**about, at=at, speed=speed, drive=own, response=rule))
+            nodes.append(_control_sheave(about, row, speed, drive, response))
         elif row["kind"] == "drum" and i == 0 and not controlled:
-            nodes.append(Drum(**about, at=at, speed=speed))
+            nodes.append(Drum(**about, speed=speed))
         elif row["kind"] == "drum":
-            nodes.append(Drum(**about, at=at, tension=float(kept[i])))
+            nodes.append(Drum(**about, tension=float(tensions[i])))
         else:
-            nodes.append(Sheave(**about, at=at))
-    controls = table[table["kind"] == "control"]
-    for each in (drive, response):
-        if isinstance(each, Mapping) and (unknown := set(each) - {*controls["name"], *controls["label"]}):
-            raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
-    line = System(name, gravity=gravity, precedence=precedence)
+            nodes.append(Sheave(**about))
     spans = line.string(rope, *nodes, tension=tension)
     if load_mass is not None and load_spacing is not None:
         line.feed(spans, spacing=load_spacing, masses=load_mass)
     return line
+
+
+def _control_sheave(
+    about: Mapping[str, Any],
+    row: Mapping[Any, Any],
+    speed: Speed,
+    drives: Drive | Mapping[str, Drive] | None,
+    responses: Response | Mapping[str, Response] | None,
+) -> ControlSheave:
+    """A control sheave with its drive and response, changed by what its row gives."""
+    drive: Drive = _of(drives, row) or IdealDrive()
+    drive = replace(drive, **own_values(drive, row, "drive"))
+    response = _of(responses, row)
+    changes = own_values(response, row, "response")
+    response = None if response is None else replace(response, **changes)
+    return ControlSheave(**about, speed=speed, drive=drive, response=response)
+
+
+def _require_control_sheaves(parts: object, table: pd.DataFrame) -> None:
+    """Raises InputError for a mapping that names what is no control sheave of a table of supports."""
+    controls = table[table["kind"] == "control"]
+    if isinstance(parts, Mapping) and (unknown := set(parts) - {*controls["name"], *controls["label"]}):
+        raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
 
 
 def _of(parts: _Part | Mapping[str, _Part] | None, row: Mapping[Any, Any]) -> _Part | None:

@@ -3,135 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from itertools import pairwise
-from typing import Required, TypedDict
 
 import numpy as np
 
 from ropeway.components import check
-from ropeway.components.annotation_checks import Positive
-from ropeway.components.carriage import Carriage, Holding
-from ropeway.components.component import Node
+from ropeway.components.carriage import Holding
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
-from ropeway.components.rope import Rope
-from ropeway.components.spar import Block, HeadSpar, TailSpar
-from ropeway.components.terrain import Profile
+from ropeway.components.node import Node
 from ropeway.systems.modelling.empty_rope import lengths_for_tension
-from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.rigs.bare_skyline import length_over_shoes
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig, Turn
+from ropeway.systems.rigs.rig_kind import RigKind
+from ropeway.systems.rigs.rig_parts import RigParts
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 
 
-class SkylineParts(TypedDict, total=False):
-    """The keywords of `standing_skyline` and `live_skyline`: four are required."""
+def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> SkylineRig:
+    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError, EquilibriumError.
 
-    headspar: Required[HeadSpar]
-    tailspar: Required[TailSpar | GuyedSpar]
-    skyline: Required[Rope]
-    carriage: Required[Carriage]
-    supports: Sequence[IntermediateSupport]
-    tension: float | None
-    length: float | None
-    mainline: Rope | None
-    haulback: Rope | None
-    haulback_tension: float | None
-    haulback_block: Block | None
-    holding: Holding
-    turn: Turn | None
-    name: str
-    gravity: Positive
-
-
-def joined(
-    kind: RigKind,
-    terrain: Profile | None,
-    *,
-    headspar: HeadSpar,
-    tailspar: TailSpar | GuyedSpar,
-    skyline: Rope,
-    carriage: Carriage,
-    supports: Sequence[IntermediateSupport] = (),
-    tension: float | None = None,
-    length: float | None = None,
-    mainline: Rope | None = None,
-    haulback: Rope | None = None,
-    haulback_tension: float | None = None,
-    haulback_block: Block | None = None,
-    holding: Holding = "bisector",
-    turn: Turn | None = None,
-    name: str | None = None,
-    gravity: float = GRAVITY,
-) -> SkylineRig:
-    """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError, EquilibriumError."""
-    name = f"{kind.value} skyline" if name is None else name
-    check.positive(gravity, name, "gravity", "m/s2")
-    head = headspar.placed(terrain)
-    tail = tailspar.placed(terrain)
-    if tail.tailhold is not None:
-        tail = replace(tail, tailhold=tail.tailhold.placed(terrain))
-    if isinstance(head, GuyedSpar):
-        lead = {
-            RigKind.STANDING: (),
-            RigKind.LIVE: ("skyline",),
-            RigKind.GRAVITY: ("skyline",),
-            RigKind.RUNNING: ("haulback",),
-        }
-        pulled = mainline is not None and not carriage.clamped
-        back = haulback_block is not None and not carriage.clamped
-        more = [rope for rope, on in (("mainline", pulled), ("haulback", back)) if on]
-        head = replace(head, blocks=(*lead[kind], *more))
-    if isinstance(tail, GuyedSpar):
-        through = "haulback" if kind is RigKind.RUNNING else "skyline"
-        tail = replace(tail, blocks=(through,) if kind is RigKind.RUNNING or tail.tailhold is not None else ())
-    between = tuple(support.placed(terrain) for support in supports)
-    stands = (head, *between, tail)
-    for before, after in pairwise(stands):
-        if not before.at[0] < after.at[0]:
-            raise InputError(
-                f"{after.described} stands at station {after.at[0]:g} m, "
-                f"{before.described} before it at {before.at[0]:g} m",
-                "Name headspar, supports and tailspar in the order of their stations",
-            )
-    if (haulback is None) != (haulback_tension is None):
-        raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
-    if haulback_tension is not None:
-        check.positive(haulback_tension, name, "haulback_tension", "N")
-    if haulback is None and haulback_block is not None:
-        raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
-    if haulback is not None and mainline is None and not carriage.clamped and kind is not RigKind.RUNNING:
-        raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
-    if haulback is not None and haulback_block is None and isinstance(tail, GuyedSpar) and not carriage.clamped:
-        raise InputError(
-            f"{name}: the ideal drum of a haulback would not pull at {tail.described}, which gives way",
-            "Give a haulback_block",
-        )
-    if kind is RigKind.RUNNING and tail.tailhold is not None:
-        raise InputError(f"{name} has no skyline for {tail.tailhold.described}", "Leave the tailhold out")
-    if turn is not None and (terrain is None or kind is RigKind.RUNNING):
-        raise InputError(f"{name}: a log drags on a terrain", "Give a Profile, and a standing or live skyline")
-    ideal = mainline is None and not carriage.clamped
-    rig = SkylineRig(
-        kind=kind,
-        terrain=terrain,
-        headspar=head,
-        supports=_shod(stands),
-        tailspar=tail,
-        skyline=skyline,
-        length=length,
-        tension=tension,
-        mainline=mainline,
-        haulback=haulback,
-        haulback_tension=haulback_tension,
-        haulback_block=None if haulback_block is None else haulback_block.placed(terrain),
-        carriage=replace(carriage, holding=holding if ideal else None),
-        turn=turn,
-        name=name,
-        gravity=gravity,
+    holding: direction of the ideal force on a carriage that neither a mainline nor a clamp holds.
+    """
+    check.positive(parts.gravity, parts.name, "gravity", "m/s2")
+    parts = _placed(parts)
+    _require_order(parts.stands)
+    _require_lines(parts)
+    kind.require_parts(parts)
+    parts = replace(
+        _with_blocks(kind, parts),
+        supports=_shod(parts.stands),
+        carriage=replace(parts.carriage, holding=holding if parts.ideal else None),
     )
-    return rig if kind is RigKind.RUNNING else _with_length(rig)
+    rig = SkylineRig(kind=kind, **{field.name: getattr(parts, field.name) for field in fields(parts)})
+    return _with_length(rig) if kind.keeps_length else rig
 
 
 def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
@@ -141,29 +47,71 @@ def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> S
     return _with_length(replace(rig, supports=_shod([rig.headspar, *placed, rig.tailspar]), length=None))
 
 
+def _placed(parts: RigParts) -> RigParts:
+    """With all parts at their points on the terrain. Raises InputError."""
+    ground, tail, block = parts.terrain, parts.tailspar.placed(parts.terrain), parts.haulback_block
+    if tail.tailhold is not None:
+        tail = replace(tail, tailhold=tail.tailhold.placed(ground))
+    return replace(
+        parts,
+        headspar=parts.headspar.placed(ground),
+        supports=tuple(support.placed(ground) for support in parts.supports),
+        tailspar=tail,
+        haulback_block=None if block is None else block.placed(ground),
+    )
+
+
+def _with_blocks(kind: RigKind, parts: RigParts) -> RigParts:
+    """With a block at the top of a guyed spar for each rope that runs through there."""
+    head, tail = parts.headspar, parts.tailspar
+    if isinstance(head, GuyedSpar):
+        back = parts.haulback_block is not None and not parts.carriage.clamped
+        lines = [rope for rope, on in (("mainline", parts.pulled), ("haulback", back)) if on]
+        head = replace(head, blocks=(*kind.yarder_ropes, *lines))
+    if isinstance(tail, GuyedSpar):
+        tail = replace(tail, blocks=kind.tail_ropes(parts))
+    return replace(parts, headspar=head, tailspar=tail)
+
+
+def _require_order(stands: Sequence[Node]) -> None:
+    """Raises InputError unless the stations of spars and supports increase."""
+    for before, after in pairwise(stands):
+        if not before.at[0] < after.at[0]:
+            raise InputError(
+                f"{after.described} stands at station {after.at[0]:g} m, "
+                f"{before.described} before it at {before.at[0]:g} m",
+                "Name headspar, supports and tailspar in the order of their stations",
+            )
+
+
+def _require_lines(parts: RigParts) -> None:
+    """Raises InputError for a haulback or a turn that lacks something."""
+    name, haulback, block = parts.name, parts.haulback, parts.haulback_block
+    if (haulback is None) != (parts.haulback_tension is None):
+        raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
+    if parts.haulback_tension is not None:
+        check.positive(parts.haulback_tension, name, "haulback_tension", "N")
+    if haulback is None and block is not None:
+        raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
+    if haulback is not None and parts.ideal:
+        raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
+    if haulback is not None and block is None and isinstance(parts.tailspar, GuyedSpar) and parts.pulled:
+        raise InputError(
+            f"{name}: the ideal drum of a haulback would not pull at {parts.tailspar.described}, which gives way",
+            "Give a haulback_block",
+        )
+    if parts.turn is not None and parts.terrain is None:
+        raise InputError(f"{name}: a log drags on a terrain", "Give a Profile")
+
+
 def _with_length(rig: SkylineRig) -> SkylineRig:
     """With the skyline's length for its tension, checked against its strength."""
-    rope, points = rig.skyline, rig.points
-    weight = rope.mass_per_length * rig.gravity
     if (rig.length is None) == (rig.tension is None):
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
-    length = rig.length
-    if rig.tension is not None:
-        check.positive(rig.tension, rig.name, "tension", "N")
-        if rig.tension >= rope.breaking_load:
-            raise InputError(
-                f"{rig.name}: tension {rig.tension:g} N is above the rope's minimum breaking load "
-                f"{rope.breaking_load:g} N",
-                "Ask for less tension or take a stronger rope",
-            )
-        names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.stands)]
-        names += [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends[len(rig.stands) - 1 :])]
-        length = float(np.sum(lengths_for_tension([tuple(p) for p in points], weight, rope.strain, rig.tension, names)))
-        if any(support.radius > 0.0 for support in rig.supports):  # so far over the points of the supports
-            length = length_over_shoes(replace(rig, length=length), rig.tension)
+    length = rig.length if rig.tension is None else _length_for(rig, rig.tension)
     check.positive(length or 0.0, rig.name, "length", "m")
-    chords = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
-    shortest = chords / (1.0 + rope.strain.at(rope.breaking_load))
+    chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
+    shortest = chords / (1.0 + rig.skyline.strain.at(rig.skyline.breaking_load))
     if (length or 0.0) <= shortest:
         raise InputError(
             f"{rig.name}: the skyline is {length:.6g} m long; at its minimum breaking load it needs at least "
@@ -173,10 +121,28 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     return replace(rig, length=length)
 
 
+def _length_for(rig: SkylineRig, tension: float) -> float:
+    """Unstretched length [m] of the bare skyline for a tension at the headspar [N]. Raises InputError,
+    SlackRopeError, EquilibriumError."""
+    rope = rig.skyline
+    check.positive(tension, rig.name, "tension", "N")
+    if tension >= rope.breaking_load:
+        raise InputError(
+            f"{rig.name}: tension {tension:g} N is above the rope's minimum breaking load {rope.breaking_load:g} N",
+            "Ask for less tension or take a stronger rope",
+        )
+    names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends)]
+    weight, points = rope.mass_per_length * rig.gravity, [tuple(p) for p in rig.points]
+    length = float(np.sum(lengths_for_tension(points, weight, rope.strain, tension, names)))
+    if any(support.radius > 0.0 for support in rig.supports):  # so far over the points of the supports
+        length = length_over_shoes(replace(rig, length=length), tension)
+    return length
+
+
 def _shod(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
     """The supports between the first and the last of `stands`, their shoes along the bisector of the chords.
     Raises InputError."""
-    found = []
+    supports = []
     for before, support, after in zip(stands[:-2], stands[1:-1], stands[2:], strict=True):
         if not isinstance(support, IntermediateSupport):
             continue
@@ -186,8 +152,8 @@ def _shod(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
             if len({node.at[1] for node in stands}) > 1:
                 raise InputError(f"{support.described}: a shoe lies in the plane of the line", "Leave its radius out")
             if support.slope is None:
-                ways = np.diff([before.at, support.at, after.at], axis=0)
-                x, _, z = (ways / np.linalg.norm(ways, axis=1)[:, None]).sum(axis=0)
+                chords = np.diff([before.at, support.at, after.at], axis=0)
+                x, _, z = (chords / np.linalg.norm(chords, axis=1)[:, None]).sum(axis=0)
                 support = replace(support, slope=float(z / x))
-        found.append(support)
-    return tuple(found)
+        supports.append(support)
+    return tuple(supports)

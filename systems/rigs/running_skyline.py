@@ -8,43 +8,90 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import HeadSpar, TailSpar
-from ropeway.components.terrain import Profile
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY
-from ropeway.systems.rigs.rig_builder import joined
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.rig_builder import build_rig
+from ropeway.systems.rigs.rig_kind import RUNNING
+from ropeway.systems.rigs.rig_parts import RigParts
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 
 
 @checked
 def running_skyline(
-    terrain: Profile | None,
+    terrain: ProfileSource | None,
     *,
     headspar: HeadSpar,
     tailspar: TailSpar | GuyedSpar,
-    haulback: Rope,
-    mainline: Rope,
-    carriage: Carriage,
+    haulback: Rope | str,
     tension: float,
+    mainline: Rope | str,
+    carriage: Carriage,
     name: str = "running skyline",
     gravity: Positive = GRAVITY,
 ) -> SkylineRig:
-    """A running skyline. tension: of the haulback at its drum, which the yarder keeps [N]; the mainline holds
-    the carriage. `payload(..., clearance=)` and `load_path(..., height=)` set the tension at each station
-    instead. Raises InputError.
+    """A running skyline: the haulback carries the carriage, the mainline holds it.
+
+    `rw.payload(..., clearance=)` and `rw.load_path(..., height=)` set the haulback's tension at each station.
+
+    Parameters
+    ----------
+    terrain : Profile, str, Path, DataFrame or None
+        The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
+    headspar : HeadSpar
+        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
+    tailspar : TailSpar or GuyedSpar
+        Without a tailhold.
+    haulback : Rope or str
+        Or the name of one in `rw.ropes()`; so for every rope.
+    tension : float
+        Of the haulback at its drum, which the yarder keeps [N].
+    mainline : Rope or str
+        From the headspar to the carriage.
+    carriage : Carriage
+        Rolling.
+    name : str, default "running skyline"
+        Of the rig, in results and messages.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    SkylineRig
+        With its parts at their places.
+
+    Raises
+    ------
+    InputError
+        The tension is not positive, the carriage is clamped, or the tailspar has a tailhold.
+
+    Examples
+    --------
+    >>> rig = running_skyline(
+    ...     None,
+    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=TailSpar("tail", at=(200.0, 10.0)),
+    ...     haulback="6x19 EEIP 19",
+    ...     tension=40e3,
+    ...     mainline="6x19 EEIP 19",
+    ...     carriage=Carriage("carriage", mass=450.0),
+    ... )
+    >>> rig
+    <SkylineRig 'running skyline': head at 0 m, tail at 200 m>
     """
     check.positive(tension, name, "tension", "N")
     if carriage.clamped:
         raise InputError(f"{carriage.described} is clamped", "A running skyline's carriage rolls on the haulback")
-    return joined(
-        RigKind.RUNNING,
-        terrain,
+    parts = RigParts(
+        terrain=profile_of(terrain),
         headspar=headspar,
         tailspar=tailspar,
-        skyline=haulback,
+        skyline=rope_of(haulback),
         tension=tension,
-        mainline=mainline,
+        mainline=rope_of(mainline),
         carriage=carriage,
         name=name,
         gravity=gravity,
     )
+    return build_rig(RUNNING, parts)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import casadi as ca
@@ -16,8 +15,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ropeway.components.component import Kind
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
 
 
@@ -121,7 +120,7 @@ def _copied(
     return at
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def blocks_of(model: Model) -> Blocks:
     """The parts of a model: found once, as their functions take a while to build."""
     return Blocks(model)

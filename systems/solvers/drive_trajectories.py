@@ -8,14 +8,14 @@ algebraic variables follow section by section.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded
 from ropeway.systems.solvers.prescribed_states import commanded_of
@@ -146,7 +146,7 @@ class Drives:
         return Window(point.t, h, line)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def drives_of(model: Model, tolerance: float) -> Drives:
     """The states of a model: made once, as its functions take a while to build."""
     return Drives(model, tolerance)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -13,10 +13,10 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
@@ -366,7 +366,7 @@ def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> 
     )
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def expanded(model: Model) -> ca.Function:
     """The model's equations for numerical work."""
     return scalar(model, model.dae)
@@ -385,7 +385,7 @@ def dense(model: Model, function: ca.Function) -> Buffered:
     return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def outputs_of(model: Model) -> Buffered:
     """The model's outputs as a function of a point's arguments, as arrays."""
     return dense(model, model.outputs)
@@ -417,7 +417,7 @@ def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
     return nearer
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def newton_of(model: Model) -> Newton:
     """The plain solver of a model: made once for each model, as its functions take a while to build."""
     return Newton(model)

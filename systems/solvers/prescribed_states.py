@@ -6,12 +6,10 @@ drift over thousands of stretches.
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.newton import Buffered, Point, expanded
 
 
@@ -51,7 +49,7 @@ class Commanded:
             x[:, self.rows] = point.x[self.rows] + gain.reshape(len(h), -1)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def commanded_of(model: Model) -> Commanded:
     """The commanded states of a model: found once."""
     return Commanded(model)

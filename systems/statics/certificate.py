@@ -9,16 +9,15 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 import pandas as pd
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Buffered, Point, dense, outputs_of
 from ropeway.systems.statics.certificate_layout import CertificateLayout, SpanPlaces, layout_of
@@ -359,7 +358,7 @@ def _other_equations(model: Model, layout: CertificateLayout, points: Sequence[P
     return _worst(EQUATIONS, np.abs(found) / nominal, LAW, names)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def _residuals_of(model: Model) -> Buffered:
     """The algebraic equations of a model as a function of a point's arguments."""
     arguments = model.dae.mx_in()

@@ -4,14 +4,15 @@ them for what a model does not have."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from ropeway.components.component import Component, Node, Seat, Site
+from ropeway.components.component import Component, Seat
 from ropeway.components.laws import tension
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.components.node import Node
+from ropeway.components.variable import Site
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.solvers.newton import VECTORS
 
@@ -116,7 +117,7 @@ class CertificateLayout:
     plain: bool
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def layout_of(model: Model) -> CertificateLayout:
     """The places of a model: found once."""
     places = _Places(model)

@@ -11,12 +11,12 @@ import pandas as pd
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import (
     InputError,
     UnknownNameError,
 )
 from ropeway.components.table_writer import Tabular
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
@@ -28,11 +28,23 @@ from ropeway.systems.statics.pending_events import Pending
 @checked
 @dataclass(frozen=True)
 class Equilibrium(Tabular):
-    """A system at rest. `eq["a_b.tension_a"]` reads any variable, output or load by name (SI units).
+    """A system at rest. `eq["a_b.tension_a"]` is any variable, output or quantity of a load by its name, in SI units.
 
-    `point` holds the vectors of `model`, `loads` and `passed` where the loads of each run are, `held` the
-    supports on which a load stands that could pass neither way. `pending`: what a run goes on with that starts
-    here, where this is the line in the course of another run. `given`: values that it was solved for.
+    Attributes
+    ----------
+    model : Model
+    point : Point
+        The vectors of the model.
+    runs : tuple of Run
+        The ropes with their loads.
+    passed : tuple of ndarray
+        For each run the number of loads that have passed each support, shape (supports,).
+    held : tuple of str
+        Supports on which a load stands that can pass neither way.
+    pending : Pending
+        For `result.at(t)`: clocks and an emergency stop, which a run continues.
+    given : tuple of (str, float)
+        Values that it was solved for.
     """
 
     model: Model
@@ -48,7 +60,7 @@ class Equilibrium(Tabular):
 
     @cached_property
     def outputs(self) -> np.ndarray:
-        """Values of all outputs, in the order of `model.y`."""
+        """Values of all outputs, in the order of `model.y`, shape (ny,)."""
         return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def __getitem__(self, name: str) -> float:
@@ -57,7 +69,7 @@ class Equilibrium(Tabular):
 
     @cached_property
     def checks(self) -> Certificate:
-        """The certificate: an independent check, made afresh, that this is an equilibrium."""
+        """The certificate: an independent check that this is an equilibrium."""
         return certify(self.model, self.point, self.runs, self.passed, given=dict(self.given))
 
     @property
@@ -108,13 +120,44 @@ class Equilibrium(Tabular):
         return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
 
     def points(self, r: int) -> np.ndarray:
-        """Places of the supports of a run, shape (supports, 3) [m]."""
+        """Positions of the supports of a run.
+
+        Parameters
+        ----------
+        r : int
+            Number of the run, from 0.
+
+        Returns
+        -------
+        ndarray
+            Shape (supports, 3) [m].
+
+        Raises
+        ------
+        InputError
+        """
         check.index(r, len(self.runs), "Equilibrium.points", "r")
         return support_points(self.model, r, self.point)
 
     def profile(self, span: str, stations: Sequence[float] | np.ndarray | int = 101) -> pd.DataFrame:
-        """A loaded span along its unstretched `stations` [m] from end a, or that many evenly spread, its
-        loads included. Columns: station, x, y, z [m], tension [N], slope (rise over run)."""
+        """The curve of a loaded span.
+
+        Parameters
+        ----------
+        span : str
+            Name of the span.
+        stations : sequence of float or int, default 101
+            Unstretched distances from end a [m], or their number: evenly spaced, those of the loads added.
+
+        Returns
+        -------
+        DataFrame
+            Columns station, x, y, z [m], tension [N], slope (rise over run).
+
+        Raises
+        ------
+        UnknownNameError, InputError
+        """
         if isinstance(stations, int):
             check.index(stations, 1_000_000, "Equilibrium.profile", "stations")
         for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):

@@ -9,12 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
+from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.system import System, caller
+from ropeway.systems.modelling.system import System
+from ropeway.systems.modelling.user_code import caller
+from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.given_values import solve_swapped
@@ -34,18 +36,46 @@ def equilibrium(
     parameters: Mapping[str, float] | None = None,
     start: Equilibrium | None = None,
 ) -> Equilibrium:
-    """The stable, taut equilibrium of a system at rest.
+    """Solve for the stable, taut equilibrium of a system at rest.
 
-    given: values that variables, outputs or loads must take (`{"a_b.tension_a": 150e3}`), and solve_for: as
-    many parameters, span lengths or load masses freed in exchange. parameters: other values for parameters,
-    inputs, states (a drive's travel) and load masses of this solve; the length of one span over idlers counts from
-    those that all spans have at rest. start: a nearby equilibrium of the same
-    declarations, for a warm start; of a line in the course of a run too, without its brakes and responses.
+    After the solve the travel of all idlers is zero: a run starts from the equilibrium. A solution that fails its
+    certificate is solved again from another start. A RopewayWarning says where a tension is above the rope's minimum
+    breaking load.
 
-    After the solve the travel of all idlers is zero: the equilibrium is where a line starts from. Every result carries
-    a `certificate`; a solution that fails its check is solved again from another start. Warns by RopewayWarning where
-    a tension is above the rope's minimum breaking load. Raises InputError, UnknownNameError, UnbalancedSystemError
-    before, EquilibriumError after a failed solve.
+    Parameters
+    ----------
+    system : System or Model
+        Its declarations, or `assemble` of them.
+    given : mapping of str to float, optional
+        Values that variables, outputs or quantities of loads must have (`{"a_b.tension_a": 150e3}`).
+    solve_for : str or sequence of str, optional
+        As many parameters, span lengths or load masses that are solved for in exchange.
+    parameters : mapping of str to float, optional
+        Other values for parameters, inputs, states (the travel of a drive) and masses of loads in this solve. The
+        length of one span over idlers counts from the lengths of all spans at rest.
+    start : Equilibrium, optional
+        A nearby equilibrium of the same declarations, for a warm start; or `result.at(t)`, without its brakes and
+        responses.
+
+    Returns
+    -------
+    Equilibrium
+        With a `certificate`.
+
+    Raises
+    ------
+    InputError, UnknownNameError, UnbalancedSystemError
+        Before the solve.
+    EquilibriumError
+        After a failed solve, with the component of the worst residual.
+
+    Examples
+    --------
+    >>> rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    >>> s = rw.System("one span")
+    >>> (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(400.0, -60.0)), length=408.0)
+    >>> round(rw.equilibrium(s, given={"a_b.tension_a": 60e3}, solve_for="a_b.length")["a_b.length"], 1)
+    404.7
     """
     freed = [solve_for] if isinstance(solve_for, str) else list(solve_for)
     wanted = dict(given or {})
@@ -108,9 +138,11 @@ def _at_rest(
     "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
     declared = state.point.p.copy()
     if way == "let out":
-        state = let_out(state)
+        with bar("equilibrium: rope let out", 1.0) as advance:
+            state = let_out(state, advance=advance)
     elif way == "loaded":
-        state = loaded(state)
+        with bar("equilibrium: loads added", 1.0) as advance:
+            state = loaded(state, advance)
     if wanted:
         solve_swapped(state, wanted, freed, from_chord=way != "let out")
     elif way in ("near", "from geometry"):
@@ -136,7 +168,7 @@ def _of(model: Model, rest: Equilibrium) -> Equilibrium:
 
 
 def still(line: Equilibrium) -> Equilibrium:
-    """An equilibrium with its free states as algebraic variables: what changes with a parameter at rest."""
+    """An equilibrium with its free states as algebraic variables: how the line at rest changes with a parameter."""
     if not line.model.free_states:
         return line
     state = on_model(LineState(line.model, line.point, line.runs, line.passed), at_rest_model(line.model))

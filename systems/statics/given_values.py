@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.solvers.newton import Newton, Slot, newton_of
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.settling import settle
 
 
@@ -35,8 +36,8 @@ def solve_swapped(
         freed = [state.find(name) for name in solve_for]
         _approach(state, Newton(state.model, freed, wanted), wanted, np.array(list(given.values()), float))
         _read_masses(state)
-        if state.settle():
-            state.require_pinned()
+        if assign_loads(state):
+            require_pinned(state)
             break
     else:
         raise EquilibriumError(

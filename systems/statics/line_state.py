@@ -1,41 +1,25 @@
-"""Where a line is: a point of its model, and which load is in which span. What solvers move on."""
+"""The state of a line: a point of its model, and which load is in which span."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import lru_cache
+from dataclasses import replace
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
-from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, nearest
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.assembly import assembled
+from ropeway.systems.modelling.component_functions import ComponentFunctions
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
-from ropeway.systems.modelling.rope_path import Loads, Run, extended, loads_passed, rounded_up, rounds
+from ropeway.systems.modelling.rope_path import Run, rounded_up
 from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
-from ropeway.systems.statics.pending_events import Pending
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
-
-
-@dataclass(frozen=True)
-class Record:
-    """A state written down: time [s], states, algebraic variables, inputs, the number of the first load that has not
-    passed each support of each run, and the discrete variables that are `kept` besides; and what was
-    `pending` then in a run."""
-
-    time: float
-    x: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-    passed: tuple[np.ndarray, ...]
-    kept: np.ndarray
-    pending: Pending
 
 
 class LineState:
@@ -51,6 +35,7 @@ class LineState:
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
         rope still makes without it. Found again where it is missing."""
+        self._functions = ComponentFunctions()  # of models with more and more slots
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
@@ -70,6 +55,7 @@ class LineState:
         """With arrays of its own."""
         copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
         copied.resting = dict(self.resting)
+        copied._functions = self._functions
         return copied
 
     def restart(self) -> None:
@@ -114,90 +100,16 @@ class LineState:
         else:
             layout.slots.write(self.point.d, self.runs[r], beyond, layout.start(self.point.p), spans)
 
-    def snapshot(self, pending: Pending) -> Record:
-        """The state as it can be written down and made again."""
-        q = self.point
-        passed = tuple(p + run.loads.first for p, run in zip(self.passed, self.runs, strict=True))
-        return Record(q.t, q.x.copy(), q.z.copy(), q.u.copy(), passed, q.d[self.model.kept], pending)
-
-    @classmethod
-    def restored(cls, model: Model, runs: Sequence[Run], p: np.ndarray, record: Record) -> LineState:
-        """The state that a snapshot was taken of, with `p` the parameters of the run."""
-        d = model.d.values.copy()
-        d[model.kept] = record.kept
-        passed = [p - run.loads.first for p, run in zip(record.passed, runs, strict=True)]
-        state = cls(model, Point(record.x.copy(), record.z.copy(), record.u.copy(), p, d, record.time), runs, passed)
-        state.write_slots()
-        return state
-
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assemble(old.system, slots=[[int(n) for n in c] for c in counts])
+        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
         d = self.model.d.values.copy()
         d[self.model.kept] = self.point.d[old.kept]
         self.point = replace(self.point, d=d)
 
-    def settle(self) -> bool:
-        """Puts each load into the span where the rope has taken it. False when one had to move."""
-        moved = False
-        for r, run in enumerate(self.runs):
-            rope = self.rope(r)
-            if np.any(run.loads.pinned >= 0):
-                before, run = run.loads.names, replace(run, loads=run.loads.sorted(rope))
-                self.runs[r], moved = run, moved or run.loads.names != before
-            if run.around:
-                self._wind(r, rope)
-            elif run.feed is not None and run.loads.place[-1] > rope[0]:
-                self.extend(r)
-            run = self.runs[r]
-            # A load that stands on a support to rounding stays where it is.
-            near = 1e-10 * (1.0 + np.abs(rope))
-            beyond = np.clip(self.passed[r], loads_passed(run, rope + near), loads_passed(run, rope - near))
-            if run.around:
-                beyond[-1] = beyond[0] - run.around
-            if np.any(beyond != self.passed[r]):
-                moved = True
-                self.passed[r] = beyond
-        if moved:
-            self.write_slots()
-        return not moved
-
-    def extend(self, r: int, *, ahead: bool = False) -> None:
-        """Takes as many loads again from a run's feed as there are: behind the last, or `ahead` of the first where
-        the rope is endless."""
-        run = self.runs[r]
-        if run.feed is None:
-            return
-        if not run.around:
-            loads = extended(run.loads, run.feed, len(run.loads.place))
-        else:
-            there = len(run.loads.place) // run.around
-            before, behind = (there, there - 1) if ahead else (0, 2 * there - 1)
-            loads = rounds(run.loads, 0, run.around, self.length(r), before, behind)
-        self.passed[r] += run.loads.first - loads.first
-        self.runs[r] = replace(run, loads=loads)
-
     def length(self, r: int) -> float:
         """Unstretched length of a run's rope between its ends at zero travel [m]."""
         return float(self.point.p[self.model.layouts[r].length_start].sum())
-
-    def around(self, r: int) -> Loads:
-        """The loads of an endless rope once, in the order of their numbers from 0 on."""
-        run, length = self.runs[r], self.length(r)
-        turn, before = divmod(-run.loads.first, run.around)
-        loads = rounds(run.loads, before, run.around, length, 0, 0)
-        return replace(loads, place=loads.place - turn * length, first=0)
-
-    def _wind(self, r: int, rope: np.ndarray) -> None:
-        """Lists the loads of an endless rope as they come round with its present length, for all places on `rope`."""
-        run, length = self.runs[r], self.length(r)
-        begin = int(np.clip(self.passed[r][-1], 0, len(run.loads.place) - run.around))
-        on = run.loads.place[begin : begin + run.around]
-        ahead = max(1, int(np.ceil((rope[-1] - on[0]) / length)) + 1)
-        behind = max(1, int(np.ceil((on[-1] - rope[0]) / length)) + 1)
-        loads = rounds(run.loads, begin, run.around, length, ahead, behind)
-        self.passed[r] += run.loads.first - loads.first
-        self.runs[r] = replace(run, loads=loads)
 
     def outputs(self) -> np.ndarray:
         """Values of all outputs, shape (ny,)."""
@@ -237,10 +149,6 @@ class LineState:
         """Names of the supports on which a load stands."""
         return tuple(self.runs[r].nodes[k].name for r, k, _ in self.standing())
 
-    def held_travels(self) -> set[int]:
-        """Places in the algebraic variables of the travels of idlers on which a load stands."""
-        return {int(self.model.layouts[r].travel.algebraic[k]) for r, k, _ in self.standing()}
-
     def rezero(self) -> None:
         """Makes the present travel of the supports the zero: span lengths and places of loads follow."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
@@ -269,27 +177,6 @@ class LineState:
             if np.any(length <= 0.0):
                 name = run.spans[int(np.argmin(length))].name
                 raise EquilibriumError(f"No rope is left in span {name!r}", remedy, name)
-
-    def require_pinned(self) -> None:
-        """Raises EquilibriumError where a span has not rope enough for a load that hangs at a distance on it."""
-        for r, run in enumerate(self.runs):
-            loads, room = run.loads, np.diff(self.rope(r)) + self.model.layouts[r].free(self.point.z)
-            for i in np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0)):
-                span = run.spans[loads.pinned[i]].name
-                if loads.at[i] > room[loads.pinned[i]] * (1.0 + 1e-9):
-                    raise EquilibriumError(
-                        f"Load {loads.names[i]!r} hangs {loads.at[i]:.6g} m along span {span!r}, which has "
-                        f"{room[loads.pinned[i]]:.6g} m of rope at rest",
-                        "Hang it nearer to the span's end a, or on all spans of the rope at its distance along them",
-                        span,
-                    )
-
-    def unpin(self) -> None:
-        """Clamps pinned loads to the rope where they hang, so that they travel with it."""
-        for r, run in enumerate(self.runs):
-            loads = run.loads
-            self.runs[r] = replace(run, loads=replace(loads, pinned=np.full(len(loads.pinned), -1)))
-        self.write_slots()
 
     def find(self, name: str) -> Slot:
         """The vector entry of a variable, an output or a load's quantity. Raises UnknownNameError."""
@@ -323,20 +210,6 @@ class LineState:
         ]
 
 
-def restored_points(
-    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[Record]
-) -> tuple[list[Point], list[list[np.ndarray]]]:
-    """The points of many snapshots, and the loads passed in each run, as `LineState.restored` makes them one by one;
-    none may have more loads in a span than the model has slots."""
-    d = np.repeat(model.d.values[None], len(records), axis=0)
-    d[:, model.kept] = [record.kept for record in records]
-    passed = [np.array([record.passed[r] for record in records]) - run.loads.first for r, run in enumerate(runs)]
-    for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
-        layout.slots.write(d, run, beyond, layout.start(p))
-    points = [Point(q.x.copy(), q.z.copy(), q.u.copy(), p, own, q.time) for q, own in zip(records, d, strict=True)]
-    return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
-
-
 def declared_point(model: Model) -> Point:
     """All values as they are declared, inputs at time 0."""
     u = [
@@ -352,7 +225,7 @@ def support_points(model: Model, r: int, point: Point) -> np.ndarray:
     return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def _coordinates(model: Model, r: int) -> np.ndarray:
     """Where the coordinates of a run's supports stand in all vectors, one after the other; shape (supports, 3)."""
     names = [name for kind in VECTORS for name in model.tables[kind].names]

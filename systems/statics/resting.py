@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.csgraph import structural_rank
 
-from ropeway.components.component import Component, Equations, Kind, Site, Variable
+from ropeway.components.component import Component
 from ropeway.components.errors import UnbalancedSystemError
+from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.solvers.newton import VECTORS
 from ropeway.systems.statics.line_state import LineState, declared_point
 
 _SUFFIX = " at rest"
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def at_rest_model(model: Model) -> Model:
     """The model with its free states as algebraic variables and their rates as residuals. Raises
     UnbalancedSystemError for a state that no equation determines at rest."""

@@ -3,7 +3,7 @@ taut rope comes to."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +14,7 @@ from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.continuation import solve_algebraic
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.stability import slack
 
 _STEP = 1.0 / 40.0
@@ -49,8 +50,8 @@ def settle(state: LineState, *, quick: bool = False) -> None:
         else:
             solve_algebraic(state)
         before = [p.copy() for p in state.passed]
-        if state.settle():
-            state.require_pinned()
+        if assign_loads(state):
+            require_pinned(state)
             return
         if state.model is not models[-1]:
             models.append(state.model)
@@ -100,9 +101,11 @@ def keep_taut_root(state: LineState) -> None:
         state.model, state.point, state.runs, state.passed = trial.model, trial.point, trial.runs, trial.passed
 
 
-def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
+def let_out(
+    state: LineState, least_step: float = _STEP / 16.0, advance: Callable[[float], None] = lambda share: None
+) -> LineState:
     """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
-    at least a share `least_step` of the way. Raises EquilibriumError."""
+    at least a share `least_step` of the way. `advance` takes the share that is done. Raises EquilibriumError."""
     trial = _afresh(state)
     lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
     runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
@@ -118,7 +121,7 @@ def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
             loads = run.loads
             trial.runs[r] = replace(run, loads=replace(loads, place=part * loads.place, at=part * loads.at))
 
-    if any(node.kept_tension is not None for run in runs for node in run.nodes):
+    if any(node.set_tension is not None for run in runs for node in run.nodes):
         raise EquilibriumError(
             f"A drum of system {state.model.name!r} keeps its tension at any length", "Look at its tension"
         )
@@ -140,6 +143,7 @@ def let_out(state: LineState, least_step: float = _STEP / 16.0) -> LineState:
             trial = saved
             continue
         done, step = share, min(2.0 * step, _STEP)
+        advance(done)
     return trial
 
 
@@ -156,29 +160,22 @@ def _afresh(state: LineState) -> LineState:
     return trial
 
 
-def _heaviest(state: LineState) -> float:
-    """Weight of the loads in the span that has most [N]."""
-    heaviest = 0.0
-    for run, passed in zip(state.runs, state.passed, strict=True):
-        total = np.concatenate([[0.0], np.cumsum(run.loads.mass)])
-        counts = np.clip(passed, 0, len(run.loads.mass))
-        heaviest = max(heaviest, float((total[counts[:-1]] - total[counts[1:]]).max()))
-    return heaviest * state.model.system.gravity
-
-
-def _highest(state: LineState) -> float:
-    """Highest tension at an end of a span [N]."""
-    y, names = state.outputs(), state.model.y.names
-    return max(value for name, value in zip(names, y, strict=True) if name.endswith((".tension_a", ".tension_b")))
+def _bends(state: LineState, r: int) -> float:
+    """Weight of the loads in the span of a run that has most, over the run's highest tension."""
+    run, passed, y, index = state.runs[r], state.passed[r], state.outputs(), state.model.y.index
+    total = np.concatenate([[0.0], np.cumsum(run.loads.mass)])
+    counts = np.clip(passed, 0, len(run.loads.mass))
+    heaviest = float((total[counts[:-1]] - total[counts[1:]]).max()) * state.model.system.gravity
+    return heaviest / max(float(y[index[f"{span.name}.tension_{end}"]]) for span in run.spans for end in "ab")
 
 
 class TooHeavyError(EquilibriumError):
     """Loads are the reason why a line has no equilibrium."""
 
 
-def loaded(state: LineState) -> LineState:
-    """The state to which a line comes as its loads grow from a small part of their masses to all. Raises
-    TooHeavyError; EquilibriumError where loads are not the reason."""
+def loaded(state: LineState, advance: Callable[[float], None] = lambda share: None) -> LineState:
+    """The state to which a line comes as its loads grow from a small part of their masses to all. `advance` takes the
+    share that is reached. Raises TooHeavyError; EquilibriumError where loads are not the reason."""
     share = _FIRST_SHARE
     try:
         near = _lightly_loaded(state, share)
@@ -196,6 +193,7 @@ def loaded(state: LineState) -> LineState:
             step /= 2.0
         else:
             near, share, step = trial, more, 2.0 * step
+            advance(share)
     if share < 1.0:
         raise _not_loaded(near, share)
     return near
@@ -230,7 +228,7 @@ def _not_loaded(near: LineState, share: float) -> EquilibriumError:
             "Take lighter or fewer loads, more sag or a stronger rope",
             strongest.component,
         )
-    if _heaviest(near) >= _LIGHT * _highest(near) and any(_gives_way(run) for run in near.runs):
+    if any(_gives_way(run) and _bends(near, r) >= _LIGHT for r, run in enumerate(near.runs)):
         return TooHeavyError(
             f"{cause}: as it is strung it holds {part} of them, and hardly more",
             "Take lighter or fewer loads, or more tension",
@@ -242,6 +240,6 @@ def _gives_way(run: Run) -> bool:
     """Whether a drum or a wheel on a slide lets rope run at a constant force, so that no rope is short enough to hold
     any load."""
     return any(
-        node.kept_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
+        node.set_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
         for node in run.nodes
     )

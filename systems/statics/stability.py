@@ -4,17 +4,14 @@ it."""
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import splu
 
-from ropeway.components.component import Node
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.modelling.dae_model import Balance, Model, component_of
+from ropeway.components.node import Node
+from ropeway.systems.modelling.dae_model import Balance, Model, component_of, kept_with_model
 from ropeway.systems.solvers.newton import Point, newton_of
-from ropeway.systems.statics.certificate_layout import layout_of
+from ropeway.systems.statics.condensed_stiffness import CondensedStiffness
 from ropeway.systems.statics.line_state import LineState
 
 SLACK = 1.02
@@ -63,7 +60,7 @@ def least_pivot(model: Model, point: Point, free: tuple[Balance, ...]) -> tuple[
     where the stiffness is positive definite, not a number where the equations are singular."""
     condensed = _condensed(model, free)
     try:
-        pivots = -condensed.signs * condensed.pivots(newton_of(model).jacobian_values(point))
+        pivots = condensed.pivots(newton_of(model).jacobian_values(point))
     except RuntimeError:  # exactly singular
         return np.nan, free[0]
     k = int(np.argmin(pivots))
@@ -88,7 +85,7 @@ def unstable(name: str) -> EquilibriumError:
     )
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def _travels(model: Model) -> np.ndarray:
     """Places of the travels on idlers in the algebraic variables; none where ropes hold a node, which moves far."""
     if has_free_nodes(model):
@@ -97,90 +94,13 @@ def _travels(model: Model) -> np.ndarray:
     return np.array([b.travel for b in model.balances if b.travel in travels], dtype=int)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def has_free_nodes(model: Model) -> bool:
     """Whether ropes alone hold a node in its place, as a carriage; a wheel on a slide is guided."""
     nodes = [c for c in model.system.components.values() if isinstance(c, Node)]
     return any(place in {"x", "y", "z"} for node in nodes for place, _ in node.free)
 
 
-def condensed_pivots(matrix: csc_matrix, count: int) -> np.ndarray:
-    """Pivots of the last `count` rows and columns after the others are eliminated, also where these have no
-    usable diagonal, as those of a carriage or a mast."""
-    n = matrix.shape[0] - count
-    inner = splu(matrix[:n, :n].tocsc()).solve(matrix[:n, n:].toarray())
-    stiffness = matrix[n:, n:].toarray() - matrix[n:, :n] @ inner
-    return _pivots(stiffness)
-
-
-def _pivots(stiffness: np.ndarray) -> np.ndarray:
-    """Pivots of a small matrix, in place."""
-    pivots = np.empty(len(stiffness))
-    for k in range(len(stiffness)):
-        pivots[k] = stiffness[k, k]
-        if pivots[k] != 0.0:
-            stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
-    return pivots
-
-
-class _Condensed:
-    """The condensed stiffness of some balances of a model: where the entries of the Jacobian go, found once."""
-
-    def __init__(self, model: Model, free: tuple[Balance, ...]) -> None:
-        rows, columns = condensed_last(model, free)
-        self.signs, self.count = np.array([b.sign for b in free]), len(free)
-        self.whole = layout_of(model).plain
-        pattern = newton_of(model).matrix_places()
-        if self.whole:
-            self._all = _Block(pattern[rows][:, columns])
-            return
-        inner, outer = slice(0, len(rows) - self.count), slice(len(rows) - self.count, None)
-        # An order that fills in little serves for all values.
-        trial = pattern[rows][:, columns].astype(float)
-        trial.data[:] = np.random.default_rng(1).uniform(1.0, 2.0, trial.nnz)
-        columns[inner] = columns[inner][np.argsort(splu(trial[inner, inner].tocsc()).perm_c)]
-        ordered = pattern[rows][:, columns]
-        self._inner, self._right = _Block(ordered[inner, inner]), _Block(ordered[inner, outer])
-        self._below, self._corner = _Block(ordered[outer, inner]), _Block(ordered[outer, outer])
-
-    def pivots(self, values: np.ndarray) -> np.ndarray:
-        """Pivots of the balances after all else is eliminated, for the entries of a Jacobian. Raises RuntimeError
-        where that is singular."""
-        if self.whole:
-            factors = splu(self._all.of(values), permc_spec="NATURAL", diag_pivot_thresh=0.0)
-            return np.asarray(factors.U.diagonal()[-self.count :])
-        solved = splu(self._inner.of(values), permc_spec="NATURAL").solve(self._right.of(values).toarray())
-        return _pivots(self._corner.of(values).toarray() - self._below.of(values) @ solved)
-
-
-class _Block:
-    """Part of a sparse matrix whose entries are taken from those of the whole: `places` holds their numbers, from 1."""
-
-    def __init__(self, places: csc_matrix) -> None:
-        found = places.tocsc()
-        found.sort_indices()
-        self._take, self._rows, self._columns, self._shape = found.data - 1, found.indices, found.indptr, found.shape
-
-    def of(self, values: np.ndarray) -> csc_matrix:
-        """With these entries of the whole."""
-        return csc_matrix((values[self._take], self._rows, self._columns), shape=self._shape)
-
-
-@lru_cache(maxsize=64)
-def _condensed(model: Model, free: tuple[Balance, ...]) -> _Condensed:
-    return _Condensed(model, free)
-
-
-@lru_cache(maxsize=16)
-def condensed_last(model: Model, free: tuple[Balance, ...]) -> tuple[np.ndarray, np.ndarray]:
-    """An order of rows and columns in which the balances come last.
-
-    Forces are eliminated first, so that the last pivots are those of the condensed stiffness: all positive
-    when, and only when, that symmetric matrix is positive definite.
-    """
-    columns, rows = np.array([b.travel for b in free]), np.array([b.residual for b in free])
-    everything = np.arange(len(model.z))
-    return (
-        np.concatenate([np.setdiff1d(everything, rows), rows]),
-        np.concatenate([np.setdiff1d(everything, columns), columns]),
-    )
+@kept_with_model
+def _condensed(model: Model, free: tuple[Balance, ...]) -> CondensedStiffness:
+    return CondensedStiffness(newton_of(model), free)

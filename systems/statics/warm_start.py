@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ropeway.components.component import Component, Kind
+from ropeway.components.component import Component
 from ropeway.components.errors import InputError
 from ropeway.components.response import Response
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.intervention import SWITCHED
 from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.newton import VECTORS
@@ -105,7 +105,7 @@ def undriven(state: LineState) -> None:
     state.point.d[entries] = state.model.d.values[entries]
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def _driven(model: Model) -> np.ndarray:
     """Places of the discrete variables of responses, brakes and losses of pressure."""
     switched, names = {variable for variable, _ in SWITCHED.values()}, model.d.names

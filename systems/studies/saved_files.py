@@ -21,7 +21,7 @@ from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePla
 from ropeway.systems.studies.control.tune_response import TunedResponse
 from ropeway.systems.studies.skyline.inhaul import Inhaul, inhaul
 from ropeway.systems.studies.skyline.load_path import load_path
-from ropeway.systems.studies.skyline.payload import PayloadStudy, payload
+from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 from ropeway.systems.studies.skyline.pretension import SetUp, set_up
 from ropeway.systems.studies.skyline.support_layout import Candidate, SupportPlan, optimise_supports
 

@@ -30,9 +30,7 @@ def test_a_segment_solves_the_differential_equations(force: catenary.Vector, str
 
 
 @given(forces, weights, lengths, strains)
-def test_turned_round_it_is_the_same_curve(
-    force: catenary.Vector, weight: float, length: float, strain: Strain
-) -> None:
+def test_reversed_it_is_the_same_curve(force: catenary.Vector, weight: float, length: float, strain: Strain) -> None:
     there = catenary.segment(force, weight, length, strain)
     back = catenary.segment((-there.force[0], -there.force[1], -there.force[2]), weight, length, strain)
     np.testing.assert_allclose(np.add(there.reach, back.reach), 0.0, atol=1e-11 * length)
@@ -62,7 +60,7 @@ def test_the_strain_potential_grows_with_height(
 
 
 @given(forces, weights, lengths, strains)
-def test_it_is_as_long_as_its_tension_makes_it(
+def test_stretched_length_follows_from_tension(
     force: catenary.Vector, weight: float, length: float, strain: Strain
 ) -> None:
     stretched = catenary.stretched_length(force, weight, length, strain)

@@ -31,7 +31,7 @@ def test_speed_under_load_in_closed_form() -> None:
     assert last["unit.pressure"] == pytest.approx(350e5, rel=1e-9)
 
 
-def test_droop_is_the_gain_of_speed_without_a_load() -> None:
+def test_droop_is_the_speed_increase_without_load() -> None:
     last = run(0.0, drag=0.0).frame.iloc[-1]
     assert last["unit.speed"] == pytest.approx(1.08 * 230.0, rel=1e-3)
     assert last["unit.torque"] == pytest.approx(0.0, abs=1e-2)
@@ -54,7 +54,7 @@ def test_a_braking_line_speeds_the_engine_up() -> None:
     assert f["unit.rack"].iloc[-1] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_lugged_engine_loses_its_pressure_and_says_so() -> None:
+def test_a_lugged_engine_loses_pressure_and_is_reported() -> None:
     result = run(rw.Schedule((0.0, 2.0, 3.0, 20.0), (0.0, 0.0, 70e3, 70e3)), until=10.0)
     events = result.events
     assert events["event"].tolist() == ["engine lugged down"]
@@ -80,7 +80,7 @@ def test_a_system_without_a_rope_has_no_report() -> None:
         ("droop", 0.0, "droop"),
         ("drag", -0.1, "drag"),
         ("efficiency", 1.1, "at most 1"),
-        ("charge_pressure", 400e5, "the lower one"),
+        ("charge_pressure", 400e5, "below the relief pressure"),
         ("inertia", float("nan"), "inertia"),
     ],
 )

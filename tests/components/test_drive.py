@@ -9,16 +9,9 @@ from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.smooth import clip, clip_above
+from support import drives
 
-SETTINGS = {
-    "displacement": 127e-6,
-    "gear_ratio": 20.0,
-    "sheave_radius": 0.5,
-    "relief_pressure": 250e5,
-    "pump_flow": 6e-3,
-    "engine_power": 60e3,
-    "inertia": 800.0,
-}
+SETTINGS = {**drives.SETTINGS, "pump_flow": 6e-3}
 
 
 @given(st.floats(-5.0, 5.0), st.floats(0.1, 3.0))
@@ -69,7 +62,7 @@ def motion(
     }
 
 
-def test_free_of_limits_it_holds_the_tension_difference() -> None:
+def test_below_its_limits_it_balances_the_tension_difference() -> None:
     drive = rw.HydraulicDrive(**SETTINGS)
     m = motion(drive, speed=0.5, command=0.5, tension_in=45e3, tension_out=35e3)
     assert m["drive_force"] == pytest.approx(m["tension_in"] - m["tension_out"], rel=1e-9)
@@ -78,7 +71,7 @@ def test_free_of_limits_it_holds_the_tension_difference() -> None:
     assert not m["power_limited"]
 
 
-def test_efficiencies_are_the_right_way_round() -> None:
+def test_losses_reduce_driving_and_increase_braking_force() -> None:
     drive = rw.HydraulicDrive(**SETTINGS, mechanical_efficiency=0.9, volumetric_efficiency=0.8)
     pulling = motion(drive, speed=0.5, command=0.5, tension_in=45e3, tension_out=35e3)
     braking = motion(drive, speed=0.5, command=0.5, tension_in=35e3, tension_out=45e3)
@@ -105,7 +98,7 @@ def test_engine_power_is_a_hyperbola() -> None:
         assert m["power_limited"] == 1.0
 
 
-def test_braking_that_burns_is_not_limited_by_the_engine() -> None:
+def test_braking_without_recovery_is_not_limited_by_the_engine() -> None:
     limited = rw.HydraulicDrive(**{**SETTINGS, "engine_power": 5e3})
     burning = rw.HydraulicDrive(**{**SETTINGS, "engine_power": 5e3}, recovers=False)
     case = {"speed": 0.9, "command": 0.9, "tension_in": 30e3, "tension_out": 60e3}

@@ -67,11 +67,11 @@ def test_an_error_of_a_users_own_class_pickles() -> None:
     assert other.station == 12.5
 
 
-def test_what_cannot_be_sent_is_left_out_with_a_note() -> None:
+def test_unpicklable_attributes_are_dropped_with_a_note() -> None:
     error = SimulationError("It stopped", "Look", 3.0, lambda: None)
     other = pickle.loads(pickle.dumps(error))
     assert other.result is None
-    assert "result is not here" in other.__notes__[0]
+    assert "result was dropped" in other.__notes__[0]
     assert str(other) == str(error)
     assert other.time == 3.0
     assert copy.copy(error).result is error.result

@@ -74,7 +74,7 @@ def test_full_suspension_hangs_below_its_front() -> None:
     assert eq["log.gap"] > 0.0
 
 
-def test_a_dragging_log_comes_off_the_ground() -> None:
+def test_a_dragging_log_lifts_off() -> None:
     """Followed as its line gets shorter it drags with less and less force, past the length at which it could also
     hang, down to the fold of its branch; on a shorter line it hangs, and only that."""
     eq = hang(2.0)

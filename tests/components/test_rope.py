@@ -171,7 +171,7 @@ def test_ropes_are_values() -> None:
         ({"diameter": 28.6}, r"diameter is 28\.6 m.*mm"),
     ],
 )
-def test_values_of_a_datasheet_are_asked_for(change: dict[str, float], words: str) -> None:
+def test_data_sheet_units_are_errors(change: dict[str, float], words: str) -> None:
     real = {"mass_per_length": 3.48, "axial_stiffness": 34.8e6, "breaking_load": 576.6e3, "diameter": 0.0286}
     with pytest.raises(rw.InputError, match=words):
         rw.Rope(**{**real, **change})  # type: ignore[arg-type]

@@ -26,11 +26,11 @@ def test_payloads_go_down_and_tensions_up() -> None:
     assert at_least(-0.26, 1) == "-0.2"
 
 
-def test_the_error_of_a_computation_is_no_digit() -> None:
+def test_rounding_errors_change_no_digit() -> None:
     assert at_least(0.1 + 0.2, 1) == "0.3"
     assert at_most(3.0 - 1e-12) == "3"
     assert at_least(192.2 * (1.0 + 1e-13), 1) == "192.2"
 
 
-def test_infinite_limits_are_said_so() -> None:
+def test_infinite_limits_are_printed() -> None:
     assert at_most(math.inf, 1) == "inf"

@@ -113,7 +113,7 @@ def test_a_drum_keeps_its_tension() -> None:
     assert eq["turn.distance"] == pytest.approx(40.0)
 
 
-def test_a_load_that_neither_side_keeps_stands_on_the_sheave() -> None:
+def test_a_load_pushed_back_from_both_sides_stands_on_the_sheave() -> None:
     """A sheave that presses the rope down: a load lifts the rope where it leaves, and is pushed back."""
     s = rw.System("hold-down")
     spans = s.string(

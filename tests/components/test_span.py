@@ -19,7 +19,7 @@ def solved(length: float = 408.0, at: float | None = 190.0) -> rw.Equilibrium:
     return rw.equilibrium(s)
 
 
-def test_outputs_fit_together() -> None:
+def test_outputs_are_consistent() -> None:
     eq = solved()
     f = np.array([eq[f"a_b.force_{axis}"] for axis in "xyz"])
     total = (3.48 * 408.0 + 6000.0) * G
@@ -34,7 +34,7 @@ def test_outputs_fit_together() -> None:
     assert eq["turn.mass"] == 6000.0
 
 
-def test_anchors_feel_the_rope() -> None:
+def test_pull_at_the_anchors() -> None:
     eq = solved()
     assert eq["a.tension"] == pytest.approx(eq["a_b.tension_a"])
     assert eq["b.tension"] == pytest.approx(eq["a_b.tension_b"])

@@ -116,7 +116,7 @@ def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> Non
     ("text", "words"),
     [
         ("time;speed\n1.234;5\n", "line 2, column time: '1.234' is 1.234 with a decimal point and 1234"),
-        ("time;speed\n-2,345;5\n", "Write -2345 without setting thousands apart, or -2,3450 for a decimal"),
+        ("time;speed\n-2,345;5\n", "Write -2345 without a thousands separator, or -2,3450 for a decimal"),
         ("time;speed\n0;1,5\n3;2.5\n", "line 3, column speed: '2.5' and '1,5' have different decimal marks"),
         ("time;speed\n0;1\n\n3;12 m/s\n", "line 4, column speed: '12 m/s' is not a number"),
         ("time;speed\n0;1\n3;1_000\n", "line 3, column speed: '1_000' is not a number"),
@@ -130,14 +130,14 @@ def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> Non
         ("time,speed,speed\n0,1,2\n", "line 1: two columns are named 'speed'"),
         ("time,speed,Speed\n0,1,2\n", "line 1: two columns are named 'Speed'"),
         ("time,speed,\n0,1,2\n", "line 1: column 3 has no name"),
-        ("\n# written by hand\ntime,sped\n0,1\n", "line 3: no column speed. Is 'sped' meant for it?"),
+        ("\n# written by hand\ntime,sped\n0,1\n", "line 3: no column speed. Is it the column 'sped'?"),
         ("0,1\n1,2\n", "Its first line holds numbers"),
         ("time,speed\n", "no rows"),
         ("# nothing\n\n", "has no rows"),
         ("", "is empty"),
         (" \n\n", "is empty"),
         ('time,speed\n0,"1\n2,3\n', "line 3"),
-        ("time [h],speed [furlong]\n0,1\n", "column speed [furlong]: The unit 'furlong' is not known"),
+        ("time [h],speed [furlong]\n0,1\n", "column speed [furlong]: The unit 'furlong' is unknown"),
         ("time [h],speed [N]\n0,1\n", "measure different quantities"),
         ("time;speed\n3;1\n2;1\n", "line 3: time does not increase: 2 s after 3 s"),
     ],
@@ -152,11 +152,11 @@ def test_errors_name_the_place_and_show_an_example(text: str, words: str, tmp_pa
     assert "An example: time,speed / 0,0.5 / 10,1" in error.value.remedy
 
 
-def test_files_that_hold_no_table(tmp_path: Path) -> None:
+def test_files_without_a_table(tmp_path: Path) -> None:
     for name, data, words in (
         ("old.xls", b"\xd0\xcf\x11\xe0" + bytes(100), "before 2007"),
         ("packed.csv", b"\x1f\x8b\x08" + bytes(100), "compressed"),
-        ("broken.xlsx", b"PK\x03\x04" + bytes(100), "not an Excel file"),
+        ("broken.xlsx", b"PK\x03\x04" + bytes(100), "cannot be read as an Excel file"),
         ("picture.csv", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "not a text file"),
         ("zeros.csv", bytes(1000), "not a text file"),
         ("half.csv", codecs.BOM_UTF16_LE + b"a\0b", "not a text file"),
@@ -172,7 +172,7 @@ def test_files_that_hold_no_table(tmp_path: Path) -> None:
             rw.Profile.from_csv(wrong)  # type: ignore[arg-type]
 
 
-def test_an_unreadable_file_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unreadable_file_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "plan.csv"
     path.write_text("time,speed\n0,1\n")
 
@@ -277,7 +277,7 @@ def test_any_text_is_a_name(label: str) -> None:
 
 
 @pytest.mark.slow
-def test_large_tables_are_read_fast_enough_to_wait_for(tmp_path: Path) -> None:
+def test_large_tables(tmp_path: Path) -> None:
     """A million numbers: nothing in the reader grows faster than the table."""
     count = 500_000
     path = tmp_path / "large.csv"

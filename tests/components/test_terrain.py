@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 import ropeway as rw
 from ropeway.components.catenary import Strain, profile
-from ropeway.components.terrain import Piece
+from ropeway.components.rope_piece import Piece
 
 GROUND = rw.Profile([0.0, 50.0, 120.0, 200.0], [10.0, -5.0, 0.0, -20.0])
 

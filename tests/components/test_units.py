@@ -56,7 +56,7 @@ def test_symbols_are_read(symbol: str) -> None:
     "symbol",
     ["", " ", "furlong", "KN", "Kg", "kgg", "10", "12 m", "m/", "/s", "(m", "m)", "()", "N^", "m_s", "e6", "m//s"],
 )
-def test_what_is_no_symbol_is_not_known(symbol: str) -> None:
+def test_invalid_symbols_are_unknown(symbol: str) -> None:
     assert units.parse(symbol) is None
 
 
@@ -105,9 +105,9 @@ def test_values_are_converted(source: str, target: str, value: float, expected: 
     [
         ("kPa", "daN", "different quantities"),
         ("lb", "N", "different quantities"),
-        ("stone", "kg", "'stone' is not known"),
-        ("kg", "stone", "'stone' is not known"),
-        ("stone", "ell", "'stone' is not known"),
+        ("stone", "kg", "'stone' is unknown"),
+        ("kg", "stone", "'stone' is unknown"),
+        ("stone", "ell", "'stone' is unknown"),
         ("Hz", "rad/s", "turns or radians"),
         ("rpm", "1/min", "turns or radians"),
         ("mol/s", "Hz", "different quantities"),
@@ -134,11 +134,11 @@ def test_a_difference_is_no_temperature_on_a_scale_with_a_zero_of_its_own() -> N
     assert units.conversion("degC", "K", differences=(True, False)) == (1.0, 0.0)
     assert units.conversion("K", "degF", differences=(False, True)) == (pytest.approx(1.8), 0.0)
     for source, target, differences in (("degC", "degF", (True, False)), ("degF", "K", (False, True))):
-        with pytest.raises(rw.InputError, match="no place on the scale of 'degF'"):
+        with pytest.raises(rw.InputError, match="become a value on the scale of 'degF'"):
             units.conversion(source, target, differences=differences)
 
 
-def test_definitions_go_before_symbols() -> None:
+def test_definitions_precede_symbols() -> None:
     stone = {"stone": units.from_base({"kg": 1}, 6.35029318)}
     assert units.conversion("stone", "kg", stone).factor == pytest.approx(6.35029318)
     assert units.conversion("stone", "stone", stone, {"stone": units.from_base({"kg": 1}, 5.0)}).factor > 1.2

@@ -46,7 +46,7 @@ for name, call in calls.items():
 """
 
 
-def test_a_file_takes_its_place_when_it_is_whole(tmp_path: Path) -> None:
+def test_a_complete_file_replaces_the_old_one(tmp_path: Path) -> None:
     target = tmp_path / "table.csv"
     target.write_text("old")
     target.chmod(0o600)
@@ -71,7 +71,7 @@ def test_after_an_error_the_old_file_stays_and_nothing_else(tmp_path: Path) -> N
     assert os.listdir(tmp_path) == ["table.csv"]
 
 
-def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
+def test_write_errors_are_typed(tmp_path: Path) -> None:
     schedule = rw.Schedule([0.0, 1.0], [1.0, 2.0])
     for path in (tmp_path / "no folder" / "s.csv", tmp_path):
         with pytest.raises(rw.WriteError, match="cannot be written"):
@@ -102,7 +102,7 @@ def test_a_full_disk_leaves_no_part_of_a_file(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     folder.mkdir()
     done = subprocess.run([sys.executable, script, folder], capture_output=True, text=True, check=True)
-    remedy = "WriteError Choose a folder that can be written to and has room"
+    remedy = "WriteError Choose a folder with write permission and free space"
     names = ("result.csv", "result.parquet", "schedule.csv", "line.fmu", "sweep.parquet")
     assert done.stdout.splitlines() == [f"{name} {remedy}" for name in names]
     # The journal keeps what has been found: the sweep goes on from there.

@@ -10,6 +10,12 @@ import pytest
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 NETWORK = {"fmu_foreign"}
 """Examples that download something."""
+PRINTED = {
+    "harvey_payload": "8837.6",
+    "lyons_stretch": "1.004565",
+    "turk_solvers": "1001 ft",
+}
+"""A result that an example prints."""
 FEWER = {"sweep": ["200"]}
 """Arguments that make an example's work less."""
 SMALLER = {
@@ -33,10 +39,13 @@ def require_pictures(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [marked(p.stem) for p in sorted(EXAMPLES.glob("[!_]*.py"))])
-def test_example(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_example(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     monkeypatch.setattr(sys, "argv", [f"{name}.py", str(tmp_path / "new"), *FEWER.get(name, [])])
     runpy.run_path(str(EXAMPLES / f"{name}.py"), run_name="__main__")
     require_pictures(tmp_path / "new")
+    assert PRINTED.get(name, "") in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("name", SMALLER)

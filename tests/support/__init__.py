@@ -1,1 +1,1 @@
-"""What tests share: systems, oracles and FMUs, imported as `support`."""
+"""Code that tests share: systems, oracles and FMUs, imported as `support`."""

@@ -79,6 +79,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Log": log,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
+        "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
         "Result": run,
@@ -148,6 +149,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "running_skyline": lambda: {"terrain": GROUND, **ends, "haulback": ROPE, "tension": 60e3},
         "load_path": lambda: {**payload, "stations": STATIONS, "height": None},
         "load": lambda: {"path": rw.save(one_span(), folder() / "one.json"), "components": []},
+        "load_path_report": lambda: {
+            "rig": rig(), "payload": 900.0, "frame": rw.load_path(rig(), 900.0, stations=[70.0]),
+            "path": folder() / "path.html",
+        },
         "longest_rope": lambda: {
             "stations": [0.0, 50.0, 120.0], "elevations": [0.0, -9.0, 2.0], "headspar": (0.0, 9.0),
             "tailspar": (120.0, 8.0), "clearance": 1.0,
@@ -227,6 +232,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
+        },
+        "fmu.run_report": lambda: {
+            "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
+            "path": folder() / "fmu.html",
         },
         "fmu.load": lambda: {"path": exported()},
     }  # fmt: skip

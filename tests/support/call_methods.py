@@ -29,7 +29,7 @@ from support.call_objects import (
 
 
 class Call(NamedTuple):
-    """A callable with arguments that it takes, by name; those of `self` are left alone."""
+    """A callable with valid arguments by name, without `self`."""
 
     function: Callable[..., Any]
     arguments: dict[str, Any]
@@ -108,6 +108,14 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Result.plot": lambda: Call(run().plot, {"components": ["c"]}),
         "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0, "ground": GROUND}),
         "Result.record": lambda: Call(run().record, {"i": 1}),
+        "Inhaul.report": lambda: Call(
+            rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0).report, {"path": folder() / "inhaul.html"}
+        ),
+        "PayloadStudy.report": lambda: Call(
+            rw.payload(rig(), stations=[150.0]).report, {"path": folder() / "payload.html"}
+        ),
+        "Result.report": lambda: Call(run().report, {"path": folder() / "run.html"}),
+        "SchedulePlan.report": lambda: Call(plan().report, {"path": folder() / "plan.html"}),
         "Rope.from_construction": lambda: Call(
             rw.Rope.from_construction,
             {
@@ -129,7 +137,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "SchedulePlan.robustness": lambda: Call(
             plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
         ),
-        "SchedulePlan.told": lambda: Call(plan().told, {"name": "energy"}),
+        "SchedulePlan.objective_text": lambda: Call(plan().objective_text, {"name": "energy"}),
         "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
         "SkylineRig.on_shoe_start": lambda: Call(
             shod_rig().on_shoe_start, {"on": 0, "station": 125.0, "payload": 500.0}

@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3, diameter=0.0254)
 THIN = rw.Rope(mass_per_length=0.9, axial_stiffness=9e6, breaking_load=140e3)
@@ -39,15 +40,7 @@ def endless_supports() -> pd.DataFrame:
 
 
 def drive() -> rw.HydraulicDrive:
-    return rw.HydraulicDrive(
-        displacement=1e-4,
-        gear_ratio=20.0,
-        sheave_radius=0.4,
-        relief_pressure=2.5e7,
-        pump_flow=2e-3,
-        engine_power=3e4,
-        inertia=400.0,
-    )
+    return hydraulic_drive(displacement=1e-4, sheave_radius=0.4, pump_flow=2e-3, engine_power=3e4, inertia=400.0)
 
 
 def response() -> rw.ProportionalResponse:

@@ -1,4 +1,4 @@
-"""A valid call of every public callable, for campaigns that spoil one argument at a time."""
+"""A valid call of every public callable, for campaigns that make one argument at a time invalid."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from functools import cache
 from typing import Any
 
 import ropeway as rw
-from ropeway.components.component import Component, Node
+from ropeway.components.component import Component
+from ropeway.components.node import Node
 from ropeway.components.response import Response
 from support.call_arguments import functions, instances
 from support.call_methods import Call, methods
@@ -17,7 +18,7 @@ from support.call_methods import Call, methods
 
 @cache
 def calls() -> Mapping[str, Callable[[], Call]]:
-    """A valid call by name; each is made anew, as a call may change what it is given."""
+    """A valid call by name; each is created anew, as a call may change its arguments."""
     table = dict(methods())
     for name, make in instances().items():
         table[name] = lambda make=make: Call(type(make()), _fields(make()))
@@ -39,25 +40,24 @@ EXTENSION = {
     "Component", "Drive", "DriveMotion", "Energies", "Equations", "Kind", "Limit", "Node", "RopeEnd", "Seat", "Site",
     "Variable",
 }  # fmt: skip
-"""What components of a user are made of: made a thousand times in an assembly, which checks them as a whole."""
+"""Parts of components, created a thousand times in an assembly, which checks them as a whole."""
 
 
 def public_names() -> list[str]:
-    """All names of the root and of `rw.fmu` that can be called, without the errors and what components are made of."""
-    names = [
-        n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in (*EXTENSION, "fmu", "units")
-    ]
+    """All names of the root and of `rw.fmu` that can be called, without errors and parts of components."""
+    left_out = {*EXTENSION, "fmu", "units"}
+    names = [n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in left_out]
     return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 
 
 PROTOCOL = {name for base in (Component, Node, Response) for name in vars(base)} - {"output", "input"}
-"""Methods that the library calls on components, with its own objects."""
+"""Methods of components that the library calls with its own objects."""
 INSIDE = {
     "wheel_equations", "wheel_outputs", "line_outputs", "total", "placed", "require_above", "own_variables", "demand",
     "motion", "block_out", "driver", "outputs", "clearance", "travels", "forget", "restore",
     "precedence_of", "energies",
 }  # fmt: skip
-"""Methods that take the library's own intermediate objects."""
+"""Methods with intermediate objects of the library as arguments."""
 
 
 def public_methods() -> Iterator[str]:

@@ -14,6 +14,7 @@ from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 import ropeway as rw
 from ropeway.components.component import Component
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 SUPPORTS = Path(__file__).resolve().parents[2] / "examples" / "line.csv"
@@ -91,7 +92,7 @@ def corridor(make: Any = rw.standing_skyline, **how: Any) -> rw.SkylineRig:
 
 
 def valley(speed: float, at: float) -> rw.System:
-    """A hold-down sheave in a valley: a load is pushed back there from either side."""
+    """A hold-down sheave in a valley: a load is pushed back there from both sides."""
     s = rw.System("valley")
     h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
     ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
@@ -100,19 +101,11 @@ def valley(speed: float, at: float) -> rw.System:
     return s
 
 
-HYDRAULIC = rw.HydraulicDrive(
-    displacement=1e-4,
-    gear_ratio=20.0,
-    sheave_radius=0.5,
-    relief_pressure=350e5,
-    pump_flow=0.02,
-    engine_power=60e3,
-    inertia=500.0,
-)
+HYDRAULIC = hydraulic_drive(displacement=1e-4, relief_pressure=350e5, pump_flow=0.02, inertia=500.0)
 
 
 def open_line() -> rw.System:
-    """The short line with a drive whose pressure and flow are left open."""
+    """The short line with a drive whose pressure and flow are open inputs."""
     return short_line(drive=replace(HYDRAULIC, relief_pressure=None, pump_flow=None, brake_force=1e5))
 
 
@@ -188,7 +181,7 @@ class Opened:
             self.fmu.setupExperiment(startTime=start)
 
     def initialize(self) -> None:
-        """Through initialisation."""
+        """Initialises."""
         if self.three:
             self.fmu.enterInitializationMode(startTime=self._start)
         else:
@@ -228,11 +221,11 @@ class Opened:
         return self.fmu.getFMUState() if self.three else self.fmu.getFMUstate()
 
     def restore(self, state: Any) -> None:
-        """Back to a state."""
+        """Restores a state."""
         (self.fmu.setFMUState if self.three else self.fmu.setFMUstate)(state)
 
     def close(self) -> None:
-        """Ends it."""
+        """Closes it."""
         self.fmu.freeInstance()
 
 

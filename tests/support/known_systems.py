@@ -233,7 +233,7 @@ def _freed(
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the oracle says of an answer: `faults` in words, and whether it is the known equilibrium."""
+    """Verdict of the oracle: `faults`, and whether it is the known equilibrium."""
 
     faults: tuple[str, ...]
     known: bool

@@ -15,7 +15,7 @@ KINDS = ("standing", "standing", "live", "live", "gravity", "running", "log", "l
 
 @dataclass(frozen=True)
 class Drawn:
-    """A random rig, the clearance asked for [m], and a payload [kg]."""
+    """A random rig, a clearance [m], and a payload [kg]."""
 
     rig: rw.SkylineRig
     clearance: float
@@ -119,7 +119,7 @@ def _guyed(
 def _held(
     rng: np.random.Generator, ends: dict[str, Any], line: rw.Rope, carriage: rw.Carriage, kind: str
 ) -> dict[str, Any]:
-    """What holds the carriage [and the log under it]: a mainline, with a haulback or not, an ideal force, a clamp."""
+    """What holds the carriage and its log: a mainline with or without a haulback, an ideal force, a clamp."""
     if kind not in ("log", "guyed") and rng.random() < 0.25:
         if rng.random() < 0.5:
             return {"carriage": carriage, "holding": str(rng.choice(["bisector", "horizontal"]))}

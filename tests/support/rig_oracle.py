@@ -89,7 +89,7 @@ def in_span(
     "holding" or "clamp" (an ideal force along the bisector, or the carriage's own clamp)."""
     fixed: dict[str, np.ndarray] = {node.name: np.array(node.at) for node in rig.ends}
     head, tail, g = rig.headspar, rig.tailspar, rig.gravity
-    kind = rig.kind.value
+    kind = rig.kind.name
     lines: list[Line] = []
     for spar in (head, tail):
         for guy in spar.guylines if isinstance(spar, rw.GuyedSpar) else ():

@@ -146,7 +146,7 @@ def guess(law: RigOracle, z: float, pull: float) -> np.ndarray:
     lift = (a[2] - z) / left + (b[2] - z) / right
     weight = rig.skyline.mass_per_length * rig.gravity
     sky = (load + 0.5 * weight * (left + right)) / max(lift, 1e-3)
-    if rig.kind.value == "running":
+    if rig.kind.name == "running":
         sky = law.rig.tension or sky
     if rig.turn is not None:
         front = here - rig.turn.length * UP
@@ -262,7 +262,7 @@ def existing(rig: rw.SkylineRig, station: float, payload: float, height: float |
     low, high = rig.stands[span].at[0], rig.stands[span + 1].at[0]
     x = min(max(x, low + 0.02), high - 0.02)
     ways = ["holding"] if rig.mainline is None or rig.carriage.clamped else ["mainline", "holding"]
-    if rig.kind.value == "running":
+    if rig.kind.name == "running":
         ways = ["mainline"]
     for held in ways:
         for drags in (False, True) if rig.turn else (False,):

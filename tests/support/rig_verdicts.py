@@ -1,4 +1,4 @@
-"""What is wrong with the answers for a random rig: a verdict names each fault by station and kind."""
+"""Faults in the results of a random rig, by station and kind."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ Row = dict[str, Any]
 
 @dataclass
 class Verdict:
-    """Load path rows asked for, refused, refused although the oracle has a state; payloads asked for; `faults`."""
+    """Numbers of load path rows and payloads of a random rig, and its faults.
+
+    Rows requested, rejected, and rejected although the oracle has a state; payloads requested; `faults`.
+    """
 
     asked: int = 0
     refused: int = 0
@@ -63,7 +66,7 @@ def judge(case: Drawn, rng: np.random.Generator) -> Verdict:
     low, high = case.rig.points[[0, case.rig.spans], 0]
     x = np.linspace(low, high, 9)[1:-1]
     stations = np.unique(np.append(x, x[3] + 1.0))
-    by_height = case.rig.kind.value != "standing" and case.rig.turn is None
+    by_height = case.rig.kind.sets_height and case.rig.turn is None
     rows = {s: path_row(case.rig, case.payload, float(s)) for s in stations}
     for s, r in rows.items():
         _judge_row(found, case.rig, float(s), case.payload, None, r)
@@ -155,7 +158,7 @@ def _margins(case: Drawn, row: Row) -> dict[str, float]:
     """How far a load path's row is from each limit, in parts of it, of 10 m for clearances."""
     rig = case.rig
     sky = rig.skyline.breaking_load / 3.0
-    running = rig.kind.value == "running"
+    running = rig.kind.name == "running"
     found = {f"{'haulback' if running else 'skyline'} tension": 1.0 - row["highest_tension"] / sky}
     if rig.mainline is not None:
         found["mainline tension"] = 1.0 - row["mainline_highest"] / (rig.mainline.breaking_load / 3.0)
@@ -180,7 +183,7 @@ def _margins(case: Drawn, row: Row) -> dict[str, float]:
 def _not_greatest(case: Drawn, station: float, row: Row) -> list[str]:
     """Why a payload is not the greatest one within all limits."""
     rig, mass, limit = case.rig, float(row["payload"]), str(row["limited_by"])
-    lowered = rig.kind.value != "standing" and rig.turn is None
+    lowered = rig.kind.sets_height and rig.turn is None
     height = float(row.get("clearance", case.clearance)) if lowered else None
     height = case.clearance if height is not None and not np.isfinite(height) else height
     label = f"{mass:.6g} kg by {limit!r} at clearance {height}"

@@ -1,4 +1,4 @@
-"""Random lines in motion: endless ropes and mono-cables, drives of both kinds, responses, schedules that turn, steps,
+"""Random lines in motion: endless ropes and mono-cables, drives of both kinds, responses, reversing schedules, steps,
 interventions."""
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6
 
 @dataclass(frozen=True)
 class RandomRun:
-    """A line that runs `until` [s], with what somebody does to it."""
+    """A line that runs `until` [s], with interventions."""
 
     seed: int
     kind: str
@@ -27,7 +27,7 @@ class RandomRun:
 
     @property
     def returns(self) -> bool:
-        """Whether the line is where it was once its drives are: ideal ones, no response, no friction."""
+        """Whether the line returns to its state when its drives do: ideal ones, no response, no friction."""
         sheaves = [c for c in self.system.components.values() if isinstance(c, rw.ControlSheave)]
         ideal = all(isinstance(c.drive, rw.IdealDrive) and c.response is None for c in sheaves)
         return ideal and self.kind != "rough idlers"

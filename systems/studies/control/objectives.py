@@ -20,10 +20,27 @@ drive puts into the rope before the tensions count would be free otherwise."""
 
 @checked
 def objectives(result: Result, *, settle: float = 0.0, target: float | None = None) -> dict[str, float]:
-    """What `optimise_schedule` and `tune_response` minimise, of any run: all of `OBJECTIVES` by name.
+    """What `optimise_schedule` and `tune_response` minimise, for any run.
 
-    settle: from when the two objectives of tension count [s]; the energy counts over the whole run. target: tension
-    that the deviation counts from [N], by default the mean. Raises InputError."""
+    Parameters
+    ----------
+    result : Result
+        A run of a line with control sheaves.
+    settle : float, default 0.0
+        Time from which the two objectives of tension count [s]; the energy counts over the whole run.
+    target : float, optional
+        Tension from which the deviation counts [N]; by default the mean.
+
+    Returns
+    -------
+    dict of str to float
+        "peak tension" [N]: the highest of all spans; "tension deviation" [N]: the root mean square at the control
+        sheaves, on both sides; "energy" [J]: what the drives of the control sheaves supply, without what they recover.
+
+    Raises
+    ------
+    InputError
+    """
     check.not_negative(settle, "objectives", "settle", "s")
     frame, names = result.full_frame, control_sheaves(result.model.system)
     if settle >= result.times[-1]:
@@ -49,7 +66,7 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
 
 
 def objective_weights(minimise: str | Mapping[str, float]) -> dict[str, float]:
-    """The weight of each objective that counts. Raises InputError."""
+    """The weight of each objective that has one. Raises InputError."""
     if not isinstance(minimise, (str, Mapping)):
         raise InputError(f"minimise is {minimise!r}", f"Choose from {', '.join(map(repr, OBJECTIVES))}, or weigh them")
     given = {minimise: 1.0} if isinstance(minimise, str) else dict(minimise)

@@ -1,4 +1,4 @@
-"""Optimal schedules of control sheaves: how each should move, proved by simulation."""
+"""Optimal schedules of control sheaves, checked by simulation."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.studies.control.objectives import objective_weights
 from ropeway.systems.studies.control.scheduling.limits import ScheduleLimits
+from ropeway.systems.studies.control.scheduling.line_runs import ScheduleRequest
+from ropeway.systems.studies.control.scheduling.plan_iteration import PlanLog
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.scheduling.schedule_study import ScheduleStudy
 
@@ -39,21 +41,59 @@ def optimise_schedule(
     warm_start: SchedulePlan | Mapping[str, Schedule] | None = None,
     progress: bool | None = None,
 ) -> SchedulePlan:
-    """Speeds of a mono-cable line's control sheaves over `until` seconds that serve an objective within limits.
+    """Optimise the speeds of a mono-cable line's control sheaves over time, within limits.
 
-    minimise: "peak tension", "tension deviation" or "energy" (`OBJECTIVES`), or a weight for each [per N, N, J].
-    intervals: pieces on which speeds are linear. target: tension that the deviation counts from [N], by default the
-    mean at the control sheaves when they balance their tensions. settle: from when the objectives of tension count [s],
-    as a schedule cannot change what the line starts with; by default 10 s or a quarter of the time. The energy counts
-    over the whole run, and limits hold from the beginning; before `settle` they are as much wider as a start out of
-    balance needs. lead: the control sheave that keeps the line's speed, by default the first, or the drum that drives.
-    start: an equilibrium to start from; trim: how the sheaves of `SchedulePlan.trimmed` correct towards the plan, by
-    default with a gain that suits the line; warm_start: an earlier plan, or schedules. A plan begins with the first
-    speeds of its warm start, by default with the line's own.
+    The optimum is simulated, and planned again around the simulation until both agree. Where the line's own speeds
+    satisfy the limits and serve the objective better, they are the plan.
 
-    The optimum is simulated, and planned anew around the simulation until both agree. Where the line's own speeds
-    keep the limits and serve the objective better, they are the plan. Raises InputError,
-    InfeasibleScheduleError with the limits that collide, ScheduleError with the last plan.
+    Parameters
+    ----------
+    line : System
+        A mono-cable line with control sheaves.
+    until : float
+        End of the schedules [s].
+    minimise : str or mapping of str to float, default "peak tension"
+        "peak tension" [N], "tension deviation" [N] or "energy" [J], or a weight for each.
+    limits : ScheduleLimits, optional
+        By default `ScheduleLimits()`. They hold from the beginning; a limit that the line's start exceeds is wider
+        until `settle`.
+    intervals : int, default 60
+        Number of pieces on which speeds are linear in time, at least 3.
+    target : float, optional
+        Tension from which the deviation counts [N]; by default the mean at the control sheaves when they balance their
+        tensions.
+    settle : float, optional
+        Time from which the objectives of tension count [s], as a schedule cannot change the tensions at the start; by
+        default 10 s or a quarter of `until`. The energy counts over the whole run.
+    lead : str, optional
+        The control sheave that keeps the line's speed; by default the first, or the drum that drives.
+    start : Equilibrium, optional
+        Where the line starts; by default its equilibrium.
+    trim : ProportionalResponse, optional
+        How the sheaves of `SchedulePlan.trimmed` correct towards the plan; by default with a gain that suits the line.
+    warm_start : SchedulePlan or mapping of str to Schedule, optional
+        Schedules to begin with, by control sheave. The plan keeps their first speeds, by default the line's own.
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
+
+    Returns
+    -------
+    SchedulePlan
+
+    Raises
+    ------
+    InputError
+        For invalid arguments, and for a line that is not one rope with a second driven support.
+    InfeasibleScheduleError
+        Where no schedule satisfies all limits; it names them, with the smallest sufficient relaxation.
+    ScheduleError
+        Where plan and simulation do not converge, with the last plan.
+
+    Examples
+    --------
+    >>> plan = rw.optimise_schedule(line, 120.0, limits=rw.ScheduleLimits(power=3.2e3))  # doctest: +SKIP
+    >>> plan.schedules["c1"].at(30.0)  # doctest: +SKIP
+    1.013
     """
     begin = clock.perf_counter()
     check.positive(until, "optimise_schedule", "until", "s")
@@ -68,11 +108,11 @@ def optimise_schedule(
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
+    request = ScheduleRequest(line, until, intervals, bounds, settled, target, lead, start, trim)
     plans: list[SchedulePlan] = []
     with bar("optimise", 1.0, progress) as advance, keeping(lambda: plans[-1] if plans else None):
-        study = ScheduleStudy(line, until, intervals, bounds, settled, target, lead, start, trim)
-        schedules = study.first(warm_start)
-        return study.optimise(weights, schedules, plans, advance, begin)
+        study = ScheduleStudy.of(request)
+        return study.optimise(weights, study.first(warm_start), PlanLog(advance, begin, plans))
 
 
 def check_intervals(intervals: int) -> None:

@@ -1,10 +1,10 @@
-"""A line under schedules that are planned anew as it goes: each plan looks ahead, and only its beginning is driven."""
+"""A line under schedules that are planned repeatedly: each plan looks ahead, and only its beginning is driven."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import pandas as pd
 
@@ -31,8 +31,18 @@ from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePla
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RecedingHorizon:
-    """A line driven by plan after plan: the plans, when each began [s], the schedules as driven, and the simulation
-    under them."""
+    """A line driven by one plan after another.
+
+    Attributes
+    ----------
+    plans : tuple of SchedulePlan
+    begins : tuple of float
+        When each plan begins [s].
+    schedules : mapping of str to Schedule
+        Speeds as driven, by control sheave.
+    result : Result
+        The simulation under them.
+    """
 
     plans: tuple[SchedulePlan, ...]
     begins: tuple[float, ...]
@@ -45,7 +55,7 @@ class RecedingHorizon:
 
     @cached_property
     def history(self) -> pd.DataFrame:
-        """A row a plan: when it began [s], rounds, time [s], objectives by its own simulation."""
+        """A row a plan: when it begins [s], rounds, computing time [s], objectives by its own simulation."""
         rows = [
             {"begin": begin, "rounds": len(p.history.rounds), "seconds": p.history.seconds, **p.objectives}
             for begin, p in zip(self.begins, self.plans, strict=True)
@@ -70,12 +80,44 @@ def receding_horizon(
     start: Equilibrium | None = None,
     progress: bool | None = None,
 ) -> RecedingHorizon:
-    """Plans `horizon` seconds ahead, drives the line for `every` seconds, plans anew from where it is then, and so on.
+    """Plan ahead, drive the beginning of the plan, plan again from there, and so on.
 
-    intervals: of each plan; `every` is a whole number of them. settle: as for `optimise_schedule`, for the first
-    plan; the later ones go on from a line that keeps its limits, and count after two intervals. tension_low and the
-    target of the first plan hold for all. Where a plan looks beyond the end of the line's own schedules, they keep
-    their last speed. Raises InputError, ScheduleError.
+    Parameters
+    ----------
+    line : System
+        A mono-cable line with control sheaves. Where a plan looks beyond the end of the line's own schedules, these
+        keep their last speed.
+    until : float
+        End [s].
+    horizon : float
+        Time that each plan looks ahead [s].
+    every : float
+        Time between two plans [s], a whole number of intervals.
+    minimise : str or mapping of str to float, default "peak tension"
+        As for `optimise_schedule`.
+    limits : ScheduleLimits, optional
+        As for `optimise_schedule`; the `tension_low` of the first plan holds for all.
+    intervals : int, default 30
+        Number of intervals of each plan.
+    target : float, optional
+        As for `optimise_schedule`; that of the first plan holds for all [N].
+    settle : float, default 10.0
+        As for `optimise_schedule`, for the first plan [s]. The later ones start from a line that satisfies its limits,
+        and count after two intervals.
+    lead : str, optional
+        As for `optimise_schedule`.
+    start : Equilibrium, optional
+        Where the line starts; by default its equilibrium.
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
+
+    Returns
+    -------
+    RecedingHorizon
+
+    Raises
+    ------
+    InputError, ScheduleError
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")
@@ -88,54 +130,67 @@ def receding_horizon(
         )
     names = control_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
-    here = carried_over(equilibrium(bare) if start is None else start, bare)
-    for own in here.model.signals:
+    first = carried_over(equilibrium(bare) if start is None else start, bare)
+    for own in first.model.signals:
         if isinstance(own, Schedule):
             own.require(until)
-    first, begin = here, 0.0
-    plans: list[SchedulePlan] = []
-    begins: list[float] = []
-    driven: dict[str, dict[float, float]] = {name: {} for name in names}
+    plan = partial(optimise_schedule, minimise=minimise, intervals=intervals, lead=lead, progress=False)
     bounds = ScheduleLimits() if limits is None else limits
-    warm: dict[str, Schedule] | None = None
-
-    def so_far() -> pd.DataFrame:
-        return pd.DataFrame({f"{name}.speed": pd.Series(speeds) for name, speeds in driven.items()}).rename_axis("time")
-
-    with bar("receding horizon", until, progress) as advance, keeping(so_far):
-        while begin < until - 1e-9:
-            plan = optimise_schedule(
-                _later(bare, begin, horizon),
-                horizon,
-                minimise=minimise,
-                limits=bounds,
-                intervals=intervals,
-                target=target,
-                settle=settle if not plans else min(settle, 2.0 * step),
-                lead=lead,
-                start=here,
-                warm_start=warm,
-                progress=False,
+    horizons = _Horizons(bare, names, first, partial(plan, settle=settle, target=target, limits=bounds))
+    with bar("receding horizon", until, progress) as advance, keeping(horizons.driven):
+        while horizons.begin < until - 1e-9:
+            horizons.step(horizon, min(every, until - horizons.begin))
+            last = horizons.plans[-1]
+            horizons.plan = partial(
+                plan,
+                settle=min(settle, 2.0 * step),
+                target=last.target,
+                limits=replace(bounds, tension_low=last.tension[0]),
             )
-            plans.append(plan)
-            begins.append(begin)
-            bounds, target = replace(bounds, tension_low=plan.tension[0]), plan.target
-            part = min(every, until - begin)
-            for name, own in plan.schedules.items():
-                times = [t for t in own.times if t < part - 1e-9] + [part]
-                driven[name].update((begin + t, own.at(t)) for t in times)
-            here = plan.result.at(part)
-            warm = {name: own.later(part, horizon) for name, own in plan.schedules.items()}
-            begin += part
-            advance(begin)
-        schedules = {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in driven.items()}
-        inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
+            advance(horizons.begin)
+        inputs = {f"{name}.speed": schedule for name, schedule in horizons.schedules.items()}
         result = simulate(first.model, until, every=step / 4.0, inputs=inputs, start=first, progress=False)
-    return RecedingHorizon(tuple(plans), tuple(begins), schedules, result)
+    return RecedingHorizon(tuple(horizons.plans), tuple(horizons.begins), horizons.schedules, result)
+
+
+class _Horizons:
+    """The plans of a line so far, and what was driven of them. `plan` optimises schedules of a line over a time."""
+
+    def __init__(
+        self, line: System, names: Sequence[str], start: Equilibrium, plan: Callable[..., SchedulePlan]
+    ) -> None:
+        self.line, self.here, self.plan = line, start, plan
+        self.begin = 0.0
+        self.plans: list[SchedulePlan] = []
+        self.begins: list[float] = []
+        self._speeds: dict[str, dict[float, float]] = {name: {} for name in names}
+        self._warm: dict[str, Schedule] | None = None
+
+    def step(self, horizon: float, part: float) -> None:
+        """Plans over a horizon [s], and drives a part of it [s]."""
+        plan = self.plan(_later(self.line, self.begin, horizon), horizon, start=self.here, warm_start=self._warm)
+        self.plans.append(plan)
+        self.begins.append(self.begin)
+        for name, own in plan.schedules.items():
+            times = [t for t in own.times if t < part - 1e-9] + [part]
+            self._speeds[name].update((self.begin + t, own.at(t)) for t in times)
+        self.here = plan.result.at(part)
+        self._warm = {name: own.later(part, horizon) for name, own in plan.schedules.items()}
+        self.begin += part
+
+    @property
+    def schedules(self) -> dict[str, Schedule]:
+        """The schedules as driven."""
+        return {name: Schedule(list(speeds), list(speeds.values())) for name, speeds in self._speeds.items()}
+
+    def driven(self) -> pd.DataFrame:
+        """The speeds as driven, over time [s]."""
+        columns = {f"{name}.speed": pd.Series(speeds) for name, speeds in self._speeds.items()}
+        return pd.DataFrame(columns).rename_axis("time")
 
 
 def _later(line: System, by: float, until: float) -> System:
-    """The line whose time 0 is `by` seconds later, for `until` seconds."""
+    """The line with its time 0 `by` seconds later, for `until` seconds."""
     other = line.copy()
     for name, driven in line.components.items():
         if isinstance(driven, (ControlSheave, Drum)) and isinstance(driven.speed, Schedule):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
@@ -26,17 +26,27 @@ from ropeway.systems.studies.control.objectives import objective_weights, object
 from ropeway.systems.studies.control.scheduling.initial_schedules import require_sheave
 from ropeway.systems.studies.sweeps.journal import JournalRow
 from ropeway.systems.studies.sweeps.sweep import rows_of
-from ropeway.systems.studies.sweeps.workers import Workers, crew
+from ropeway.systems.studies.sweeps.workers import WorkerPool, Workers, worker_pool
 
 
 @checked
 @dataclass(frozen=True, eq=False)
 class TunedResponse:
-    """The best `response` and `precedence` found, the `line` with them, and their `objective`; `baseline` is the
-    objective of the response that it began with, inf where that run failed.
+    """The best response found.
 
-    history: a row for each simulation: what was tuned, `objective`, and `error` and `message` of one that failed
-    (its objective is inf).
+    Attributes
+    ----------
+    line : System
+        The line with it.
+    response : Response
+    precedence : str
+    objective : float
+        What was minimised.
+    baseline : float
+        The objective of the response given, inf where that run failed.
+    history : DataFrame
+        A row for each simulation: what was tuned, `objective`, and `error` and `message` of one that failed (its
+        objective is inf).
     """
 
     line: System
@@ -67,17 +77,53 @@ def tune_response(
     workers: Workers = None,
     progress: bool | None = None,
 ) -> TunedResponse:
-    """Tunes a response by simulating the line with it, by differential evolution: repeatable for a seed.
+    """Tune a response by simulations of the line, by differential evolution: repeatable for a seed.
 
-    over: what may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of
-    "precedence" the names to choose from. minimise: "peak tension", "tension deviation" (from `target` [N]) or
-    "energy", or a weight for each, of each run until `until`, from `settle` on [s]; every: interval of the records
-    [s]. sheaves: those that get the response, by default all control sheaves; start: an equilibrium that every run
-    starts from, as `balanced` makes, by default the line's own.
-    generations, population: rounds, and simulations in a round for each quantity tuned. workers: as for
-    `sweep`. The response as it is given counts too: what comes out is never worse.
+    The response as it is given counts too, so that the result is never worse.
 
-    Raises InputError, UnknownNameError; SimulationError where every run has failed.
+    Parameters
+    ----------
+    line : System
+        A line with control sheaves.
+    response : Response
+        The response to begin with.
+    over : mapping of str to (float, float) or names
+        What may change: the range of a quantity of the response (`{"increment": (0.002, 0.05)}`), and of "precedence"
+        the names to choose from.
+    minimise : str or mapping of str to float
+        "peak tension" [N], "tension deviation" [N] or "energy" [J] of a run, or a weight for each.
+    until : float
+        End of each run [s].
+    settle : float, default 0.0
+        Time from which the objectives of tension count [s].
+    target : float, optional
+        Tension from which the deviation counts [N]; needed for "tension deviation".
+    every : float, default 1.0
+        Interval of the records [s].
+    sheaves : sequence of str, optional
+        Those that get the response; by default all control sheaves.
+    start : Equilibrium, optional
+        Where every run starts, as `balanced` gives it; by default the line's equilibrium.
+    generations : int, default 10
+        Number of rounds after the first.
+    population : int, default 6
+        Simulations in a round for each quantity tuned.
+    seed : int, default 0
+        Of the random numbers.
+    workers : int or dask.distributed.Client, optional
+        As for `sweep`.
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
+
+    Returns
+    -------
+    TunedResponse
+
+    Raises
+    ------
+    InputError, UnknownNameError
+    SimulationError
+        Where every run fails.
     """
     check.positive(until, "tune_response", "until", "s")
     if not 0.0 <= settle < until:
@@ -97,58 +143,73 @@ def tune_response(
     trial = _Trial(line, response, chosen, weights, until, settle, target, every, bare)
     space = _Space(over)
     space.check(response)
-    given = {name: getattr(response, name, line.precedence) for name in over}
-    history: list[dict[str, Any]] = []
-    members = max(5, population * len(over))
+    search = _Search(trial, space, generations, population)
+    with keeping(search.table), bar("tune", search.most, progress) as advance, worker_pool(workers) as pool:
+        search.run(seed, pool, advance)
+    return search.best()
 
-    def table() -> pd.DataFrame:
-        return pd.DataFrame(history).rename_axis("run")
 
-    with (
-        keeping(table),
-        bar("tune", 1 + (generations + 1) * members, progress) as advance,
-        crew(workers) as share_out,
-    ):
-        history.append({**given, **trial.baseline()})
+class _Search:
+    """Differential evolution over a space of responses; `history` has what was tuned and found, a row a run."""
 
-        def judge(values: np.ndarray) -> np.ndarray:
-            """Objectives of a generation, its members in columns."""
-            cases = [space.case(member) for member in values.T]
-            rows: list[dict[str, Any]] = [{**case, "objective": np.inf} for case in cases]
-            tasks = [[case] for case in cases]
-            try:
-                for done, (i, (found,)) in enumerate(share_out(partial(rows_of, trial), tasks), 1):
-                    rows[i].update(found)
-                    advance(len(history) + done)
-            finally:  # those that have run
-                history.extend(row for row in rows if "message" in row)
-            return np.array([row["objective"] for row in rows])
+    def __init__(self, trial: _Trial, space: _Space, generations: int, population: int) -> None:
+        self.trial, self.space = trial, space
+        self.generations, self.population = generations, population
+        self.history: list[dict[str, Any]] = []
 
+    @property
+    def most(self) -> int:
+        """Largest number of runs."""
+        return 1 + (self.generations + 1) * max(5, self.population * len(self.space.over))
+
+    def table(self) -> pd.DataFrame:
+        """The history as a frame."""
+        return pd.DataFrame(self.history).rename_axis("run")
+
+    def run(self, seed: int, pool: WorkerPool, advance: Callable[[float], None]) -> None:
+        """Runs all generations."""
+        given = {name: getattr(self.trial.response, name, self.trial.line.precedence) for name in self.space.over}
+        self.history.append({**given, **self.trial.baseline()})
         differential_evolution(
-            judge,
-            space.bounds,
-            x0=space.place(given),
-            maxiter=generations,
-            popsize=population,
+            lambda values: self._objectives(values, pool, advance),
+            self.space.bounds,
+            x0=self.space.place(given),
+            maxiter=self.generations,
+            popsize=self.population,
             tol=1e-3,
             rng=np.random.default_rng(seed),
             polish=False,
-            integrality=space.whole,
+            integrality=self.space.whole,
             updating="deferred",
             vectorized=True,
         )
-    best = history[int(table()["objective"].to_numpy().argmin())]
-    if not np.isfinite(best["objective"]):
-        raise SimulationError("Every run of the line has failed", f"The first said: {history[0]['message']}")
-    tuned, precedence = trial.variant({name: best[name] for name in over})
-    return TunedResponse(
-        trial.line_with(tuned, precedence), tuned, precedence, best["objective"], history[0]["objective"], table()
-    )
+
+    def _objectives(self, values: np.ndarray, pool: WorkerPool, advance: Callable[[float], None]) -> np.ndarray:
+        """Objectives of a generation, its members in columns."""
+        cases = [self.space.case(member) for member in values.T]
+        rows: list[dict[str, Any]] = [{**case, "objective": np.inf} for case in cases]
+        try:
+            for done, (i, (found,)) in enumerate(pool(partial(rows_of, self.trial), [[case] for case in cases]), 1):
+                rows[i].update(found)
+                advance(len(self.history) + done)
+        finally:  # those that have run
+            self.history.extend(row for row in rows if "message" in row)
+        return np.array([row["objective"] for row in rows])
+
+    def best(self) -> TunedResponse:
+        """The best response. Raises SimulationError where every run failed."""
+        table, first = self.table(), self.history[0]
+        best = self.history[int(table["objective"].to_numpy().argmin())]
+        if not np.isfinite(best["objective"]):
+            raise SimulationError("Every run of the line fails", f"The message of the first: {first['message']}")
+        tuned, precedence = self.trial.variant({name: best[name] for name in self.space.over})
+        line = self.trial.line_with(tuned, precedence)
+        return TunedResponse(line, tuned, precedence, best["objective"], first["objective"], table)
 
 
 @dataclass(frozen=True)
 class _Space:
-    """What is tuned, as numbers: ranges as they are, precedences by their place."""
+    """What is tuned, as numbers: a range as it is, a precedence by its place."""
 
     over: Mapping[str, Sequence[Any]]
 
@@ -242,6 +303,8 @@ class _Trial:
         try:
             return {**self(), "error": "", "message": ""}
         except EquilibriumError as error:
-            raise SimulationError("Every run of the line fails at its start", f"The first said: {error}") from error
+            raise SimulationError(
+                "Every run of the line fails at its start", f"The message of the first: {error}"
+            ) from error
         except SimulationError as error:
             return {"objective": np.inf, "error": type(error).__name__, "message": str(error)}

@@ -20,7 +20,7 @@ from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
-from ropeway.components.rope import ConstructionStretch, Elastic, Rope
+from ropeway.components.rope import ConstructionStretch, Elastic, Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 from ropeway.systems.studies.handbook.inextensible_catenary import alike, finite, require
@@ -32,8 +32,29 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
-    """An unstretched `length` [m] and what goes with it: `stretch` [m], `weight` of the rope [N], tensions and
-    upward support forces at both ends [N]. `float()` gives the length."""
+    """An unstretched length and what goes with it, as `rw.unstretched_length` returns it. `float()` gives the length.
+
+    Parameters
+    ----------
+    length : array
+        Unstretched [m].
+    stretch : array
+        Stretched less unstretched length [m].
+    weight : array
+        Of the rope [N].
+    tension_a, tension_b : array
+        At both ends [N].
+    vertical_a, vertical_b : array
+        Upward forces of the supports on the rope [N].
+    method : {"average tension", "elastic", "elastic and construction"}
+        Lyons' method.
+
+    Examples
+    --------
+    >>> rope = Rope.named("6x19 EEIP 25")
+    >>> round(float(unstretched_length(rope, length=250.0, horizontal=40e3, vertical=12e3).stretch), 4)
+    0.4264
+    """
 
     length: Array
     stretch: Array
@@ -57,7 +78,7 @@ class StretchFit(NamedTuple):
 
 @checked
 def unstretched_length(
-    rope: Rope,
+    rope: Rope | str,
     *,
     length: Numbers,
     horizontal: Numbers,
@@ -67,18 +88,41 @@ def unstretched_length(
 ) -> UnstretchedLength:
     """Unstretched length of a rope that hangs at rest, from its stretched length.
 
-    length: stretched [m]; horizontal: horizontal tension [N]; vertical: upward force of support A on the rope
-    [N], negative where the rope leaves A upwards.
+    Parameters
+    ----------
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    length : float or array
+        Stretched [m].
+    horizontal : float or array
+        Horizontal tension [N].
+    vertical : float or array
+        Upward force of support A on the rope [N], negative where the rope leaves A upwards.
+    method : {"average tension", "elastic", "elastic and construction"}, default "elastic"
+        "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. Too short,
+        by a relative W/EA times the less of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. No construction
+        stretch: 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq. 11): exact for eps =
+        T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the highest
+        tension of its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414 if it has none.
+    gravity : float, default 9.80665
+        [m/s2].
 
-    "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. Too short,
-    by a relative W/EA times the less of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. No construction
-    stretch: 0.44 % too long for a new rope at a third of its breaking load.
-    "elastic" (eq. 11): exact for eps = T/EA.
-    "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the highest tension of
-    its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414 if it has none.
+    Returns
+    -------
+    UnstretchedLength
+        The length, with weight, stretch and end forces.
 
-    Raises InputError.
+    Raises
+    ------
+    InputError
+        A value is out of its range, or no unstretched length fits the force.
+
+    Examples
+    --------
+    >>> round(float(unstretched_length(Rope.named("6x19 EEIP 25"), length=250.0, horizontal=40e3, vertical=12e3)), 3)
+    249.574
     """
+    rope = rope_of(rope)
     alike(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     h, v = _force(horizontal, vertical)
@@ -108,7 +152,7 @@ def unstretched_length(
 
 @checked
 def stretched_position(
-    rope: Rope,
+    rope: Rope | str,
     *,
     stations: Numbers,
     horizontal: Numbers,
@@ -116,8 +160,42 @@ def stretched_position(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Distance p(s) along the stretched rope [m] of `stations` s along the unstretched rope [m], from support A
-    (eq. 10, and eq. 18 with construction stretch). Forces as in `unstretched_length`. Raises InputError."""
+    """Distance along the stretched rope of stations along the unstretched one.
+
+    Eq. 10, and eq. 18 with construction stretch.
+
+    Parameters
+    ----------
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    stations : float or array
+        Unstretched distances s from support A [m].
+    horizontal : float or array
+        Horizontal tension [N].
+    vertical : float or array
+        Upward force of support A on the rope [N].
+    method : {"elastic", "elastic and construction"}, default "elastic"
+        As for `rw.unstretched_length`.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    array
+        Distances p(s) along the stretched rope [m].
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or the method is "average tension".
+
+    Examples
+    --------
+    >>> rope = Rope.named("6x19 EEIP 25")
+    >>> round(float(stretched_position(rope, stations=100.0, horizontal=40e3, vertical=12e3)), 4)
+    100.1725
+    """
+    rope = rope_of(rope)
     alike(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
@@ -136,11 +214,32 @@ def strain_law(rope: Rope, *, construction: bool) -> Strain:
 
 @checked
 def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) -> StretchFit:
-    """Fit eps = coefficient * (T/MBL)^2 by least squares to elongations (0.005 for 0.5 %) at safety factors MBL/T.
+    """Fit eps = coefficient * (T/MBL)^2 by least squares to measured elongations.
 
-    Lyons' Table 1 (8, 5, 3 and "heavily loaded", a safety factor of 2, at 0.125, 0.25, 0.5 and 1 %) gives 0.0414
-    and R2 0.9698 (eq. 13); the fit is 48 % low at a factor of 8, 34 % at 5. Use it as
-    `ConstructionStretch(fit.coefficient)`. Raises InputError.
+    Lyons' Table 1 (8, 5, 3 and "heavily loaded", a safety factor of 2, at 0.125, 0.25, 0.5 and 1 %) gives 0.0414 and R2
+    0.9698 (eq. 13); the fit is 48 % low at a factor of 8, 34 % at 5. Use it as `ConstructionStretch(fit.coefficient)`.
+
+    Parameters
+    ----------
+    safety_factors : array_like
+        MBL/T of each measurement, two or more.
+    elongations : array_like
+        Share of the length, 0.005 for 0.5 %.
+
+    Returns
+    -------
+    StretchFit
+        Coefficient and R2.
+
+    Raises
+    ------
+    InputError
+        Values are missing, out of range or all the same.
+
+    Examples
+    --------
+    >>> round(fit_construction_stretch([8.0, 5.0, 3.0, 2.0], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
+    0.0414
     """
     factor, y = np.atleast_1d(np.asarray(safety_factors, float)), np.atleast_1d(np.asarray(elongations, float))
     if factor.shape != y.shape or factor.size < 2:

@@ -8,10 +8,9 @@ import numpy as np
 
 from ropeway.components import catenary
 from ropeway.components.catenary import Strain
+from ropeway.systems.modelling.complex_newton import solve_side_by_side
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 from ropeway.systems.studies.handbook.inextensible_catenary import vertical_at
-
-_STEP = 1e-30  # complex step: derivatives to rounding
 
 
 class ElasticPiece(NamedTuple):
@@ -56,32 +55,21 @@ class ElasticPiece(NamedTuple):
         wanted = wanted.ravel()
 
         def residual(u: Any) -> Any:
-            piece = catenary.segment((u[:, 0], 0.0, u[:, 1]), weight, u[:, 2], self.strain)
+            piece = catenary.segment((u[..., 0], 0.0, u[..., 1]), weight, u[..., 2], self.strain)
             if tension is not None:
-                condition = np.sqrt(u[:, 0] ** 2 + u[:, 1] ** 2)
+                condition = np.sqrt(u[..., 0] ** 2 + u[..., 1] ** 2)
             else:
-                condition = u[:, 0] if horizontal is not None else u[:, 2]
-            return np.column_stack(
-                [piece.reach[0] / run - 1.0, (piece.reach[2] - rise) / run, condition / wanted - 1.0]
+                condition = u[..., 0] if horizontal is not None else u[..., 2]
+            return np.stack(
+                [piece.reach[0] / run - 1.0, (piece.reach[2] - rise) / run, condition / wanted - 1.0], axis=-1
             )
 
-        x = np.column_stack(unknown)
-        jacobian = np.empty((len(x), 3, 3))
-        size = np.full(len(x), np.inf)
-        with np.errstate(all="ignore"):
-            for _ in range(40):
-                for j in range(3):
-                    probe = x.astype(complex)
-                    probe[:, j] += 1j * _STEP
-                    jacobian[:, :, j] = residual(probe).imag / _STEP
-                jacobian[~np.isfinite(jacobian).all(axis=(1, 2))] = np.eye(3)
-                move = np.linalg.solve(jacobian, -residual(x)[:, :, None])[:, :, 0]
-                longest = np.max(np.abs(move[:, [0, 2]] / x[:, [0, 2]]), axis=1)
-                x = x + move * np.minimum(1.0, 0.5 / longest)[:, None]
-                size = np.abs(move).max(axis=1) / np.abs(x).max(axis=1)
-                if not np.any(size > 1e-14):
-                    break
-            x[~((size <= 1e-10) & (x[:, 0] > 0.0) & (x[:, 2] > 0.0))] = np.nan
+        def relative_step(u: Array, move: Array) -> Array:
+            return np.max(np.abs(move[:, [0, 2]] / u[:, [0, 2]]), axis=1)
+
+        roots = solve_side_by_side(residual, np.column_stack(unknown), relative_step, longest=0.5)
+        x = roots.unknowns
+        x[~(roots.converged & (x[:, 0] > 0.0) & (x[:, 2] > 0.0))] = np.nan
         solved = (column.reshape(shape) for column in x.T)
         return self._replace(**dict(zip(("horizontal", "vertical", "length"), solved, strict=True)))
 

@@ -23,8 +23,10 @@ from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex
 
 
 class EndForces(NamedTuple):
-    """What the rope does at its ends, in the unit of weight times metres. Vertical: upward force of the
-    support on the rope, negative where the rope leaves its support upwards."""
+    """What the rope does at its ends, in the unit of weight times metres.
+
+    Vertical: upward force of the support on the rope, negative where the rope leaves its support upwards.
+    """
 
     horizontal: Array
     vertical_start: Array
@@ -36,9 +38,26 @@ class EndForces(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class CatenaryCurve:
-    """The catenary from (0, 0) to (span, rise), z up [m], of catenary parameter a = H/w [m].
+    """The catenary from (0, 0) to (span, rise), z up.
 
-    span > 0; rise: height of the end over the start. Broadcasts over arrays. Raises InputError.
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the ends, above zero [m].
+    rise : float or array
+        Height of the end over the start [m].
+    parameter : float or array
+        Catenary parameter a = H/w, above zero [m].
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> round(float(CatenaryCurve(100.0, 0.0, 250.0).length), 3)
+    100.668
     """
 
     span: Numbers
@@ -72,23 +91,78 @@ class CatenaryCurve:
         return np.asarray(self.span) / 2.0 - np.asarray(self.parameter) * self._beta
 
     def height(self, x: Numbers) -> Array:
-        """z over the start [m] at x [m]."""
+        """Height of the rope over its start.
+
+        Parameters
+        ----------
+        x : float or array
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        array
+            z over the start [m].
+        """
         return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
     def slope(self, x: Numbers) -> Array:
-        """Rise over run at x [m]."""
+        """Slope of the rope.
+
+        Parameters
+        ----------
+        x : float or array
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        array
+            Rise over run.
+        """
         return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
-        """x [m] where the rope has a slope; it may lie outside the span."""
+        """Where the rope has a slope.
+
+        Parameters
+        ----------
+        slope : float or array
+            Rise over run.
+
+        Returns
+        -------
+        array
+            Horizontal distance from the start [m]; it may lie outside the span.
+        """
         return finite(self.lowest + self.parameter * np.arcsinh(slope), "station")
 
     def sag(self, x: Numbers) -> Array:
-        """Vertical distance from the chord down to the rope at x [m]."""
+        """Vertical distance from the chord down to the rope.
+
+        Parameters
+        ----------
+        x : float or array
+            Horizontal distance from the start [m].
+
+        Returns
+        -------
+        array
+            Sag [m].
+        """
         return np.asarray(self.rise) * np.asarray(x) / np.asarray(self.span) - self.height(x)
 
     def forces(self, weight: Numbers) -> EndForces:
-        """End forces for a weight per metre. Harvey's T = V/sin, H = V/tan of the end tangents."""
+        """End forces of the rope. Harvey's T = V/sin, H = V/tan of the end tangents.
+
+        Parameters
+        ----------
+        weight : float or array
+            Per metre, in any unit of force.
+
+        Returns
+        -------
+        EndForces
+            Horizontal tension, vertical forces of the supports and tensions at both ends.
+        """
         horizontal = np.asarray(self.parameter) * np.asarray(weight)
         start, end = self.slope(0.0), self.slope(self.span)
         return EndForces(
@@ -102,7 +176,34 @@ class CatenaryCurve:
 
 @checked
 def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, weight: Numbers) -> CatenaryCurve:
-    """For a horizontal tension and a weight per metre. Raises InputError."""
+    """The catenary for a horizontal tension.
+
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the ends [m].
+    rise : float or array
+        Height of the end over the start [m].
+    horizontal : float or array
+        Horizontal tension, in any unit of force.
+    weight : float or array
+        Per metre, in the same unit.
+
+    Returns
+    -------
+    CatenaryCurve
+        Of parameter horizontal/weight.
+
+    Raises
+    ------
+    InputError
+        A value is not above zero, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> float(catenary_for_horizontal(100.0, 0.0, 5000.0, 20.0).parameter)
+    250.0
+    """
     alike(span, rise, horizontal, weight)
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
@@ -111,9 +212,31 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
 
 @checked
 def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> CatenaryCurve:
-    """For a rope length [m] (Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2)).
+    """The catenary for a rope length (Harvey, Appendix 2: 2 sinh(sigma d/2)/sigma = sqrt(s^2 - h^2)).
 
-    Raises InputError when the rope is not longer than its chord; Harvey's code returns the chord then.
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the ends [m].
+    rise : float or array
+        Height of the end over the start [m].
+    length : float or array
+        Of the rope [m].
+
+    Returns
+    -------
+    CatenaryCurve
+        With that length.
+
+    Raises
+    ------
+    InputError
+        The rope is not longer than its chord; Harvey's code returns the chord then.
+
+    Examples
+    --------
+    >>> round(float(catenary_for_length(100.0, 0.0, 101.0).parameter), 2)
+    204.43
     """
     alike(span, rise, length)
     d, h, s = (np.asarray(v, dtype=float) for v in (span, rise, length))
@@ -130,7 +253,34 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 
 @checked
 def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0.5) -> CatenaryCurve:
-    """For a sag [m] below the chord at a share `at` of the span, 0 < at < 1. Raises InputError."""
+    """The catenary for a sag below its chord.
+
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the ends [m].
+    rise : float or array
+        Height of the end over the start [m].
+    sag : float or array
+        Below the chord [m].
+    at : float or array, default 0.5
+        Share of the span at which the sag is given, between 0 and 1.
+
+    Returns
+    -------
+    CatenaryCurve
+        With that sag.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> round(float(catenary_for_sag(100.0, 0.0, 5.0).parameter), 2)
+    250.83
+    """
     alike(span, rise, sag, at)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(sag, "sag [m]", lambda v: v > 0.0, "above zero")
@@ -145,9 +295,35 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
 
 @checked
 def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers) -> CatenaryCurve:
-    """For the tension at the start of the rope and its weight per metre; the taut one of the two.
+    """The catenary for the tension at its start: the taut one of two.
 
-    Raises InputError, and SlackRopeError where the tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the ends [m].
+    rise : float or array
+        Height of the end over the start [m].
+    tension : float or array
+        At the start, in any unit of force.
+    weight : float or array
+        Per metre, in the same unit.
+
+    Returns
+    -------
+    CatenaryCurve
+        The taut one.
+
+    Raises
+    ------
+    InputError
+        A value is not above zero, or arrays do not broadcast.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> round(float(catenary_for_tension(100.0, 0.0, 5000.0, 20.0).parameter), 2)
+    244.88
     """
     alike(span, rise, tension, weight)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")

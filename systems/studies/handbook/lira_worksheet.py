@@ -24,8 +24,10 @@ from ropeway.systems.studies.handbook.payload_methods import cable_factor, load_
 
 
 class Readings(NamedTuple):
-    """What a user read from the nomographs: Fig. A.1, Fig. A.2/A.3, Fig. A.4-A.17 (share of the span), and the
-    remaining tension as rounded for the load factor."""
+    """What a user read from the nomographs.
+
+    Fig. A.1, Fig. A.2/A.3, Fig. A.4-A.17 (share of the span), and the remaining tension as rounded for the load factor.
+    """
 
     cable_factor: float
     tension_per_load: float
@@ -57,13 +59,43 @@ def lira_worksheet(
     strain: Strain | None = None,
     readings: Readings | None = None,
 ) -> Worksheet:
-    """Fill in the worksheet, tension: safe working load at the upper support; any one unit of force.
+    """Fill in the worksheet for one or many spans, in any one unit of force.
 
-    strain: the rope's, for the unloaded deflection; None for an inextensible rope. readings: as read from the
-    nomographs, instead of computed. Error of the payload about -0.07 % (superposition). Harvey's last box reads
-    Fig. A.1 at the loaded deflection; here it is the unloaded one, for which it asks.
+    Error of the payload about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded deflection; here
+    it is the unloaded one, for which it asks.
 
-    Raises SlackRopeError where the tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array
+        Of the rope per metre.
+    tension : float or array
+        Safe working load at the upper support.
+    carriage_weight : float or array, default 0.0
+        Taken off the gross load.
+    strain : Strain, optional
+        Of the rope, for the unloaded deflection; None for an inextensible rope.
+    readings : Readings, optional
+        Read from the nomographs, instead of computed.
+
+    Returns
+    -------
+    Worksheet
+        The boxes of the worksheet.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> sheet = lira_worksheet(LoadedSpan(200.0, 25.0, 0.1), weight=34.0, tension=190e3)
+    >>> round(float(sheet.gross))
+    85801
     """
     alike(*line.parts, weight, tension, carriage_weight)
     if readings is None:

@@ -17,10 +17,27 @@ from ropeway.systems.studies.handbook.inextensible_catenary import alike, requir
 class LoadedSpan:
     """A span with its carriage; numbers, or arrays that broadcast.
 
-    span: horizontal distance of its supports [m]; deflection: vertical distance from the chord down to the
-    carriage [m]; chord_slope: fall of the chord over the span, from the upper support, where the tension is
-    given, to the lower one (0.2 for 20 %, never negative); carriage: its horizontal distance from the upper
-    support as a share of the span. Raises InputError.
+    Parameters
+    ----------
+    span : float or array
+        Horizontal distance of the supports [m].
+    deflection : float or array
+        Vertical distance from the chord down to the carriage [m].
+    chord_slope : float or array, default 0.0
+        Fall of the chord over the span, from the upper support, where the tension is given, to the lower one: 0.2 for
+        20 %, never negative.
+    carriage : float or array, default 0.5
+        Horizontal distance of the carriage from the upper support, as a share of the span.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+
+    Examples
+    --------
+    >>> float(LoadedSpan(200.0, 25.0, 0.1).drop_upper)
+    35.0
     """
 
     span: Numbers

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
+from ropeway.components.terrain import Profile
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.inextensible_catenary import require
-from ropeway.systems.studies.handbook.longest_rope import require_profile
 
 POUND_FORCE = 4.4482216152605
 """[N]."""
@@ -71,7 +71,8 @@ def log_slope(stations: ArrayLike, elevations: ArrayLike, carriage: float, *, lo
     log's drag [m]. The point below the carriage is the last one at or before it. Raises InputError where there is no
     point before, and where log_run is longer than that step: LoggerPC is inaccurate there.
     """
-    x, z = require_profile(stations, elevations)
+    ground = Profile(stations, elevations)
+    x, z = ground.station, ground.elevation
     k = int(np.searchsorted(x, carriage, side="right")) - 1
     if k < 1 or carriage > x[-1]:
         raise InputError(

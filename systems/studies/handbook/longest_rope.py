@@ -15,14 +15,18 @@ from scipy.optimize import brentq
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
+from ropeway.components.terrain import Profile
 from ropeway.systems.studies.handbook.array_roots import Array
 from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces, require
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class LongestRope:
-    """A bare rope that just touches the clearance line: its `length` [m], its `curve` as seen from the left
-    support, the station x [m] where it `touches`, and its left support `start` (x, z)."""
+    """A bare rope that just touches the clearance line, as `rw.longest_rope` returns it.
+
+    `length` [m]; `curve`: as seen from the left support; `touches`: the station where it touches [m]; `start`: the left
+    support (x, z) [m].
+    """
 
     curve: CatenaryCurve
     start: tuple[float, float]
@@ -51,13 +55,39 @@ def longest_rope(
     *,
     clearance: float = 0.0,
 ) -> LongestRope:
-    """The longest inextensible rope between two support points (x, z) that stays `clearance` [m] or more above
-    the terrain, measured vertically.
+    """The longest inextensible rope between two supports that clears a terrain.
 
-    stations, elevations: the terrain [m], piecewise linear, stations rising, over the whole span. Raises
-    InputError for a profile that is none or does not reach, and SlackRopeError where no rope clears it.
+    Parameters
+    ----------
+    stations : array_like
+        Of the terrain [m], increasing, over the whole span; straight between.
+    elevations : array_like
+        Of the terrain at these stations [m].
+    headspar, tailspar : tuple of float
+        Supports (x, z) [m].
+    clearance : float, default 0.0
+        Of the rope over the terrain, measured vertically [m].
+
+    Returns
+    -------
+    LongestRope
+        Its length, curve and where it touches the clearance line.
+
+    Raises
+    ------
+    InputError
+        The profile is invalid, or does not reach over the span.
+    SlackRopeError
+        No rope clears the terrain.
+
+    Examples
+    --------
+    >>> rope = longest_rope([0.0, 100.0, 200.0], [0.0, -20.0, 0.0], (0.0, 10.0), (200.0, 10.0), clearance=2.0)
+    >>> round(rope.length, 2), round(rope.touches, 2)
+    (207.32, 142.64)
     """
-    x, z = require_profile(stations, elevations)
+    terrain = Profile(stations, elevations)
+    x, z = terrain.station, terrain.elevation
     require(clearance, "clearance [m]", lambda v: v >= 0.0, "zero or more")
     (ax, az), (bx, bz) = sorted((float(p[0]), float(p[1])) for p in (headspar, tailspar))
     if not ax < bx:
@@ -95,19 +125,3 @@ def longest_rope(
         raise SlackRopeError("No rope just touches this terrain", "Check the profile and the supports")
     log_u = brentq(lambda v: nearest(v)[0], low, high, xtol=1e-15, rtol=4.0 * np.finfo(float).eps)
     return LongestRope(CatenaryCurve(span, rise, span / (2.0 * np.exp(log_u))), (ax, az), ax + nearest(log_u)[1])
-
-
-def require_profile(stations: ArrayLike, elevations: ArrayLike) -> tuple[Array, Array]:
-    """A terrain profile as arrays. Raises InputError unless it has two points or more and its stations rise."""
-    x, z = (np.asarray(v, dtype=float) for v in (stations, elevations))
-    if x.ndim != 1 or x.shape != z.shape or len(x) < 2:
-        raise InputError(
-            f"A profile needs two or more points, with one elevation for each station; it has {x.shape} and {z.shape}",
-            "Give two sequences of one length",
-        )
-    if not (np.isfinite(x).all() and np.isfinite(z).all()):
-        raise InputError("The profile has values that are not finite", "Remove or complete them")
-    if np.any(np.diff(x) <= 0.0):
-        k = int(np.argmax(np.diff(x) <= 0.0))
-        raise InputError(f"The profile's station {x[k + 1]} m follows {x[k]} m", "Stations must increase")
-    return x, z

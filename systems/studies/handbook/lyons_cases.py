@@ -118,10 +118,28 @@ def locus_phi(tau: Numbers, slope: Numbers, *, share: float = 1.0 / 3.0) -> Arra
 
 @checked
 def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
-    """Lyons' Figure 2 as numbers: the ratio of the average-tension method's length to the exact one, of all cases.
+    """Lyons' Figure 2 as numbers: the length by the average tension over the exact one, for all twelve cases.
 
-    Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
-    cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
+    Parameters
+    ----------
+    phi : array_like
+        V_A/W: upward force of support A over the weight of the rope.
+
+    Returns
+    -------
+    DataFrame
+        Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
+        cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
+
+    Raises
+    ------
+    InputError
+        phi is not a number, or too large for a case.
+
+    Examples
+    --------
+    >>> twelve_cases([1.0, 2.0]).groupby("case")["ratio"].max().round(4).loc[[1, 5]].tolist()
+    [1.0, 1.0]
     """
     values = np.asarray(phi, dtype=float).ravel()
     tables = []

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.harvey_as_printed import SLOPES, TABLE_2
@@ -30,7 +30,7 @@ def compare_payload_methods(
     span: float,
     deflection: float,
     chord_slopes: Sequence[float],
-    rope: Rope,
+    rope: Rope | str,
     tension: float | None = None,
     carriage_mass: float = 0.0,
     carriage: float = 0.5,
@@ -39,19 +39,51 @@ def compare_payload_methods(
 ) -> pd.DataFrame:
     """Payload of every method on one span at several chord slopes.
 
-    span [m], horizontal; deflection: vertical, from the chord to the carriage [m]; chord_slopes: fall from the
-    upper support over the span (0.2 for 20 %); tension at the upper support [N], None for the rope's safe working
-    load; carriage_mass [kg]; carriage: its distance from the upper support as a share of the span.
+    Parameters
+    ----------
+    span : float
+        Horizontal distance of the supports [m].
+    deflection : float
+        Vertical distance from the chord to the carriage [m].
+    chord_slopes : sequence of float
+        Fall from the upper support over the span, 0.2 for 20 %.
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    tension : float, optional
+        At the upper support [N]; by default the rope's safe working load.
+    carriage_mass : float, default 0.0
+        [kg].
+    carriage : float, default 0.5
+        Distance of the carriage from the upper support, as a share of the span.
+    as_printed : bool, default False
+        Whether what the sources printed is added.
+    gravity : float, default 9.80665
+        [m/s2].
 
-    One row for each method and slope. Columns: method, chord_slope, payload [kg], error: relative, of the payload
-    against the exact clamped one (inextensible rope, equal horizontal tension on both sides of the carriage), and
-    error_rolling against the exact rolling one (equal tension, horizontal mainline). The rows "elastic catenary"
-    have the rope's own stretch. as_printed=True adds as_printed: payload of the source's formula or readings with
-    their faults; printed: the number in Harvey (2013), Table 2, where the span is his; and the erratum. His
-    rigid-link sums have rows of their own, as printed only.
+    Returns
+    -------
+    DataFrame
+        One row for each method and slope. Columns: method, chord_slope, payload [kg], error: relative, of the payload
+        against the exact clamped one (inextensible rope, equal horizontal tension on both sides of the carriage), and
+        error_rolling against the exact rolling one (equal tension, horizontal mainline). The rows "elastic catenary"
+        have the rope's own stretch. as_printed adds as_printed: payload of the source's formula or readings with their
+        faults; printed: the number in Harvey (2013), Table 2, where the span is his; and the erratum. His rigid-link
+        sums have rows of their own, as printed only.
 
-    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    Raises
+    ------
+    InputError
+        A value is out of its range.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> table = compare_payload_methods(span=200.0, deflection=25.0, chord_slopes=[0.1], rope="RHOL-IWRC 29")
+    >>> float(table.set_index("method")["error"].round(4)["weightless"])
+    0.0439
     """
+    rope = rope_of(rope)
     slopes = np.asarray(chord_slopes, dtype=float)
     if slopes.ndim != 1 or slopes.size == 0:
         raise InputError(f"chord_slopes is {chord_slopes!r}", "Give a sequence of slopes, (0.0, 0.1, 0.2)")
@@ -81,7 +113,7 @@ def compare_payload_methods(
 
 @checked
 def method_errors(
-    rope: Rope,
+    rope: Rope | str,
     *,
     span: float,
     tension: float,
@@ -91,13 +123,50 @@ def method_errors(
     methods: Sequence[str] | None = None,
     gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
-    """Error of each method's gross load against the exact one, over a grid of chord slopes, deflections (share of
-    the span, at the carriage) and carriage places (share of the span).
+    """Error of each method's gross load against the exact one, over a grid of spans.
 
-    Index method; columns: reference, lowest, highest, mean absolute error (relative), and slope, deflection and
-    carriage where it is worst. A rolling method is measured against the rolling catenary. Raises as
-    `compare_payload_methods`.
+    Parameters
+    ----------
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    span : float
+        Horizontal distance of the supports [m].
+    tension : float
+        At the upper support [N].
+    slopes : array_like
+        Chord slopes of the grid.
+    deflections : array_like
+        Deflections at the carriage, as shares of the span.
+    carriages : array_like
+        Distances of the carriage from the upper support, as shares of the span.
+    methods : sequence of str, optional
+        Names in `METHODS`; by default all.
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    DataFrame
+        Index method; columns: reference, lowest, highest, mean absolute error (relative), and slope, deflection and
+        carriage where it is worst. A rolling method is measured against the rolling catenary.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range.
+    UnknownNameError
+        There is no such method.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> grid = {"slopes": [0.0, 0.1], "deflections": [0.1], "carriages": [0.3, 0.5]}
+    >>> errors = method_errors("RHOL-IWRC 29", span=200.0, tension=190e3, **grid)
+    >>> bool(errors.loc["parabolic", "highest"] > errors.loc["rigid link", "highest"])
+    True
     """
+    rope = rope_of(rope)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     s, y, c = (v.ravel() for v in np.meshgrid(*map(np.asarray, (slopes, deflections, carriages)), indexing="ij"))
     line = LoadedSpan(span, y * span, s, c)

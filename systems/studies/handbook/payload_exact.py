@@ -25,8 +25,11 @@ Joint = Literal["clamped", "rolling"]
 
 
 class ExactLoad(NamedTuple):
-    """The exact state of a loaded span. `gross`: payload and carriage; `pull`: of the mainline on a rolling
-    carriage, horizontal component, towards the upper support; the lengths [m] are unstretched."""
+    """The exact state of a loaded span.
+
+    `gross`: payload and carriage; `pull`: of the mainline on a rolling carriage, horizontal component, towards the
+    upper support; the lengths [m] are unstretched.
+    """
 
     gross: Array
     horizontal_upper: Array
@@ -57,10 +60,37 @@ def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Arr
 def exact_load(
     line: LoadedSpan, weight: PositiveNumbers, tension: PositiveNumbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
-    """The exact state for inextensible rope. weight: per metre; tension: at the upper support; pull_slope: rise
-    over run of the mainline, from a rolling carriage towards the upper support (0: horizontal).
+    """The exact state for inextensible rope, in any one unit of force.
 
-    Raises InputError, and SlackRopeError where the tension is too little for the rope's own weight.
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array
+        Of the rope per metre.
+    tension : float or array
+        At the upper support.
+    joint : {"clamped", "rolling"}
+        How the carriage holds the skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
+    pull_slope : float or array, default 0.0
+        Rise over run of the mainline, from a rolling carriage towards the upper support.
+
+    Returns
+    -------
+    ExactLoad
+        Gross load, tensions and lengths.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> round(float(exact_load(LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, "clamped").gross))
+    85864
     """
     alike(*line.parts, weight, tension, pull_slope)
     return _solved(exact_state(line, weight, tension, joint, pull_slope=pull_slope), tension)
@@ -76,9 +106,41 @@ def elastic_load(
     *,
     pull_slope: Numbers = 0.0,
 ) -> ExactLoad:
-    """The exact state for a rope that stretches; weight: per unstretched metre. As `exact_load` otherwise.
+    """The exact state for a rope that stretches, in any one unit of force.
 
-    strain: coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
+    Parameters
+    ----------
+    line : LoadedSpan
+        The span with its carriage.
+    weight : float or array
+        Of the rope per unstretched metre.
+    tension : float or array
+        At the upper support.
+    strain : Strain
+        Coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
+    joint : {"clamped", "rolling"}
+        How the carriage holds the skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
+    pull_slope : float or array, default 0.0
+        Rise over run of the mainline, from a rolling carriage towards the upper support.
+
+    Returns
+    -------
+    ExactLoad
+        Gross load, tensions and lengths.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> rope = Rope.named("RHOL-IWRC 29")
+    >>> state = elastic_load(LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, rope.strain, "clamped")
+    >>> round(float(state.gross))
+    85884
     """
     alike(*line.parts, weight, tension, pull_slope)
     return _solved(elastic_state(line, weight, tension, strain, joint, pull_slope=pull_slope), tension)

@@ -21,7 +21,7 @@ import numpy as np
 from ropeway.components.annotation_checks import Positive
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import SlackRopeError
-from ropeway.components.rope import Rope
+from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, rising
 from ropeway.systems.studies.handbook.inextensible_catenary import alike, catenary_for_sag, minimum_tension, require
@@ -153,17 +153,48 @@ METHODS: Mapping[str, Method] = MappingProxyType(
 def payload_for_tension(
     method: Method,
     line: LoadedSpan,
-    rope: Rope,
+    rope: Rope | str,
     tension: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Payload [kg] for a tension [N] at the upper support, after one of the methods, as `METHODS["rigid link"]`.
+    """Payload for a tension at the upper support, after one of the methods.
 
-    Negative where the rope cannot even carry the carriage. Raises InputError, and SlackRopeError where the
-    tension is less than the rope's own weight needs.
+    Parameters
+    ----------
+    method : callable
+        One of `METHODS`, as `METHODS["rigid link"]`.
+    line : LoadedSpan
+        The span with its carriage.
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    tension : float or array
+        At the upper support [N].
+    carriage_mass : float or array, default 0.0
+        [kg].
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    array
+        Payload [kg]; negative where the rope cannot even carry the carriage.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+    SlackRopeError
+        The tension is less than the rope's own weight needs.
+
+    Examples
+    --------
+    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
+    >>> round(float(payload_for_tension(METHODS["rigid link"], line, rope, 190e3)))
+    8754
     """
+    rope = rope_of(rope)
     alike(*line.parts, tension, carriage_mass)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
@@ -178,16 +209,48 @@ def payload_for_tension(
 def tension_for_payload(
     method: Method,
     line: LoadedSpan,
-    rope: Rope,
+    rope: Rope | str,
     payload: Numbers,
     *,
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Tension [N] at the upper support for a payload [kg], after one of the methods (`METHODS`); the taut rope.
+    """Tension at the upper support for a payload, after one of the methods; of the taut rope.
 
-    Raises InputError, and SlackRopeError where no taut rope through the carriage's place is loaded so little.
+    Parameters
+    ----------
+    method : callable
+        One of `METHODS`, as `METHODS["rigid link"]`.
+    line : LoadedSpan
+        The span with its carriage.
+    rope : Rope or str
+        Or the name of one in `rw.ropes()`.
+    payload : float or array
+        [kg].
+    carriage_mass : float or array, default 0.0
+        [kg].
+    gravity : float, default 9.80665
+        [m/s2].
+
+    Returns
+    -------
+    array
+        Tension at the upper support [N].
+
+    Raises
+    ------
+    InputError
+        A value is out of its range, or arrays do not broadcast.
+    SlackRopeError
+        No taut rope through the carriage's place is loaded so little.
+
+    Examples
+    --------
+    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
+    >>> round(float(tension_for_payload(METHODS["rigid link"], line, rope, 8000.0)) / 1e3, 1)
+    174.3
     """
+    rope = rope_of(rope)
     alike(*line.parts, payload, carriage_mass)
     require(payload, "payload [kg]", lambda v: v >= 0.0, "zero or more")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")

@@ -37,10 +37,34 @@ _DIFFERENCE = 1e-7  # forward difference, relative
 @checked
 @dataclass(frozen=True)
 class SpanProblem:
-    """A span with loads: end b `span` away from end a and `rise` higher, unstretched `length`, `weight` per
-    unstretched length, `axial_stiffness`, `loads` (downward) at unstretched `distances` from a, in order.
+    """A span with loads, in any one unit of force and length.
 
-    Any one unit of force and length. Raises InputError.
+    Parameters
+    ----------
+    span : float
+        Horizontal distance from end a to end b.
+    rise : float
+        Height of end b over end a.
+    length : float
+        Unstretched, of the rope.
+    weight : float
+        Of the rope per unstretched length.
+    axial_stiffness : float
+        Of the rope.
+    distances : tuple of float, default ()
+        Unstretched, of the loads from end a, in order.
+    loads : tuple of float, default ()
+        Downward forces.
+
+    Raises
+    ------
+    InputError
+        A value is not positive, or distances are not in order inside the span.
+
+    Examples
+    --------
+    >>> round(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7).chord, 3)
+    100.499
     """
 
     span: float
@@ -72,12 +96,38 @@ class SpanProblem:
         return float(np.hypot(self.span, self.rise))
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """x and z (up) of end b; vertical: upward force of the support at a on the rope."""
+        """Where end b of the rope is for a force at end a.
+
+        Parameters
+        ----------
+        horizontal : float
+            Horizontal tension.
+        vertical : float
+            Upward force of the support at a on the rope.
+
+        Returns
+        -------
+        x, z : float
+            Horizontal and upward distance from end a.
+        """
         x, z = finite(self._end(horizontal, vertical), "reach")
         return float(x), float(z)
 
     def stretched(self, horizontal: float, vertical: float) -> float:
-        """Stretched length."""
+        """Stretched length of the rope for a force at end a.
+
+        Parameters
+        ----------
+        horizontal : float
+            Horizontal tension.
+        vertical : float
+            Upward force of the support at a on the rope.
+
+        Returns
+        -------
+        float
+            Stretched length.
+        """
         return float(finite(self._total(horizontal, vertical), "stretched length"))
 
     def _end(self, horizontal: float, vertical: float) -> tuple[float, float]:
@@ -116,9 +166,12 @@ class SpanProblem:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """How an iteration went. `frame`: one row for each iterate, the start first; columns horizontal, vertical,
-    tension, angle (at end a [rad], rise over run downwards positive), miss (distance of the rope's end from b),
-    evaluations (of one of the two equations, so far)."""
+    """The iterates of a solution, as `rw.solve_span` returns them.
+
+    `frame`: one row for each iterate, the start first; columns horizontal, vertical, tension, angle (at end a [rad],
+    rise over run downwards positive), miss (distance of the rope's end from b), evaluations (of one of the two
+    equations, so far). `converged`: whether the end is within the tolerance.
+    """
 
     problem: SpanProblem
     method: SpanMethod
@@ -143,11 +196,40 @@ def solve_span(
     tolerance: float = 1e-9,
     limit: int = 60,
 ) -> History:
-    """Iterate on a span's two equations until its end is within tolerance times the span, or `limit` is reached.
+    """Iterate on a span's two equations until its end is within a tolerance.
 
-    start: (H, V), default the parabola's. damped: a step of Newton or Brown changes the tension by half of itself
-    at most, the substitution goes half of each step (in 1/H). Newton takes 6 evaluations of one equation a round
-    (forward differences), Brown 5. unknowns: for Newton and Brown. Raises InputError.
+    Parameters
+    ----------
+    problem : SpanProblem
+        The span.
+    method : {"successive substitution", "Newton-Raphson", "Brown"}, default "Newton-Raphson"
+        Newton takes 6 evaluations of one equation a round (forward differences), Brown 5.
+    start : tuple of float, optional
+        Horizontal tension and upward force at end a; by default those of the parabola.
+    damped : bool, default True
+        Whether a step of Newton or Brown changes the tension by half of itself at most, and the substitution goes half
+        of each step (in 1/H).
+    unknowns : {"horizontal and vertical", "tension and angle"}, default "horizontal and vertical"
+        Of Newton and Brown.
+    tolerance : float, default 1e-9
+        Distance of the rope's end from b over the span.
+    limit : int, default 60
+        Most iterates.
+
+    Returns
+    -------
+    History
+        All iterates, and whether they converged.
+
+    Raises
+    ------
+    InputError
+        A value is out of its range.
+
+    Examples
+    --------
+    >>> solve_span(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7)).converged
+    True
     """
     check.count(limit, "solve_span", "iterates", 1_000)
     check.positive(tolerance, "solve_span", "tolerance")
@@ -252,8 +334,10 @@ def _brown(equations: _Equations, u: Array, damped: bool) -> Array:
 
 
 def _limited(u: Array, move: Array, damped: bool) -> Array:
-    """A step; damped, one that changes the tension by no more than half of itself. (Halving until the miss
-    shrinks would stall Brown's method: its steps need not bring the end nearer.)"""
+    """A step; a damped one changes the tension by at most half of it.
+
+    Halving until the residual decreases would stall Brown's method, whose steps need not reduce it.
+    """
     return move * min(1.0, 0.5 * abs(u[0]) / abs(move[0])) if damped and move[0] != 0.0 else move
 
 

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import SimulationError, UnknownNameError
+from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.line_stepper import rates_of
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import update_of

@@ -6,15 +6,13 @@ variables change with it, the algebraic variables follow from the equations by i
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import casadi as ca
 import numpy as np
 from scipy.sparse import csc_matrix, diags
 from scipy.sparse.linalg import splu
 
 from ropeway.components.errors import EquilibriumError
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Vectors, scalar
 
@@ -79,13 +77,13 @@ class Tangent:
         return np.asarray(self._outputs(point) @ directions.stacked)
 
 
-@lru_cache(maxsize=16)
+@kept_with_model
 def tangent_of(model: Model) -> Tangent:
     """The derivatives of a model: made once, as their functions take a while to build."""
     return Tangent(model)
 
 
-@lru_cache(maxsize=64)
+@kept_with_model
 def update_jacobian_of(model: Model, clock: Clock) -> Jacobian:
     """The derivatives of the update of a clock."""
     return Jacobian(model, clock.update)

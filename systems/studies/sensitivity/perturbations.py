@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ropeway.components.component import Kind
 from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.empty_rope import pretension
 from ropeway.systems.modelling.rope_path import Run
@@ -88,7 +88,7 @@ def _pretension(line: Equilibrium, support: str) -> np.ndarray:
             continue
         # A carriage has no place of its own: the empty rope passes it by.
         fixed = [i for i, node in enumerate(run.nodes) if all(f"{node.name}.{axis}" in m.p.index for axis in "xyz")]
-        keeping = [i for i in fixed if run.nodes[i].kept_tension is not None]
+        keeping = [i for i in fixed if run.nodes[i].set_tension is not None]
         # A drum that keeps its tension has paid out rope under the loads: the empty rope is the declared one.
         declared = m.tables[Kind.PARAMETER].values
         lengths = (declared if keeping else line.point.p)[layout.length_start]

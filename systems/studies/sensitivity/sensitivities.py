@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.component import Kind
 from ropeway.components.errors import InputError
+from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
@@ -28,20 +28,38 @@ from ropeway.systems.studies.sensitivity.perturbations import Varied
 @checked
 @interruptible
 def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to: str | Sequence[str]) -> pd.DataFrame:
-    """Derivatives of results by parameters, in SI units of the one per SI unit of the other.
+    """Exact derivatives of results by parameters.
 
-    of: names of outputs, variables or quantities of loads ("l1.z"). to: names of parameters ("s3.z"), lengths
-    ("a_b.length"), inputs ("c1.speed"), initial states, masses of loads ("l1.mass"), or "head.pretension": the
-    tension of the empty rope at its first support, with the lengths and the tensions of drums that follow
-    from it. Everything else is held, unstretched lengths too; loads stay where they are on the rope.
+    All else is held, unstretched lengths too; loads stay at their places on the rope. Along a simulation travel counts
+    from the start, an input that is a Schedule is raised as a whole, and a step of a threshold response does not change
+    with the tension that caused it, only with its size.
 
-    Of an equilibrium: one row for each of `of`, one column for each of `to`. Of a simulation: one row for each
-    time of the frame, columns (of, to); nothing where a load is not on the line; travel counts from the start;
-    an input given as a Schedule is raised as a whole. A step of a threshold response does not change with the
-    tension that caused it, only with its size. attrs["units"] and attrs["per"] have the units.
+    Parameters
+    ----------
+    solution : Equilibrium or Result
+    of : str or sequence of str
+        Outputs, variables or quantities of loads ("l1.z").
+    to : str or sequence of str
+        Parameters ("s3.z"), lengths ("a_b.length"), inputs ("c1.speed"), initial states, masses of loads ("l1.mass"),
+        or "head.pretension": the tension of the empty rope at its first support, with the lengths and the tensions of
+        drums that follow from it.
 
-    Raises UnknownNameError, InputError: for a simulation in which a load stands on a sheave or after an
-    emergency stop.
+    Returns
+    -------
+    DataFrame
+        In SI units of the one per SI unit of the other; `attrs["units"]` and `attrs["per"]` have them. Of an
+        equilibrium: a row for each of `of`, a column for each of `to`. Of a simulation: a row for each time of the
+        frame, columns (of, to); NaN where a load is not on the line.
+
+    Raises
+    ------
+    UnknownNameError
+    InputError
+        For a simulation in which a load stands on a sheave, or with an emergency stop.
+
+    Examples
+    --------
+    >>> rw.sensitivities(rw.equilibrium(line), of="c1.tension_in", to=["l7.mass", "c1.z"])  # doctest: +SKIP
     """
     wanted, varied = ([v] if isinstance(v, str) else list(v) for v in (of, to))
     if not wanted or not varied:

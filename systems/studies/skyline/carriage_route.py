@@ -11,8 +11,9 @@ from scipy.optimize import brentq, newton
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
-from ropeway.systems.studies.skyline.root_selection import Question, meant
+from ropeway.systems.studies.skyline.carriage_model import Place, Question, Solved, SpanModel, span_model
+from ropeway.systems.studies.skyline.root_selection import meant
+from ropeway.systems.studies.skyline.starting_points import off_shoe
 from ropeway.systems.studies.skyline.station_solver import SIDE, Stations
 
 EDGE = 1e-3
@@ -64,7 +65,7 @@ class Places:
         """The equilibrium at a station; near a shoe it starts from the carriage held there."""
         k = self.rig.shoe_near(x) if at.on is None else None
         if k is not None and abs(x - self.rig.supports[k].centre[0]) < STEEPEST * self.rig.supports[k].radius:
-            near = at.off_shoe(self.on_shoe(k, x))
+            near = off_shoe(at, self.on_shoe(k, x))
         return meant(at, Question(x, self.payload), [] if near is None else [near])
 
     def first(self, at: SpanModel, x: float, way: int, paid: float) -> Point:

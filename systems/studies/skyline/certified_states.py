@@ -37,7 +37,7 @@ def _again(failed: Solved) -> Solved:
     try:
         found.at.certificate([found.point]).require(found.at.model)
     except EquilibriumError as error:
-        where = "" if found.asked is None else f" at station {found.asked.station:g} m"
+        where = "" if found.asked is None else f" at station {found.asked[0]:g} m"
         raise EquilibriumError(
             f"{error.cause}{where}",
             "Ask beside this station, or change lengths or the payload a little",

@@ -3,11 +3,11 @@ hoisted on or lost on the way."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Unpack
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -20,21 +20,23 @@ from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.interrupts import interruptible, keeping
-from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import Places, require_pulled
-from ropeway.systems.studies.skyline.load_path import row, units_of
-from ropeway.systems.studies.skyline.payload import margins_of
+from ropeway.systems.studies.skyline.limits import LoadLimits, margins_of
+from ropeway.systems.studies.skyline.station_row import StationRow, station_row, units_of
 from ropeway.systems.studies.skyline.station_solver import NEAR, SIDE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Happening(NamedTuple):
+class CarriageEvent(NamedTuple):
     """Something that happened to the carriage: time [s], what, and where [m]."""
 
     time: float
@@ -49,11 +51,20 @@ FASTEST = Range(0.0, 100.0, above=True)
 @checked
 @dataclass(frozen=True, eq=False)
 class Inhaul(Tabular):
-    """A run of the carriage. `frame`: one row every interval (index time [s]), none while the carriage rests at a
-    saddle; the columns of `load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and
-    haulback_power [W, positive: the drum drives, negative: it brakes]. `events`: time, event, station: supports
-    reached and left, changes of the payload, and at the rows "beyond" a limit of `payload`: a tension its safe working
-    load, a spar or support its capacity, lift-off."""
+    """A run of the carriage, as `rw.inhaul` returns it.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline.
+    frame : DataFrame
+        One row every interval (index time [s]), none while the carriage rests at a saddle: the columns of
+        `rw.load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W,
+        positive: the drum drives, negative: it brakes].
+    events : DataFrame
+        Columns time, event, station: supports reached and left, changes of the payload, and at the rows "beyond" a
+        limit of `rw.payload`: a tension its safe working load, a spar or support its capacity, lift-off.
+    """
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -62,15 +73,28 @@ class Inhaul(Tabular):
     def __repr__(self) -> str:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
 
-    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
         """Write the report of the run: the moving carriage, tensions, powers and events.
 
         Parameters
         ----------
         path : str or Path
             HTML, or PDF by a browser's print; needs the extra `report`.
-        **options
-            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
 
         Returns
         -------
@@ -78,15 +102,25 @@ class Inhaul(Tabular):
 
         Raises
         ------
-        InputError, WriteError
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
         """
         from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
 
-        style = style_of(options)
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
         return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
 
     def plot(self) -> Figure:
-        """Place, tensions and powers over time."""
+        """Station of the carriage, tensions and powers over time.
+
+        Returns
+        -------
+        Figure
+            The tensions against the safe working loads.
+        """
         from ropeway.systems.studies.skyline.inhaul_plot import inhaul_figure
 
         return inhaul_figure(self.rig, self.frame, self.events)
@@ -105,15 +139,50 @@ def inhaul(
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
 ) -> Inhaul:
-    """The carriage from station `start` to station `end` [m], the mainline's drum running at `speed` [m/s of
-    unstretched rope, above zero].
+    """The carriage pulled from one station to another by the mainline's drum.
 
-    payload [kg]; changes: (time [s], payload [kg] from then on): a turn picked up, or lost (a payload drop). The
-    rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops, as
-    the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
-    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long
-    mainline changes by more than the length of the shoe: then it runs over the shoe at once. Raises InputError;
-    SimulationError that holds what has run so far.
+    The rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops,
+    as the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long mainline
+    changes by more than the length of the shoe: then it runs over the shoe at once.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline, with a mainline.
+    payload : float
+        At the start [kg].
+    start, end : float
+        Stations of the carriage [m].
+    speed : float, default 3.0
+        Of the mainline at its drum, above zero [m/s of unstretched rope].
+    every : float, default 1.0
+        Interval of the rows [s].
+    changes : sequence of (float, float), default ()
+        Time [s], and payload from then on [kg]: a turn picked up, or lost.
+    tolerance : float, default 1e-8
+        Relative, of the integration.
+
+    Returns
+    -------
+    Inhaul
+        Rows and events.
+
+    Raises
+    ------
+    InputError
+        The rig has no mainline, or a value is out of its range.
+    SimulationError
+        The carriage stops on the way; `result` holds the run up to there.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 40.0)), tailspar=rw.TailSpar("tail", at=(200.0, 0.0)),
+    ...     skyline="RHOL-IWRC 29", tension=60e3, mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> inhaul(rig, payload=1500.0, start=100.0, end=91.0)
+    <Inhaul of 'standing skyline': 5 rows, 0 events>
     """
     check.number(speed, rig.name, "speed", "m/s", FASTEST)
     check.positive(every, rig.name, "every", "s")
@@ -149,9 +218,9 @@ class _Run:
     ) -> None:
         self.rig, self.payload, self.every, self.changes, self.tolerance = rig, payload, every, changes, tolerance
         self.time = 0.0
-        self.rows: list[dict[str, float | str | int]] = []
-        self.events: list[Happening] = []
-        self.margins = margins_of(rig, rig.skyline.safety_factor, None, (None, 0.0), lift_off=True)
+        self.rows: list[StationRow] = []
+        self.events: list[CarriageEvent] = []
+        self.margins = margins_of(rig, LoadLimits(rig.skyline.safety_factor))
         self.beyond: set[str] = set()
 
     def result(self) -> Inhaul:
@@ -165,7 +234,7 @@ class _Run:
             "haulback_power": "W",
             "time": "s",
         }
-        return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(Happening._fields)))
+        return Inhaul(self.rig, frame, pd.DataFrame(self.events, columns=list(CarriageEvent._fields)))
 
     def go(self, start: float, end: float, speed: float) -> None:
         """speed: of the drum, positive winds in."""
@@ -230,7 +299,9 @@ class _Run:
                 return eq
             self.record(at, eq, speed)
             self.payload = self.changes.pop(0)[1]
-            self.events.append(Happening(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"]))
+            self.events.append(
+                CarriageEvent(self.time, f"payload {self.payload:g} kg", eq[f"{self.rig.carriage.name}.x"])
+            )
             point = eq.point.copy()
             at.load(point, self.payload)
             newton_of(at.model).solve(point)
@@ -348,7 +419,7 @@ class _Run:
         need = self.places.paid_out(beyond, point)
         wait = (have - need) / speed
         if at.on is None and (beyond.on is not None or at.span != beyond.span):
-            self.events.append(Happening(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
+            self.events.append(CarriageEvent(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
         if wait >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
             self.time += wait
         else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
@@ -358,7 +429,7 @@ class _Run:
             newton_of(beyond.model).solve(point)
             beyond.check.require(point)
         if beyond.on is None and (at.on is not None or at.span != beyond.span):
-            self.events.append(Happening(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
+            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
         return beyond.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
@@ -376,10 +447,10 @@ class _Run:
         outputs = outputs_of(at.model)(*eq.point.arguments)[0].copy()
         solved = Solved(at, eq.point, outputs, "mainline")
         name = self.rig.carriage.name
-        values = row(solved, solved[f"{name}.x"])
-        beyond = {limit for limit, margin in self.margins.items() if margin(values, solved) < 0.0}
+        values = station_row(solved, solved[f"{name}.x"])
+        beyond = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
         for limit in sorted(beyond - self.beyond):
-            self.events.append(Happening(now, f"beyond {limit}", solved[f"{name}.x"]))
+            self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
         self.beyond = beyond
         point = eq.point.copy()
         point.u[:] = 0.0

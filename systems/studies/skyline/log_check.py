@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.rigs.skyline_rig import Turn
+from ropeway.systems.rigs.turn import Turn
 from ropeway.systems.solvers.newton import Point
 
 _BEHIND = 1e-6

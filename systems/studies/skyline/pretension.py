@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,18 +18,39 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.load_path import highest_of, row
+from ropeway.systems.studies.skyline.rope_tensions import highest_tension
+from ropeway.systems.studies.skyline.station_row import sag_columns, station_row
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 
 @checked
 @dataclass(frozen=True, eq=False)
 class SetUp:
-    """How to rig a skyline: `length` unstretched [m], `tension` of the bare rope at the headspar [N], the `rig`
-    with that length, and `loaded`, the row of its load path in the wanted state."""
+    """How to rig a skyline, as `rw.set_up` returns it.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        With that length.
+    length : float
+        Unstretched, of the skyline [m].
+    tension : float
+        Of the bare rope at the headspar [N].
+    loaded : dict
+        The row of `rw.load_path` in the wanted state.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
+    ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> round(rw.set_up(rig, station=150.0, payload=2000.0, deflection=6.0).tension)
+    32466
+    """
 
     rig: SkylineRig
     length: float
@@ -46,30 +68,55 @@ def set_up(
     tension: float | None = None,
     deflection: float | None = None,
 ) -> SetUp:
-    """The unstretched length of a skyline for which a payload [kg] at a station [m] gives a highest tension [N],
-    or a deflection [percent of the span]. Raises InputError, and EquilibriumError where no length gives it."""
-    if rig.kind is RigKind.RUNNING:
-        raise InputError(f"{rig.name} has no skyline of its own", "Its tension is set: running_skyline(tension=)")
-    if (tension is None) == (deflection is None):
-        raise InputError("set_up needs either tension or deflection", "Give one of them")
-    check.not_negative(payload, rig.name, "payload", "kg")
-    column, wanted = ("highest_tension", tension) if deflection is None else ("deflection", deflection)
-    check.positive(wanted or 0.0, rig.name, column)
-    if tension is not None and tension >= rig.skyline.breaking_load:
-        raise InputError(
-            f"{rig.name}: {tension:g} N is above the minimum breaking load {rig.skyline.breaking_load:g} N",
-            "Ask for less tension or take a stronger rope",
-        )
+    """The unstretched length of a skyline for a wanted loaded state.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        Its own length and tension do not count.
+    station : float
+        Of the carriage [m].
+    payload : float
+        [kg].
+    tension : float, optional
+        Wanted highest tension of the skyline [N]. Give either this or `deflection`.
+    deflection : float, optional
+        Wanted sag below the chord [% of the span].
+
+    Returns
+    -------
+    SetUp
+        Length, tension of the bare rope, and the loaded state.
+
+    Raises
+    ------
+    InputError
+        Not one of tension and deflection is given, or the rig is a running skyline.
+    EquilibriumError
+        No length gives the wanted state.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
+    ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> round(set_up(rig, station=150.0, payload=2000.0, tension=150e3).loaded["deflection"], 2)
+    4.95
+    """
+    _require_one_aim(rig, payload, tension, deflection)
+    state = partial(at, rig, station=station, payload=payload)
+    wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
+    name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
+
+    def miss(length: float) -> float:
+        return value(state(length=length)) - float(wanted or 0.0)
+
     chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
     strain = rig.skyline.strain.at(rig.skyline.breaking_load)
     inextensible = rig.skyline.strain == (0.0, 0.0)
-
-    def miss(length: float) -> float:
-        return float(row(at(rig, length, station, payload), station)[column]) - float(wanted or 0.0)
-
     low = chords * (1.0 + 1e-6) if inextensible else chords / (1.0 + 0.9 * strain)
     high = chords * 1.001
-    sign = 1.0 if column == "deflection" else -1.0
     while sign * miss(high) < 0.0:
         high = chords + 2.0 * (high - chords)
         if high > 3.0 * chords:
@@ -77,14 +124,41 @@ def set_up(
     for end, length, sense in (("shortest", low, 1.0), ("longest", high, -1.0)):
         if sense * sign * (off := miss(length)) > 0.0:
             raise EquilibriumError(
-                f"{rig.name}: no length gives {column.replace('_', ' ')} {wanted:g} with {payload:g} kg at "
-                f"{station:g} m",
+                f"{rig.name}: no length gives {name} {wanted:g} with {payload:g} kg at {station:g} m",
                 f"With the {end} skyline it is {off + float(wanted or 0.0):.4g}",
             )
     length = float(brentq(miss, low, high, xtol=1e-11, rtol=1e-14))
     ready = replace(rig, length=length, tension=None)
-    loaded = row(certified([at(rig, length, station, payload)])[0], station)
+    loaded = station_row(certified([state(length=length)])[0], station)
     return SetUp(ready, length, bare_tension(ready), loaded)
+
+
+def _require_one_aim(rig: SkylineRig, payload: float, tension: float | None, deflection: float | None) -> None:
+    """Raises InputError for what `set_up` cannot be asked."""
+    if not rig.kind.keeps_length:
+        raise InputError(f"{rig.name} has no skyline of its own", "Its tension is set: running_skyline(tension=)")
+    if (tension is None) == (deflection is None):
+        raise InputError("set_up needs either tension or deflection", "Give one of them")
+    check.not_negative(payload, rig.name, "payload", "kg")
+    if deflection is not None:
+        check.positive(deflection, rig.name, "deflection")
+    if tension is not None:
+        check.positive(tension, rig.name, "highest_tension")
+        if tension >= rig.skyline.breaking_load:
+            raise InputError(
+                f"{rig.name}: {tension:g} N is above the minimum breaking load {rig.skyline.breaking_load:g} N",
+                "Ask for less tension or take a stronger rope",
+            )
+
+
+def _highest(solved: Solved) -> float:
+    """Highest tension of the skyline [N]."""
+    return highest_tension(solved, "skyline")
+
+
+def _deflection(solved: Solved) -> float:
+    """Sag over span [%]."""
+    return sag_columns(solved)["deflection"]
 
 
 def at(rig: SkylineRig, length: float, station: float, payload: float) -> Solved:
@@ -95,13 +169,41 @@ def at(rig: SkylineRig, length: float, station: float, payload: float) -> Solved
 @checked
 @interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
-    """A new rope settling: one row for each turn (station [m], payload [kg]) in order.
+    """A new rope settling under its first turns.
 
-    Columns: station, payload, highest_tension under it, peak (highest tension so far), permanent (construction
-    stretch pulled out so far [m]), bare_tension at the headspar afterwards [N]. Construction stretch is that of
-    the highest tension ever seen in the rope, it stays, and the rope is elastic below that tension (Lyons 2008).
-    The skyline needs `stretch=ConstructionStretch(...)`; the rig's length or tension counts for the rope before
-    its first load, which the pretension has stretched already. Raises InputError, EquilibriumError.
+    Construction stretch is that of the highest tension ever seen in the rope, it stays, and the rope is elastic below
+    that tension (Lyons 2008). The rig's length or tension counts for the rope before its first load, which the
+    pretension has stretched already.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        Its skyline has `stretch=ConstructionStretch(...)`.
+    turns : sequence of (float, float)
+        Station [m] and payload [kg] of each turn, in order.
+
+    Returns
+    -------
+    DataFrame
+        One row for each turn: station, payload; highest_tension under it, peak (highest tension so far), permanent
+        (construction stretch pulled out so far [m]), bare_tension at the headspar afterwards [N].
+
+    Raises
+    ------
+    InputError
+        The rope has no construction stretch, or a turn pulls it above its minimum breaking load.
+    EquilibriumError
+        There is no equilibrium at a station.
+
+    Examples
+    --------
+    >>> rope = rw.Rope.named("RHOL-IWRC 29", stretch=rw.ConstructionStretch())
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
+    ...     skyline=rope, tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> tension_history(rig, [(150.0, 2000.0), (150.0, 2000.0)])["bare_tension"].round(-2).tolist()
+    [45100.0, 45100.0]
     """
     k = rig.skyline.strain.c2
     if k <= 0.0:
@@ -122,11 +224,11 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     rows = []
     for station, mass in turns:
         check.not_negative(mass, rig.name, "payload", "kg")
-        highest = highest_of(certified([at(used, grown(peak), station, mass)])[0], "skyline")
+        highest = highest_tension(certified([at(used, grown(peak), station, mass)])[0], "skyline")
         if highest > peak:
 
             def virgin(trial: float, station: float = station, mass: float = mass) -> float:
-                return highest_of(at(used, grown(trial), station, mass), "skyline") - trial
+                return highest_tension(at(used, grown(trial), station, mass), "skyline") - trial
 
             if virgin(limit) > 0.0:
                 raise InputError(
@@ -135,7 +237,7 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
                     "Take less load or a stronger rope",
                 )
             peak = float(brentq(virgin, peak, highest, xtol=1e-7))
-            highest = highest_of(certified([at(used, grown(peak), station, mass)])[0], "skyline")
+            highest = highest_tension(certified([at(used, grown(peak), station, mass)])[0], "skyline")
         bare = bare_tension(replace(used, length=grown(peak)))
         rows.append(
             {

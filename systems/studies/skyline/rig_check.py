@@ -9,8 +9,9 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Buffered, Newton, Point, outputs_of
+from ropeway.systems.statics.condensed_stiffness import CondensedStiffness, places_of
 from ropeway.systems.studies.skyline.log_check import LogCheck
 
 SLACK = 2.4
@@ -48,7 +49,7 @@ class RigCheck:
         self._across, self._ends, self._tensions = across, np.array([down, up]), np.array([a, b])
         self._most = ABSURD * np.array([span.rope.breaking_load for span, _ in spans])
         self._roles = [role for _, role in spans]
-        self._pushing = model.p.index["haulback.tension"] if rig.kind is RigKind.RUNNING and by_height else None
+        self._pushing = None if rig.kind.keeps_length or not by_height else model.p.index[f"{rig.skyline_drum}.tension"]
         self._leans = [
             (y[f"{spar.name}.lean"], LEAN * (spar.height or 0.0))
             for spar in (rig.headspar, rig.tailspar)
@@ -56,11 +57,9 @@ class RigCheck:
         ]
         self.log = None if rig.turn is None else LogCheck(rig.turn, rig.terrain, rig.carriage.name, model)
         along, others = _free_places(rig, model, on)
-        pattern = newton.jacobian.sparsity_out(0)
-        entries = np.array([pattern.row(), pattern.get_col()])
-        self._free = _Free(model, entries, [*others, *along], _under_carriage(rig, model))
+        self._free = CondensedStiffness(newton, [*others, *along], _under_carriage(rig, model))
         self._along, self._on = along, on
-        self._beside: dict[int, _Free] = {}
+        self._beside: dict[int, CondensedStiffness] = {}
         self._x = model.z.index.get(f"{rig.carriage.name}.x")
         self._outputs, self._jacobian = outputs_of(model), Buffered(newton.jacobian)
 
@@ -88,7 +87,7 @@ class RigCheck:
                 f"Rope {name!r} would carry {ABSURD * float(excess[k]):.0f} times its minimum breaking load",
                 "Give it more length, or the carriage more sag",
                 name,
-                f"{'haulback' if self.rig.kind is RigKind.RUNNING and role == 'skyline' else role} tension",
+                f"{self.rig.kind.carrying_rope if role == 'skyline' else role} tension",
             )
         if self._pushing is not None and point.p[self._pushing] <= 0.0:
             raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
@@ -108,16 +107,16 @@ class RigCheck:
         if near is None and self._x is not None:
             near = self.rig.shoe_near(float(point.z[self._x]))
         if near is not None and near not in self._beside:
-            self._beside[near] = self._free.beside(self._along, self.rig.supports[near].name)
+            self._beside[near] = self._free_beside(self.rig.supports[near].name)
         free = self._free if near is None else self._beside[near]
         if not free.balances:
             return
         jacobian = self._jacobian_at(point)
-        pivots = free.pivots(jacobian)
+        pivots = _pivots(free, jacobian)
         if pivots.min() > 0.0:
             return
         for name, tops in self._tops().items():
-            if free.condensed(tops).pivots(jacobian).min() <= 0.0:
+            if _pivots(free.condensed(tops), jacobian).min() <= 0.0:
                 raise OutOfReachError(
                     f"The guylines of {name!r} do not hold it: it would topple",
                     "Spread their anchors around the spar, or give them more pretension",
@@ -126,6 +125,13 @@ class RigCheck:
                 )
         name = component_of(self.model.z.names[free.balances[int(np.argmax(pivots <= 0.0))].travel])
         raise EquilibriumError(f"The balance at {name!r} is unstable", "Give the ropes more tension", name)
+
+    def _free_beside(self, support: str) -> CondensedStiffness:
+        """With the carriage kept in its path, and tensions on both sides of a support equal."""
+        travels = [self.model.z.index.get(f"{name}.travel") for name in (support, f"{support}_mainline")]
+        free = [b for b in self._free.balances if b not in self._along and b.travel not in travels]
+        kept = np.concatenate([places_of(self._along), self._free.kept], axis=1)
+        return CondensedStiffness(self.newton, free, kept)
 
     def _jacobian_at(self, point: Point) -> np.ndarray:
         """The entries of the Jacobian of the scaled residuals by the scaled unknowns."""
@@ -140,6 +146,14 @@ class RigCheck:
             for spar in (self.rig.headspar, self.rig.tailspar)
             if isinstance(spar, GuyedSpar)
         }
+
+
+def _pivots(free: CondensedStiffness, jacobian: np.ndarray) -> np.ndarray:
+    """Its pivots; zeros where the equations of all else are singular."""
+    try:
+        return free.pivots(jacobian)
+    except RuntimeError:
+        return np.zeros(len(free.balances))
 
 
 def _free_places(rig: SkylineRig, model: Model, on: int | None) -> tuple[list[Balance], list[Balance]]:
@@ -168,56 +182,3 @@ def _under_carriage(rig: SkylineRig, model: Model) -> np.ndarray:
     return np.array(
         [[k for name, k in index.items() if name.startswith(owners)] for index in (model.r.index, model.z.index)], int
     )
-
-
-def _places(balances: Sequence[Balance]) -> np.ndarray:
-    """Their rows and columns, shape (2, n)."""
-    return np.array([[b.residual for b in balances], [b.travel for b in balances]], int)
-
-
-class _Free:
-    """What can move in a model. entries: rows and columns of its Jacobian's entries; `kept`: rows and columns that stay
-    as they are."""
-
-    def __init__(self, model: Model, entries: np.ndarray, balances: Sequence[Balance], kept: np.ndarray) -> None:
-        self.model, self.entries, self.balances, self.kept = model, entries, tuple(balances), kept
-        self._signs = -np.array([b.sign for b in balances])[:, None]
-        # What is in balance first, then what can move: blocks of one matrix.
-        self._inner, places = 0, np.full(entries.shape, -1)
-        for place, entry, these, still in zip(places, entries, _places(balances), kept, strict=True):
-            inner = np.setdiff1d(np.arange(len(model.z)), np.concatenate([these, still]))
-            order = np.full(max(int(entry.max(initial=0)) + 1, len(model.z)), -1)
-            order[inner], order[these] = np.arange(len(inner)), len(inner) + np.arange(len(these))
-            place[:], self._inner = order[entry], len(inner)
-        self._used = np.flatnonzero((places >= 0).all(axis=0))
-        self._size = self._inner + len(self.balances)
-        self._at = places[0, self._used] * self._size + places[1, self._used]
-
-    def beside(self, along: Sequence[Balance], support: str) -> _Free:
-        """With the carriage kept in its way, and tensions on both sides of a support equal."""
-        travels = [self.model.z.index.get(f"{name}.travel") for name in (support, f"{support}_mainline")]
-        free = [b for b in self.balances if b not in along and b.travel not in travels]
-        return _Free(self.model, self.entries, free, np.concatenate([_places(along), self.kept], axis=1))
-
-    def condensed(self, balances: Sequence[Balance]) -> _Free:
-        """On some of the places, the others in balance."""
-        return _Free(self.model, self.entries, balances, self.kept)
-
-    def pivots(self, jacobian: np.ndarray) -> np.ndarray:
-        """Pivots of their stiffness, all else but `kept` in balance; zero after a negative one. jacobian: its
-        entries."""
-        n, pivots = self._inner, np.zeros(len(self.balances))
-        entries = np.zeros(self._size**2)
-        entries[self._at] = jacobian[self._used]
-        whole = entries.reshape(self._size, self._size)
-        try:
-            moved = np.linalg.solve(whole[:n, :n], whole[:n, n:])
-        except np.linalg.LinAlgError:
-            return pivots
-        stiffness = self._signs * (whole[n:, n:] - whole[n:, :n] @ moved)
-        for k in range(len(pivots)):
-            pivots[k] = stiffness[k, k]
-            if not pivots[k] > 0.0:
-                break
-            stiffness[k + 1 :] -= np.outer(stiffness[k + 1 :, k] / pivots[k], stiffness[k])
-        return pivots

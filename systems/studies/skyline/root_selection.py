@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from enum import IntEnum
-from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import SpanModel
+from ropeway.systems.studies.skyline.carriage_model import Question, SpanModel
+from ropeway.systems.studies.skyline.starting_points import from_geometry
 
 BESIDE = 1.0
 """Before a refusal is believed, the stations so far to either side [m] are solved, and followed from there."""
@@ -32,14 +32,6 @@ FARTHEST = 2.0
 
 DEEP = 1e3
 """A ground so far below a log [m] is out of its reach."""
-
-
-class Question(NamedTuple):
-    """The carriage at a station [m] with a payload [kg], and at a height z [m] where the yarder sets it."""
-
-    station: float
-    payload: float
-    height: float | None = None
 
 
 class Effort(IntEnum):
@@ -125,7 +117,7 @@ def settled(
 
 
 def _from_geometry(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    start = at.cold(asked.station, asked.payload, asked.height)
+    start = from_geometry(at, *asked)
     if at.log is None or at.check.log is None:
         return settled(at, start, asked, iterations=80)
     hanging, _ = settled(at, start, asked, lower=DEEP, iterations=80)

@@ -7,13 +7,18 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
-from ropeway.systems.rigs.skyline_rig import STEEPEST, RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, span_model
-from ropeway.systems.studies.skyline.root_selection import Effort, Question, meant
+from ropeway.systems.studies.skyline.carriage_model import Place, Question, Solved, span_model
+from ropeway.systems.studies.skyline.root_selection import Effort, meant
+from ropeway.systems.studies.skyline.starting_points import off_shoe, on_mainline
 
 SIDE = 0.02
 """A carriage at a point saddle hangs this far beside it [m], on the side it was asked for."""
+
+
+NO_EQUILIBRIUM = "no equilibrium"
+"""What limits a payload where no other limit is known."""
 
 
 NEAR = 1e-4
@@ -21,8 +26,8 @@ NEAR = 1e-4
 
 
 class Stations:
-    """A rig's equilibria over stations: each that which is meant there (`meant_root`), whatever was solved before. The
-    last ones are starts that make it faster.
+    """A rig's equilibria over stations: each that which is meant there (`root_selection`), whatever was solved
+    before. The last ones are starts that make it faster.
 
     Where the mainline would have to push, because the carriage stands beyond its rest point, or to pull less
     than its own weight does, the carriage's clamp holds it on the skyline: solved with the ideal holding force
@@ -110,7 +115,7 @@ class Stations:
             effort = Effort.QUICK
         if rig.ideal or rig.carriage.clamped:
             return self._solve(place, asked, start=shoe, effort=effort)
-        if rig.kind is RigKind.RUNNING and asked.height is None:
+        if not rig.kind.keeps_length and asked.height is None:
             self._require_lift(asked.station, asked.payload)
         name, own = rig.carriage.name, self._own_pull(place.span, asked.station)
         # Started with the clamp where the last one was held by it: that is faster, the answer is the same.
@@ -136,7 +141,7 @@ class Stations:
         self._was_clamped[place] = pulled is None or holds <= 0.0
         if pulled is not None and holds > 0.0:
             return pulled
-        if rig.kind is RigKind.RUNNING:
+        if not rig.kind.has_clamp:
             raise OutOfReachError(
                 f"At station {asked.station:g} m the carriage of {rig.name!r} is beyond its rest point with "
                 f"{asked.payload:g} kg: the mainline would have to push",
@@ -215,9 +220,9 @@ class Stations:
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:
-            first = at.pulled(start)
+            first = on_mainline(at, start)
         elif start is not None and start.at.rig is at.rig:
-            first = at.off_shoe(start)
+            first = off_shoe(at, start)
         near = [] if refused is not None else _ahead(known, asked)
         point = meant(at, asked, near, start=first, effort=effort, refused=refused)
         self._last[place, clamp] = [*known[-1:], _Known(asked, point)]

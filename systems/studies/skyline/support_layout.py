@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,19 +16,38 @@ from ropeway.components.errors import EquilibriumError, InputError, SlackRopeErr
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.rig_builder import with_supports
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
-from ropeway.systems.studies.skyline.load_path import row, stations_of
-from ropeway.systems.studies.skyline.payload import margins_of
-from ropeway.systems.studies.skyline.payload_search import LimitMargin
-from ropeway.systems.studies.skyline.station_solver import Stations
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.certified_states import certified
+from ropeway.systems.studies.skyline.limits import LimitMargin, LoadLimits, margins_of
+from ropeway.systems.studies.skyline.load_path import stations_of
+from ropeway.systems.studies.skyline.station_solver import NO_EQUILIBRIUM, Stations
 
 
 @checked
 @dataclass(frozen=True)
 class Candidate:
-    """A tree or a place where a support can stand: its `station` [m] and the `heights` that it allows [m].
+    """A tree or a place where a support can stand.
 
-    Raises InputError."""
+    Parameters
+    ----------
+    name : str
+        Of the support.
+    station : float
+        [m].
+    heights : sequence of float
+        That it allows [m].
+
+    Raises
+    ------
+    InputError
+        A height is missing or not positive.
+
+    Examples
+    --------
+    >>> Candidate("spruce", 120.0, (8.0, 6.0)).heights
+    (6.0, 8.0)
+    """
 
     name: str
     station: float
@@ -43,15 +63,41 @@ class Candidate:
             check.positive(height, f"Candidate {self.name!r}", "height", "m")
 
     def support(self, height: float) -> IntermediateSupport:
-        """The support that it makes."""
+        """The support that it makes.
+
+        Parameters
+        ----------
+        height : float
+            Over the ground [m].
+
+        Returns
+        -------
+        IntermediateSupport
+            At the candidate's station.
+        """
         return IntermediateSupport(self.name, station=self.station, height=height)
 
 
 @checked
 @dataclass(frozen=True, eq=False)
 class SupportPlan:
-    """The supports found. `feasible`: whether the payload passes with them; if not, `supports` is the trial that
-    came furthest, and `limited_by` and `station` say what stopped it where. `tried`: rigs looked at."""
+    """The supports of a skyline, as `rw.optimise_supports` returns them.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        With these supports.
+    supports : tuple of IntermediateSupport
+        Of an infeasible corridor those with which most stations pass.
+    feasible : bool
+        Whether the payload passes with them.
+    limited_by : str
+        The limit that stops an infeasible payload; "" otherwise.
+    station : float
+        Where [m]; NaN otherwise.
+    tried : int
+        Number of rigs looked at.
+    """
 
     rig: SkylineRig
     supports: tuple[IntermediateSupport, ...]
@@ -68,8 +114,32 @@ class SupportPlan:
 
 @checked
 def support_range(start: float, end: float, spacing: float, heights: Sequence[float]) -> tuple[Candidate, ...]:
-    """Candidates every `spacing` metres from `start` to `end`: a range in which supports may stand freely.
-    Raises InputError."""
+    """Candidates in a range in which supports may stand freely.
+
+    Parameters
+    ----------
+    start, end : float
+        Stations of the first and about the last [m].
+    spacing : float
+        [m].
+    heights : sequence of float
+        That all allow [m].
+
+    Returns
+    -------
+    tuple of Candidate
+        Named support_1, support_2, ...
+
+    Raises
+    ------
+    InputError
+        The range is empty, or the spacing is not positive.
+
+    Examples
+    --------
+    >>> [candidate.station for candidate in support_range(100.0, 120.0, 10.0, [6.0, 8.0])]
+    [100.0, 110.0, 120.0]
+    """
     check.positive(spacing, "support_range", "spacing", "m")
     if not start <= end:
         raise InputError(f"support_range goes from {start:g} m to {end:g} m", "Give the lower station first")
@@ -91,34 +161,59 @@ def optimise_supports(
     stations: Sequence[float] | np.ndarray | None = None,
     most: int = 3,
 ) -> SupportPlan:
-    """The least number of supports, then the least sum of their heights, that lets a payload [kg] pass all
-    `stations` [m] within tensions, lift-off and clearances [m]; `most`: the largest number looked at.
+    """The least number of supports, then the least sum of their heights, with which a payload passes.
 
-    rig: a standing skyline given by its tension, whose own supports are left out. Every set of candidates is
-    looked at, fewest first, and in a set all heights in order of their sum: the answer is exact for the
-    candidates given. An infeasible corridor is an answer (`feasible` False). Raises InputError.
+    Every set of candidates is looked at, fewest first, and in a set all heights in order of their sum: the answer is
+    exact for the candidates given. Every state that decides has its certificate. An infeasible corridor is an answer
+    (`feasible` False).
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        A standing skyline given by its tension; its own supports are left out.
+    candidates : sequence of Candidate
+        Places and heights to choose from.
+    payload : float
+        [kg].
+    clearance : float, default 0.0
+        Of the load over the ground [m].
+    rope_clearance : float, default 0.0
+        Of the loaded skyline over the ground [m].
+    safety_factor : float, default 3.0
+        Minimum breaking load over highest tension, of all ropes.
+    stations : sequence of float, optional
+        That the payload has to pass [m]; by default about every 5 m.
+    most : int, default 3
+        Largest number of supports looked at.
+
+    Returns
+    -------
+    SupportPlan
+        The supports, or what stops the payload.
+
+    Raises
+    ------
+    InputError
+        The rig is not a standing skyline given by its tension, or has no terrain; or a candidate is outside its spars.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     rw.Profile([0.0, 150.0, 300.0], [0.0, 12.0, 0.0]), headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+    ...     tailspar=rw.TailSpar("tail", station=300.0, height=15.0), skyline="RHOL-IWRC 29", tension=70e3,
+    ...     carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> plan = optimise_supports(rig, [Candidate("spruce", 150.0, (6.0, 10.0))], payload=1500.0)
+    >>> plan.feasible, plan.height
+    (True, 6.0)
     """
-    if rig.kind is not RigKind.STANDING or rig.tension is None:
-        raise InputError(f"{rig.name} is not a standing skyline given by its tension", "Make it with tension=")
-    if rig.terrain is None:
-        raise InputError(f"{rig.name} has no terrain", "Give it a Profile")
-    check.not_negative(payload, rig.name, "payload", "kg")
-    if len({c.name for c in candidates}) < len(candidates):
-        raise InputError("Two candidates have one name", "Give each a name of its own")
-    low, high = rig.points[0, 0], rig.points[rig.spans, 0]
-    for c in candidates:
-        if not low < c.station < high:
-            raise InputError(
-                f"Candidate {c.name!r} at {c.station:g} m is outside the spars", f"Between {low:g} m and {high:g} m"
-            )
+    _require_choice(rig, candidates, payload, most)
     check.positive(safety_factor, rig.name, "safety_factor")
     check.number(clearance, rig.name, "clearance", "m")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    if most < 0:
-        raise InputError(f"{rig.name}: most is {most!r}", "Give the largest number of supports looked at, 0 or more")
-    where = stations_of(rig, stations)
     ordered = sorted(candidates, key=lambda c: c.station)
-    search = _Search(rig, payload, (clearance, rope_clearance), safety_factor, where)
+    limits = LoadLimits(safety_factor, safety_factor, clearance, rope_clearance)
+    search = _Search(rig, payload, limits, stations_of(rig, stations))
     for count in range(min(most, len(ordered)) + 1):
         best: tuple[float, tuple[IntermediateSupport, ...]] | None = None
         for chosen in combinations(ordered, count):
@@ -136,6 +231,25 @@ def optimise_supports(
     return search.furthest()
 
 
+def _require_choice(rig: SkylineRig, candidates: Sequence[Candidate], payload: float, most: int) -> None:
+    """Raises InputError for a rig without a choice of supports, and for candidates that it cannot have."""
+    if rig.kind.sets_height or rig.tension is None:
+        raise InputError(f"{rig.name} is not a standing skyline given by its tension", "Make it with tension=")
+    if rig.terrain is None:
+        raise InputError(f"{rig.name} has no terrain", "Give it a Profile")
+    check.not_negative(payload, rig.name, "payload", "kg")
+    if len({c.name for c in candidates}) < len(candidates):
+        raise InputError("Two candidates have one name", "Give each a name of its own")
+    low, high = rig.points[0, 0], rig.points[rig.spans, 0]
+    for c in candidates:
+        if not low < c.station < high:
+            raise InputError(
+                f"Candidate {c.name!r} at {c.station:g} m is outside the spars", f"Between {low:g} m and {high:g} m"
+            )
+    if most < 0:
+        raise InputError(f"{rig.name}: most is {most!r}", "Give the largest number of supports looked at, 0 or more")
+
+
 def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, ...]]]:
     """All heights of a set of candidates, least sum first."""
     grids = np.meshgrid(*(c.heights for c in chosen), indexing="ij")
@@ -147,53 +261,72 @@ def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, .
         yield float(heights.sum()), tuple(float(h) for h in heights)
 
 
-class _Search:
-    """Whether a payload passes with some supports. The stations that stopped others are asked first."""
+class _Stop(NamedTuple):
+    """What stops a payload, and at which station [m]."""
 
-    def __init__(
-        self,
-        rig: SkylineRig,
-        payload: float,
-        clearances: tuple[float, float],
-        safety_factor: float,
-        stations: np.ndarray,
-    ) -> None:
-        self.rig, self.payload, self.clearances, self.safety = rig, payload, clearances, safety_factor
-        self.stations = [float(x) for x in stations]
-        self.blame = dict.fromkeys(self.stations, 0)
+    limit: str
+    station: float
+
+
+class _Search:
+    """Whether a payload passes with some supports. The stations that stopped most other trials are solved first."""
+
+    def __init__(self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray) -> None:
+        self.rig, self.payload, self.limits = rig, payload, limits
+        self.failures = dict.fromkeys((float(x) for x in stations), 0)
         self.tried = 0
-        self.best: tuple[int, SkylineRig, tuple[IntermediateSupport, ...], str, float] | None = None
+        self.best: tuple[int, SkylineRig, tuple[IntermediateSupport, ...], _Stop] | None = None
 
     def passes(self, supports: tuple[IntermediateSupport, ...]) -> bool:
-        """Asks station by station, those that stopped most trials first, until one is stopped."""
+        """Solves station by station until one stops the payload."""
         self.tried += 1
         try:
             rig = with_supports(self.rig, supports)
         except (SlackRopeError, EquilibriumError):
             return False
-        margins = margins_of(rig, self.safety, self.safety, self.clearances, True)
-        solver = Stations(rig)
-        for done, x in enumerate(sorted(self.stations, key=lambda x: (-self.blame[x], x))):
-            reason = self._stopped(solver, margins, x)
-            if reason is not None:
-                self.blame[x] += 1
-                if self.best is None or done > self.best[0]:
-                    self.best = (done, rig, supports, reason, x)
-                return False
-        return True
-
-    def _stopped(self, solver: Stations, margins: dict[str, LimitMargin], x: float) -> str | None:
-        try:
-            solved = solver.solve(x, self.payload)
-        except EquilibriumError:
-            return "no equilibrium"
-        values = row(solved, x, lines=False)
-        name, margin = min(((n, f(values, solved)) for n, f in margins.items()), key=lambda found: found[1])
-        return name if margin < 0.0 else None
+        margins, solver, states = margins_of(rig, self.limits), Stations(rig), dict[float, Solved]()
+        stop: _Stop | None = None
+        for x in sorted(self.failures, key=lambda x: (-self.failures[x], x)):
+            try:
+                solved = solver.solve(x, self.payload)
+            except EquilibriumError:
+                stop = _Stop(NO_EQUILIBRIUM, x)
+            else:
+                stop = _stop_of({x: solved}, margins) if _exceeded(solved, margins) else None
+            if stop is not None:
+                break
+            states[x] = solved
+        else:
+            stop = _stop_of(states, margins)
+        if stop is None:
+            return True
+        self.failures[stop.station] += 1
+        if self.best is None or len(states) > self.best[0]:
+            self.best = (len(states), rig, supports, stop)
+        return False
 
     def furthest(self) -> SupportPlan:
         """The answer where nothing passes."""
         if self.best is None:
             return SupportPlan(self.rig, (), False, "slack rope", np.nan, self.tried)
-        _, rig, supports, reason, station = self.best
-        return SupportPlan(rig, supports, False, reason, station, self.tried)
+        _, rig, supports, stop = self.best
+        return SupportPlan(rig, supports, False, stop.limit, stop.station, self.tried)
+
+
+def _exceeded(solved: Solved, margins: Mapping[str, LimitMargin]) -> str | None:
+    """The limit that a state is furthest beyond; None within all."""
+    name, margin = min(((n, f(solved)) for n, f in margins.items()), key=lambda pair: pair[1])
+    return name if margin < 0.0 else None
+
+
+def _stop_of(states: Mapping[float, Solved], margins: Mapping[str, LimitMargin]) -> _Stop | None:
+    """The first of some states, by station, that its certificate or a limit refuses; None where all pass."""
+    for x, solved in states.items():
+        try:
+            (state,) = certified([solved])
+        except EquilibriumError:
+            return _Stop(NO_EQUILIBRIUM, x)
+        limit = _exceeded(state, margins)
+        if limit is not None:
+            return _Stop(limit, x)
+    return None

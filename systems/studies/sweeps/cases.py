@@ -22,8 +22,31 @@ from ropeway.components.units import conversion, to_si
 
 @checked
 def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, seed: int = 0) -> pd.DataFrame:
-    """Cases spread evenly between the `bounds` (low, high) of each parameter: in each of `samples` equal parts of
-    a parameter's range there is one. One row a case, the same for the same seed. Raises InputError."""
+    """Cases evenly spread between bounds: each of `samples` equal parts of a parameter's range has one.
+
+    Parameters
+    ----------
+    bounds : mapping of str to (float, float)
+        Lowest and highest value of each parameter.
+    samples : int
+        Number of cases.
+    seed : int, default 0
+        Of the random numbers; the cases are the same for the same seed.
+
+    Returns
+    -------
+    DataFrame
+        A row a case.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> rw.latin_hypercube({"l7.mass": (100.0, 500.0), "s3.z": (40.0, 44.0)}, 4).shape
+    (4, 2)
+    """
     if not bounds or samples < 1:
         raise InputError("latin_hypercube has nothing to spread", "Give bounds and at least one sample")
     for name, ends_of in bounds.items():
@@ -77,6 +100,9 @@ def table_of(
     elif isinstance(parameters, pd.DataFrame):
         cases = parameters.reset_index(drop=True)
     else:
+        for name, values in parameters.items():
+            if isinstance(values, np.ndarray) and values.ndim != 1:
+                raise InputError(f"Parameter {name!r} has an array of {values.ndim} dimensions", "Give a row of values")
         cases = pd.DataFrame(list(product(*parameters.values())), columns=list(parameters))
     if cases.empty or cases.columns.has_duplicates:
         raise InputError("The sweep has no cases, or two parameters of one name", "Give each parameter its values")
@@ -92,6 +118,8 @@ def _in_unit(column: pd.Series, unit_of: Units) -> pd.Series:
     """A column under its parameter's name, its values in the parameter's unit. Brackets in the name of an element
     (`v[2]`), and in that of a column of other things than numbers, are no unit. Raises InputError."""
     name, unit = name_and_unit(str(column.name))
+    if any(isinstance(value, complex | np.complexfloating) for value in column):
+        raise InputError(f"Parameter {column.name!r} has complex values", "Give real numbers")
     values = pd.to_numeric(column, errors="coerce")
     if not unit or _INDEX.fullmatch(unit) or (values.isna() & column.notna()).any():
         return column.rename(str(column.name))

@@ -173,5 +173,5 @@ def _lock(file: IO[bytes]) -> None:
 
 def _not_written(path: Path, error: OSError) -> WriteError:
     return WriteError(
-        f"{path} cannot be written: {error.strerror or error}", "Choose a folder that can be written to and has room"
+        f"{path} cannot be written: {error.strerror or error}", "Choose a folder with write permission and free space"
     )

@@ -25,7 +25,7 @@ from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.studies.sweeps.cases import Units, any_unit, table_of
 from ropeway.systems.studies.sweeps.journal import Journal, JournalRow
 from ropeway.systems.studies.sweeps.line_study import line_mark, line_study, line_unit, line_units
-from ropeway.systems.studies.sweeps.workers import Workers, crew
+from ropeway.systems.studies.sweeps.workers import Workers, worker_pool
 
 Study = Callable[..., Mapping[str, Any] | float]
 """A function of the parameters of a case, by name."""
@@ -44,23 +44,45 @@ def sweep(
     path: str | Path | None = None,
     progress: bool | None = None,
 ) -> pd.DataFrame:
-    """A study of many cases: a row each, in the order of the cases, the same whatever the workers.
+    """Run a study over many cases; the result does not depend on the workers.
 
-    study: a function called as `study(**case)`, which returns a number (column `value`) or numbers and text by
-    name; or a line, whose equilibrium is found with the parameters of the case (named as for `equilibrium`:
-    `"l7.mass"`, `"s3.z"`, `"a_b.length"`), and `outputs` of it by name, by default all of the model. The line
-    keeps its unstretched lengths but for those that are parameters.
+    Parameters
+    ----------
+    study : callable, System or Model
+        A function called as `study(**case)`, which returns a number (column `value`), or numbers and text by name; or a
+        line, whose equilibrium is solved with the parameters of the case. The line keeps its unstretched lengths,
+        except those that are parameters.
+    parameters : mapping of str to values, DataFrame, str or Path
+        Values of each parameter, for all their combinations; or a table with a row a case, as `latin_hypercube` makes,
+        or its file. Parameters of a line are named as for `equilibrium`: "l7.mass", "s3.z", "a_b.length". A name may
+        have a unit in brackets: "c1.speed [km/h]" is `c1.speed`, its values become m/s; those of a function's
+        parameters become SI.
+    outputs : str or sequence of str, optional
+        Of a line; by default all of the model.
+    workers : int or dask.distributed.Client, optional
+        Number of local processes, by default one for each core; 1: this process alone.
+    path : str or Path, optional
+        A Parquet file for the table; an interrupted sweep continues from the rows there are.
+    progress : bool, optional
+        Whether to show a progress bar; by default on a terminal only.
 
-    parameters: values of each parameter, for all their combinations, or a table with a case in each row, such
-    as `latin_hypercube` makes, or the path of its file. A name may have a unit in brackets: `"c1.speed [km/h]"` is
-    `c1.speed`, and its values become m/s; those of a function's parameters become SI. workers: number of local
-    processes, by default one for each core, 1 for none beside this one; or a `dask.distributed.Client`. path: a Parquet
-    file for the table; a sweep that was stopped goes on from the rows there are.
+    Returns
+    -------
+    DataFrame
+        A row a case, in the order of the cases. Columns: parameters, results, and `error` (its type) and `message` of a
+        case that failed, otherwise empty. `attrs["units"]`: units of a line's quantities.
 
-    Columns: parameters, what was found, and `error` (its type) and `message` of a case that failed, empty
-    where it did not; units of a line's quantities in `attrs["units"]`. Raises InputError and UnknownNameError
-    before the first case; WorkerError when a worker is lost, and Interrupted, each with the rows so far as `result`;
-    WriteError when the file cannot be written.
+    Raises
+    ------
+    InputError, UnknownNameError
+        Before the first case.
+    WorkerError, Interrupted
+        With the rows so far as `result`.
+    WriteError
+
+    Examples
+    --------
+    >>> rw.sweep(line, {"l7.mass": [300.0, 450.0]}, outputs=["c1.tension_in"])  # doctest: +SKIP
     """
     units = dict[str, str]()
     if isinstance(study, (System, Model)):
@@ -111,7 +133,7 @@ def _cases(
 
 
 def _table(cases: pd.DataFrame, rows: Mapping[int, JournalRow], units: Mapping[str, str]) -> pd.DataFrame:
-    """The cases that have been found, with what they came to."""
+    """The cases that are done, with their results."""
     there = [i for i in cases.index if i in rows]
     found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
     table = pd.concat([cases.loc[there], found], axis=1)
@@ -128,16 +150,16 @@ def _run(
     journal: Journal | None,
     progress: bool | None,
 ) -> None:
-    """Finds the rows of all cases, by number."""
+    """Adds the rows of all cases, by number."""
     if journal is not None:
         rows.update(journal.rows())
     every = cases.to_dict("records")
     left = [i for i in range(len(every)) if i not in rows]
     size = max(1, min(50, len(every) // 200))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with bar("sweep", len(every), progress) as advance, crew(workers) as share_out:
+    with bar("sweep", len(every), progress) as advance, worker_pool(workers) as pool:
         advance(len(rows))
-        for k, found in share_out(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
+        for k, found in pool(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
             new = dict(zip(chunks[k], found, strict=True))
             rows.update(new)
             if journal is not None:
@@ -157,12 +179,12 @@ class _UsersStudy:
 
 
 def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[JournalRow]:
-    """What some cases came to, failures too: the part of a sweep that a worker does."""
+    """Results of some cases, failures too: the part of a sweep that a worker does."""
     return [_row(study, case) for case in cases]
 
 
 def _row(study: Study, case: dict[str, Any]) -> JournalRow:
-    """What a case came to, or how it failed: whatever a user's function raises is an answer here."""
+    """The result of a case, or its error: whatever a user's function raises is a result here."""
     try:
         return {**_plain(study(**case), case), **dict.fromkeys(_FAILURE, "")}
     except Exception as error:  # noqa: BLE001
@@ -184,7 +206,7 @@ def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
 
 
 def _mark(study: Study) -> bytes:
-    """What tells a study from others: its name, and the values bound to it."""
+    """What identifies a study: its name, and the values bound to it."""
     try:
         return pickle.dumps(study)
     except (pickle.PicklingError, AttributeError, TypeError):

@@ -1,4 +1,4 @@
-"""Where the parts of a large study run: in this process, in processes of this computer, or on a Dask cluster."""
+"""Workers for the cases of a study: this process, processes of this computer, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class DaskClient(Protocol):
 Workers = int | DaskClient | None
 """A number of local processes, 1: this process alone; None: one for each core; or a Dask client."""
 
-Crew = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[tuple[int, Any]]]
-"""Calls a function for each task; gives the number of a task and what was found, as they come in."""
+WorkerPool = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[tuple[int, Any]]]
+"""Calls a function for each task; yields the number of a task and its result, in the order in which they are done."""
 
 
 @contextmanager
-def crew(workers: Workers) -> Iterator[Crew]:
-    """Workers for as long as they are needed; what is not begun then is dropped.
+def worker_pool(workers: Workers) -> Iterator[WorkerPool]:
+    """Workers for the time of a `with` block; tasks that have not begun at its end are dropped.
 
     Raises InputError, WorkerError when a worker is lost, and Interrupted.
     """
@@ -48,11 +48,11 @@ def crew(workers: Workers) -> Iterator[Crew]:
         yield _here
     elif isinstance(count, int):
         with _processes(count) as executor:
-            yield lambda function, tasks: _shared_out(executor, _sendable(function), tasks)
+            yield lambda function, tasks: _map(executor, _sendable(function), tasks)
     else:
         executor = count.get_executor(pure=False)
         try:
-            yield lambda function, tasks: _shared_out(executor, function, tasks)
+            yield lambda function, tasks: _map(executor, function, tasks)
         finally:
             executor.shutdown(wait=False)
 
@@ -63,8 +63,8 @@ def _here(function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tupl
         yield i, function(task)
 
 
-def _shared_out(executor: Executor, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
-    """The results of all tasks, as they come in. Raises WorkerError, Interrupted."""
+def _map(executor: Executor, function: Callable[[Any], Any], tasks: Iterable[Any]) -> Iterator[tuple[int, Any]]:
+    """The number and result of each task, in the order in which they are done. Raises WorkerError, Interrupted."""
     done: SimpleQueue[Future[Any]] = SimpleQueue()
     number: dict[Future[Any], int] = {}
     try:
@@ -81,7 +81,7 @@ def _shared_out(executor: Executor, function: Callable[[Any], Any], tasks: Itera
             "Call it under `if __name__ == '__main__':`, define functions in a module that a new process can "
             "import, use fewer workers if memory is short, or workers=1",
         ) from error
-    except Exception as error:  # whatever a cluster fails with: a study's own errors are results
+    except Exception as error:  # any failure of a cluster; errors of a study are results
         raise WorkerError(
             f"A worker was lost: {type(error).__name__}: {error}",
             "Look at the workers' own messages; give them more memory, or use fewer of them",
@@ -106,7 +106,7 @@ class _Processes(SpawnContext):
 
 @contextmanager
 def _processes(count: int) -> Iterator[Executor]:
-    """Local processes. They end at once when the work is broken off: by an error, by Ctrl-C, or with this process."""
+    """Local processes. They end at once after an error, after Ctrl-C, or with this process."""
     context = _Processes()
     executor = ProcessPoolExecutor(count, context, _begin)
     try:
@@ -121,7 +121,7 @@ def _processes(count: int) -> Iterator[Executor]:
 
 
 def _begin() -> None:
-    """What a worker process does first. Ctrl-C reaches all processes of a terminal: the first one ends the others."""
+    """Initialises a worker process. Ctrl-C reaches all processes of a terminal: the parent ends the others."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
     def end_with_parent() -> None:
@@ -134,18 +134,18 @@ def _begin() -> None:
 
 
 def _sendable(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """The function. Raises InputError where another process could not find it."""
+    """The function. Raises InputError where another process cannot import it."""
     try:
         sent = pickle.dumps(function)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         raise InputError(
-            f"A worker process cannot be given this study: {error}",
+            f"This study cannot be sent to a worker process: {error}",
             "Define its function at the top of a module, or use workers=1",
         ) from error
     script = getattr(sys.modules["__main__"], "__file__", None)
     if b"__main__" in sent and (script is None or not Path(script).is_file()):
         raise InputError(
-            "A worker process cannot be given this study: it is defined in a notebook or at a prompt",
+            "This study cannot be sent to a worker process: it is defined in a notebook or at a prompt",
             "Use workers=1, or move the function to a module and import it",
         )
     return function

@@ -45,7 +45,7 @@ def test_result_has_units(driven: Path, line2: Path) -> None:
     assert frame.attrs["units"]["second.c1.tension_in"] == "N"
 
 
-def test_result_counts_loads_and_tells_limits(line2: Path, line3: Path) -> None:
+def test_result_has_counts_and_limits(line2: Path, line3: Path) -> None:
     """Booleans and integers, of both versions: as in one simulation. A rope is above its safe working load, or not."""
     rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=140e3)
     s = rw.System("tight")
@@ -63,21 +63,21 @@ def test_result_counts_loads_and_tells_limits(line2: Path, line3: Path) -> None:
     assert not above.drop(columns=above.filter(like="tight.")).any(axis=None)
 
 
-def test_a_system_is_exported_on_the_way() -> None:
+def test_a_system_is_exported_automatically() -> None:
     together = CoSimulation(1.0)
     together.add("span", one_span())
     rest = rw.equilibrium(one_span())
     assert together.run(1.0)["span.a_b.tension_a"].to_list() == pytest.approx([rest["a_b.tension_a"]] * 2, rel=1e-9)
 
 
-def test_an_equilibrium_takes_part_as_it_stands() -> None:
+def test_an_equilibrium_is_a_participant() -> None:
     rest = rw.equilibrium(one_span(), given={"a_b.tension_a": 40e3}, solve_for="turn.mass")
     together = CoSimulation(1.0)
     together.add("span", rest)
     assert together.run(1.0)["span.a_b.tension_a"].to_list() == pytest.approx([40e3] * 2, rel=1e-9)
 
 
-def test_what_a_system_leaves_open_must_be_given() -> None:
+def test_open_inputs_need_a_value() -> None:
     """By a start value, or over time."""
     together = CoSimulation(0.1)
     together.add("line", open_line(), start={"c1.relief_pressure": 300e5})
@@ -104,7 +104,7 @@ def test_switches(tmp_path: Path, kinds2: Path, fmi: Literal["2.0", "3.0"]) -> N
         CoSimulation(0.5).add("line", path, start={"c1.brake": 0.5})
 
 
-def test_what_does_not_fit(driven: Path, line2: Path) -> None:
+def test_mismatched_connections(driven: Path, line2: Path) -> None:
     together = CoSimulation(0.1)
     together.add("a", driven)
     together.add("b", line2)
@@ -117,7 +117,7 @@ def test_what_does_not_fit(driven: Path, line2: Path) -> None:
     with pytest.raises(rw.InputError, match="no slave is named 'c'"):
         together.connect("c.x", "b.c1.speed")
     together.connect("a.c1.rope_speed", "b.c1.speed")
-    with pytest.raises(rw.InputError, match="is driven already"):
+    with pytest.raises(rw.InputError, match="is already driven"):
         together.connect("a.c1.command", "b.c1.speed")
     with pytest.raises(rw.InputError, match="participant is a SkylineRig"):
         together.add("rig", corridor())  # type: ignore[arg-type]
@@ -146,7 +146,7 @@ def test_bad_masters() -> None:
         CoSimulation(1.0).run(1.0)
 
 
-def test_the_last_step_is_no_longer_than_asked(line2: Path) -> None:
+def test_the_last_step_ends_at_the_end_time(line2: Path) -> None:
     together = CoSimulation(0.1)
     together.add("a", line2)
     assert list(together.run(0.14).index) == [0.0, 0.1, 0.14]

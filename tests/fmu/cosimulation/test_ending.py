@@ -34,7 +34,7 @@ def test_an_fmu_that_ends_the_run_ends_it(kinds: Path, kind: Kind, more: dict[st
     assert run(kinds, kind).attrs["ended"] is None
 
 
-def test_others_stop_where_one_ends(kinds2: Path, kinds3: Path) -> None:
+def test_all_stop_where_one_ends(kinds2: Path, kinds3: Path) -> None:
     for first, iterated, last in (("a", False, 0.25), ("b", False, 0.2), ("b", True, 0.25)):
         together = CoSimulation(0.1, iterated=iterated)
         for name in sorted("ab", key=lambda n: n != first):  # one that has gone further already is left out
@@ -53,7 +53,7 @@ def test_an_end_at_once(kinds: Path) -> None:
     assert "ends the run at t = 0 s" in frame.attrs["ended"]
 
 
-def test_what_is_discarded_or_fails_leaves_its_rows(kinds: Path, kind: Kind) -> None:
+def test_discarded_and_failed_steps_keep_the_rows(kinds: Path, kind: Kind) -> None:
     with pytest.raises(FmuRunError, match="it has failed") as failed:
         run(kinds, kind, error_at=0.55)
     rows = failed.value.result
@@ -65,7 +65,7 @@ def test_what_is_discarded_or_fails_leaves_its_rows(kinds: Path, kind: Kind) -> 
 
 
 def test_a_smaller_step_is_advised_where_it_can_help(tmp_path: Path, kinds: Path) -> None:
-    with pytest.raises(FmuRunError, match=r"refused a step of 0\.1 s at t = 0\.3 s.*no step from there") as varied:
+    with pytest.raises(FmuRunError, match=r"rejected a step of 0\.1 s at t = 0\.3 s.*no step from there") as varied:
         run(kinds, "CoSimulation", discard_at=0.35)
     assert varied.value.remedy == "Make the step smaller"
     assert varied.value.result is not None
@@ -99,11 +99,11 @@ def test_instances_are_terminated(kinds: Path, kind: Kind) -> None:
     assert unused.log == []
 
 
-def test_a_refusal_to_terminate_is_noted(mass: Path) -> None:
+def test_a_failed_termination_is_logged(mass: Path) -> None:
     with Slave(load(mass)) as slave:
         slave.enter(0.0, {})
         slave.leave()
-    assert slave.log == ["It refused to terminate"]
+    assert slave.log == ["Termination failed"]
 
 
 def test_a_binary_that_does_not_load(tmp_path: Path, mass: Path) -> None:
@@ -119,7 +119,7 @@ def test_a_binary_that_does_not_load(tmp_path: Path, mass: Path) -> None:
         slave.enter(0.0, {})
 
 
-def test_ctrl_c_leaves_the_rows_so_far(mass: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_keeps_the_rows(mass: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     add = Recorder.add
 
     def interrupted(self: Recorder, time: float) -> None:

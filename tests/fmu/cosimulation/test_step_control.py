@@ -63,25 +63,25 @@ def test_first_steps_are_repeated_and_the_last_ends_in_time(mass: Path) -> None:
     assert frame.attrs["inexact"] == []
 
 
-def test_least_steps_that_miss_the_tolerance_are_told(mass: Path) -> None:
+def test_smallest_steps_that_miss_the_tolerance_are_recorded(mass: Path) -> None:
     control = StepControl("Richardson", tolerance=1e-6, least=0.1)
     assert len(pair(mass, 0.1, control=control).run(1.0).attrs["inexact"]) == 10
 
 
-def test_a_refused_step_is_repeated_shorter(mass: Path) -> None:
+def test_a_rejected_step_is_repeated_with_a_smaller_size(mass: Path) -> None:
     control = StepControl("coupling error", tolerance=1e-1)
     frame = pair(mass, 0.1, start={"longest_step": 0.013}, iterated=True, control=control).run(0.5)
     assert np.diff(frame.index).max() <= 0.013
     assert frame.attrs["repeated"] > 0
-    with pytest.raises(FmuRunError, match=r"'one' \(mass\.fmu\) refused a step of 0\.1 s.*the step is too long"):
+    with pytest.raises(FmuRunError, match=r"'one' \(mass\.fmu\) rejected a step of 0\.1 s.*the step is too long"):
         pair(mass, 0.1, start={"longest_step": 0.013}).run(0.5)
     with pytest.raises(FmuRunError, match="the step is too long"):
         pair(mass, 0.1, start={"longest_step": 0.013}, control=StepControl("Richardson", least=0.02)).run(0.5)
 
 
-def test_slaves_that_cannot_go_back(tmp_path: Path) -> None:
+def test_slaves_without_restorable_state(tmp_path: Path) -> None:
     path = mass_fmu(tmp_path / "mass.fmu", keeps_states=False)
-    with pytest.raises(rw.InputError, match="cannot go back in time"):
+    with pytest.raises(rw.InputError, match="cannot restore its state"):
         pair(path, 0.1, control=StepControl("Richardson")).run(1.0)
     frames = [
         pair(path, 0.001, control=StepControl("coupling error", tolerance=t, most=0.1)).run(2.0) for t in (3e-2, 1e-2)

@@ -57,7 +57,7 @@ RUNS = {"corridor2": (corridor(), 2500.0), "corridor3": (corridor(haulback_tensi
 
 @pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
 @pytest.mark.parametrize("name", ["corridor2", "corridor3"])
-def test_in_over_two_supports_and_out_again(name: str, kind: str, request: pytest.FixtureRequest) -> None:
+def test_inwards_over_two_supports_and_outwards_again(name: str, kind: str, request: pytest.FixtureRequest) -> None:
     """Outhaul starts with more mainline wound in: the carriage is taken over the supports when the FMU starts."""
     path: Path = request.getfixturevalue(name)
     rig, payload = RUNS[name]
@@ -96,7 +96,7 @@ def test_one_step_is_as_good_as_many(corridor3: Path, open_fmu: Opener) -> None:
     np.testing.assert_allclose(ends[1:], [ends[0]] * 2, rtol=1e-9)
 
 
-def test_a_rope_that_breaks_within_a_long_step_is_told(tmp_path: Path, open_fmu: Opener) -> None:
+def test_a_rope_that_breaks_within_a_long_step_is_reported(tmp_path: Path, open_fmu: Opener) -> None:
     """The skyline's tension is highest in mid-span, and below the limit again before the support."""
     frame = rw.inhaul(corridor(), payload=2500.0, start=315.0, end=190.0, speed=1.0).frame
     limit = 0.2 * frame.highest_tension.min() + 0.8 * frame.highest_tension.max()
@@ -119,7 +119,9 @@ def hauled(open_fmu: Opener, path: Path, speed: float = -1.0, **more: float) -> 
 
 
 @pytest.mark.parametrize("name", ["corridor2", "corridor3"])
-def test_back_before_a_support_and_over_it_again(name: str, open_fmu: Opener, request: pytest.FixtureRequest) -> None:
+def test_backwards_over_a_support_and_forwards_again(
+    name: str, open_fmu: Opener, request: pytest.FixtureRequest
+) -> None:
     names = ["carriage.x", "carriage.tension_a", "s2.support_force"]
     one, two = (hauled(open_fmu, request.getfixturevalue(name)) for _ in range(2))
     one.run(0.0, 16.0, 0.5, names)
@@ -159,12 +161,12 @@ def test_directional_derivatives_on_a_shoe(corridor2: Path, open_fmu: Opener) ->
 
 
 @pytest.mark.parametrize(("speed", "x"), [(-1.0, 0.0), (1.0, 480.0)])
-def test_the_end_of_the_way_is_an_error(speed: float, x: float, corridor3: Path, open_fmu: Opener) -> None:
+def test_the_end_of_the_path_is_an_error(speed: float, x: float, corridor3: Path, open_fmu: Opener) -> None:
     one = hauled(open_fmu, corridor3, speed)
     with pytest.raises(FMICallException) as caught:
         one.run(0.0, 1000.0, 1.0, ["carriage.x"])
     assert caught.value.status == 3
-    assert "carriage is at the end of its way" in one.log[-1]
+    assert "carriage is at the end of its path" in one.log[-1]
     time, last = one.get("time", "carriage.x")
     assert last == pytest.approx(x, abs=1.1)
     one.set(mainline__speed=-speed)
@@ -218,12 +220,12 @@ def on_ground() -> rw.SkylineRig:
         (point_saddle, {}, "point saddle of 'jack'"),
         (small_shoe, {"payload": 2500.0, "station": 345.0}, "neither rolls over the shoe of 'jack'"),
         (lambda: corridor(mainline=None), {}, "no mainline"),
-        (on_ground, {}, "ground that changes"),
+        (on_ground, {}, "varying ground"),
         (corridor, {"station": 500.0}, "outside the skyline"),
         (corridor, {"payload": -1.0}, "payload"),
-        (skyline, {"station": 100.0}, "for skyline rigs"),
+        (skyline, {"station": 100.0}, "skyline rigs only"),
     ],
 )
-def test_what_is_refused(rig: object, how: dict[str, float], cause: str, tmp_path: Path) -> None:
+def test_rejected_input(rig: object, how: dict[str, float], cause: str, tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match=cause):
         export(rig(), tmp_path / "rig.fmu", platforms=(), **how)  # type: ignore[operator, arg-type]

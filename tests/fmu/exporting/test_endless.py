@@ -14,7 +14,7 @@ from support.fmus import ROPE, short_line
 TURNING = rw.Schedule((0.0, 22.0, 24.0, 70.0, 71.0, 120.0), (1.3, 1.3, -1.8, -1.8, 1.1, 1.1))
 
 
-def test_an_endless_rope_that_turns(tmp_path: Path) -> None:
+def test_an_endless_rope_that_reverses(tmp_path: Path) -> None:
     rows = [("d", 0, 0, 0, "control"), ("o", 66, 0, 2, "idler"), ("r", 130, 2, 4, "return"), ("b", 61, 4, 2, "idler")]
     table = pd.DataFrame(rows, columns=["name", "x", "y", "z", "kind"])
     line = rw.endless(ROPE, table, tension=57e3, speed=TURNING, load_mass=(240.0, 110.0, 170.0), load_spacing=38.0)
@@ -29,7 +29,7 @@ def test_an_endless_rope_that_turns(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_an_fmu_from_the_course_of_a_run_ticks_as_that_did(tmp_path: Path) -> None:
+def test_an_fmu_from_a_running_line_keeps_its_clocks(tmp_path: Path) -> None:
     rule = rw.ThresholdResponse(low=41e3, high=49e3, increment=0.01, period=1.3, delay=0.9)
     line = short_line(response=rule)
     run = rw.simulate(line, 25.0)

@@ -36,7 +36,7 @@ def test_archive_is_complete_and_small(name: str, request: pytest.FixtureRequest
     assert picture.startswith(b"\x89PNG")
 
 
-def test_what_a_system_is_in_words(tmp_path: Path) -> None:
+def test_description_of_a_system(tmp_path: Path) -> None:
     """A picture of ropes only where there are some."""
     unit = rw.System("power unit")
     unit.add(WEAK_UNIT)
@@ -52,12 +52,12 @@ def test_what_a_system_is_in_words(tmp_path: Path) -> None:
     assert found["span"] == ("Cable system of 1 span on 1 rope, 1 load at the start", True)
 
 
-def test_variables_say_what_they_are(line2: Path) -> None:
+def test_variables_are_described(line2: Path) -> None:
     variables = {v.name: v for v in fmpy.read_model_description(str(line2)).modelVariables}
     speed, tension = variables["c1.speed"], variables["c1.tension_in"]
     assert (speed.causality, speed.unit, float(speed.start)) == ("input", "m/s", 1.0)
     assert (tension.causality, tension.unit) == ("output", "N")
-    assert tension.description == "tension of the rope coming in"
+    assert tension.description == "tension of the incoming rope"
     assert float(tension.nominal) > 1e4
     assert variables["der(c1.travel)"].unit == "m/s"
     assert variables["gravity"].causality == "parameter"
@@ -108,7 +108,7 @@ def test_same_system_same_fingerprint(tmp_path: Path) -> None:
     ("more", "cause"),
     [
         ({"fmi": "1.0"}, "fmi is '1.0'"),
-        ({"platforms": ("amiga",)}, "'amiga' is not known"),
+        ({"platforms": ("amiga",)}, "'amiga' is unknown"),
         ({"platforms": "host"}, "platforms is 'host'. Give a sequence of texts"),
         ({"tolerance": 0.0}, "tolerance"),
         ({"outputs": "a_b.tension_a"}, "outputs is 'a_b.tension_a'. Give a sequence of texts"),
@@ -122,18 +122,18 @@ def test_bad_arguments(more: dict[str, object], cause: str, tmp_path: Path) -> N
         export(one_span(), tmp_path / "x.fmu", **more)  # type: ignore[arg-type]
 
 
-def test_a_file_that_cannot_be(tmp_path: Path) -> None:
+def test_invalid_paths(tmp_path: Path) -> None:
     with pytest.raises(rw.InputError, match=r"does not end in \.fmu"):
         export(one_span(), tmp_path / "x.zip")
     with pytest.raises(rw.InputError, match=r"There is no folder .*nowhere"):
         export(one_span(), tmp_path / "nowhere" / "x.fmu")
 
 
-def test_open_inputs_say_so(tmp_path: Path) -> None:
+def test_open_inputs_are_described(tmp_path: Path) -> None:
     path = export(open_line(), tmp_path / "open.fmu", platforms=())
     inputs = [v for v in fmpy.read_model_description(str(path)).modelVariables if v.causality == "input"]
-    told = {v.name for v in inputs if "must be given" in v.description}
-    assert told == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
+    named = {v.name for v in inputs if "requires a value" in v.description}
+    assert named == {"c1.relief_pressure", "c1.pump_flow"} < {v.name for v in inputs}
 
 
 def test_open_input_must_be_shown(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_compiler_messages_reach_the_user(tmp_path: Path) -> None:
         compiler.compile_library(tmp_path, ["bad.c"], compiler.host(), tmp_path / "bad.so")
 
 
-def test_the_compiler_that_cc_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cc_selects_the_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own = compiler.command(compiler.host())
     if len(own) == 1:
         monkeypatch.setenv("CC", f"{own[0]} -DNOTHING")

@@ -85,7 +85,7 @@ def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> 
         assert error < 1e-5, (kind, where)
 
 
-def test_a_load_thrown_over_a_sheave_as_the_rope_turns(tmp_path: Path, open_fmu: Opener) -> None:
+def test_a_load_beyond_a_sheave_as_the_rope_reverses(tmp_path: Path, open_fmu: Opener) -> None:
     """Friction turns with the rope, and takes 7 mm of it over the sheave at once: more than the load is away."""
     s = rw.System("turning")
     drums = rw.Drum("d", at=(0.0, 0.0), speed=1.0), rw.Drum("e", at=(200.0, 0.0), tension=50e3)
@@ -127,7 +127,7 @@ def test_a_load_held_between_driven_sheaves(tmp_path: Path, open_fmu: Opener, sp
         assert told == pytest.approx(wanted, abs=1e-6), size
 
 
-def test_a_schedule_runs_inside(tmp_path: Path) -> None:
+def test_a_schedule_in_the_fmu(tmp_path: Path) -> None:
     ramp = rw.Schedule((0.0, 10.0, 20.0, 40.0), (0.0, 1.0, 0.6, 1.2))
     line = short_line(speed=ramp)
     path = export(line, tmp_path / "ramp.fmu")
@@ -149,7 +149,7 @@ def test_inputs_are_held(line2: Path, open_fmu: Opener) -> None:
     assert one.get(*names) == pytest.approx(result.frame.iloc[-1][names].to_list(), rel=1e-6)
 
 
-def test_other_parameters_are_solved_anew(span3: Path, open_fmu: Opener) -> None:
+def test_other_parameters_are_solved_again(span3: Path, open_fmu: Opener) -> None:
     one = open_fmu(span3)
     one.set(turn__mass=9000.0, a_b__length_start=407.0)
     one.initialize()
@@ -202,7 +202,7 @@ def test_a_rope_breaks_in_mid_run(name: str, open_fmu: Opener, request: pytest.F
 
 
 @pytest.mark.parametrize("size", [1.0, 10.0, 120.0, 240.0])
-def test_a_rope_that_breaks_within_a_long_step_is_told(size: float, tmp_path: Path, open_fmu: Opener) -> None:
+def test_a_rope_that_breaks_within_a_long_step_is_reported(size: float, tmp_path: Path, open_fmu: Opener) -> None:
     """The load is heaviest on its rope in mid-span; the tension is below the limit again when it crosses, at 140 s."""
     line = rw.System("long spans")
     ends = rw.Drum("d0", at=(0.0, 0.0), speed=2.0), rw.Drum("d1", at=(650.0, 0.0), tension=60e3)

@@ -26,7 +26,7 @@ def started(open_fmu: Opener, line: Path) -> Opened:
     return one
 
 
-def test_two_instances_do_not_touch_each_other(open_fmu: Opener, line: Path) -> None:
+def test_two_instances_are_independent(open_fmu: Opener, line: Path) -> None:
     alone = started(open_fmu, line).run(0.0, 40.0, 0.5, NAMES)
     one, two = started(open_fmu, line), started(open_fmu, line)
     two.set(c1__speed=1.05)
@@ -48,7 +48,7 @@ def test_reset_and_run_again_bit_for_bit(open_fmu: Opener, line: Path) -> None:
     assert np.array_equal(one.run(0.0, 40.0, 0.5, NAMES), first)
 
 
-def test_goes_back_in_time_and_on_as_before(open_fmu: Opener, line: Path) -> None:
+def test_a_restored_state_continues_identically(open_fmu: Opener, line: Path) -> None:
     one = started(open_fmu, line)
     one.run(0.0, 25.5, 0.5, NAMES)
     state = one.save()
@@ -58,7 +58,7 @@ def test_goes_back_in_time_and_on_as_before(open_fmu: Opener, line: Path) -> Non
     assert np.array_equal(one.run(25.5, 40.0, 0.5, NAMES), first)
 
 
-def test_a_state_goes_into_another_instance(open_fmu: Opener, line: Path) -> None:
+def test_a_state_is_restored_in_another_instance(open_fmu: Opener, line: Path) -> None:
     one, two = started(open_fmu, line), started(open_fmu, line)
     one.run(0.0, 25.6, 0.4, NAMES)
     state = one.save()
@@ -120,7 +120,7 @@ def test_a_length_must_be_above_zero(open_fmu: Opener, line: Path) -> None:
     refused(one, "must be above 0")
 
 
-def test_parameters_that_a_component_would_not_take(open_fmu: Opener, driven: Path, tmp_path: Path) -> None:
+def test_parameters_out_of_range(open_fmu: Opener, driven: Path, tmp_path: Path) -> None:
     one = open_fmu(driven)
     for name in ("c1__inertia", "c1__volume_per_metre", "c1__pump_flow", "c1__response_time"):
         for value in (0.0, -1.0):
@@ -138,12 +138,12 @@ def test_parameters_that_a_component_would_not_take(open_fmu: Opener, driven: Pa
     refused(two, "must not be below 0")
 
 
-def test_steps_that_make_no_sense_are_refused(open_fmu: Opener, line: Path) -> None:
+def test_invalid_steps_are_rejected(open_fmu: Opener, line: Path) -> None:
     one = started(open_fmu, line)
     for time, size in ((0.0, -1.0), (0.0, math.nan), (5.0, 1.0)):
         with pytest.raises(FMICallException):
             one.step(time, size)
-        refused(one, "is asked for")
+        refused(one, "was requested")
 
 
 def test_parameters_without_an_equilibrium(open_fmu: Opener, line: Path) -> None:
@@ -151,7 +151,7 @@ def test_parameters_without_an_equilibrium(open_fmu: Opener, line: Path) -> None
     one.set(c1__travel=1e4)  # more rope than there is
     with pytest.raises(FMICallException):
         one.initialize()
-    assert "No equilibrium is found" in one.log[-1]
+    assert "No equilibrium was found" in one.log[-1]
 
 
 @pytest.mark.parametrize("name", ["span2", "span3"])
@@ -178,7 +178,7 @@ def test_a_step_that_fails_leaves_the_state(open_fmu: Opener, line: Path) -> Non
     one.set(c1__speed=60.0, c2__speed=-60.0)  # more loads come between them than the FMU has room for
     with pytest.raises(FMICallException):
         one.step(1.0, 60.0)
-    assert "which has room for 3" in one.log[-1]
+    assert "which has 3 slots" in one.log[-1]
     one.set(c1__speed=1.0, c2__speed=1.0)
     assert one.get("time") == [1.0]
     assert one.get(*NAMES) == pytest.approx(before, rel=1e-12)

@@ -57,7 +57,7 @@ def test_its_jacobian_is_that_of_its_equations(way: Corridor) -> None:
         np.testing.assert_allclose(ours, wanted, rtol=1e-9, atol=1e-12 * np.abs(wanted).max())
 
 
-def test_at_a_border_both_places_hold(way: Corridor) -> None:
+def test_both_places_hold_at_a_transition(way: Corridor) -> None:
     """What both know is continuous there; each border is passed both ways."""
     known = {name: k for k, name in enumerate(way.united.model.z.names)}
     same = [known[name] for name in ("carriage.x", "carriage.z", "carriage.travel", "haulback.travel")]

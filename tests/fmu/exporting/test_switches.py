@@ -80,7 +80,7 @@ def test_braked_from_the_start(braked: Path, open_fmu: Opener) -> None:
     assert one.get("c1.travel") == pytest.approx([2.0])
 
 
-def test_only_when_asked_for(driven: Path, line3: Path, open_fmu: Opener) -> None:
+def test_switches_are_exported_on_request(driven: Path, line3: Path, open_fmu: Opener) -> None:
     for path in (driven, line3):
         one = open_fmu(path)
         assert "c1.brake" not in one.references

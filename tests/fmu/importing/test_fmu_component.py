@@ -91,7 +91,7 @@ def test_variables_are_in_the_model(unit: FmuComponent) -> None:
     assert rest["c1.pump_flow"] == pytest.approx(rest["power.unit.flow"], rel=1e-12)
 
 
-def test_an_open_input_keeps_its_start(unit: FmuComponent) -> None:
+def test_an_unconnected_input_keeps_its_start(unit: FmuComponent) -> None:
     s = rw.System("alone")
     s.add(unit)
     still, loaded = rw.simulate(s, 5.0), rw.simulate(s, 5.0, inputs={"power.unit.load_power": 5e3})
@@ -140,7 +140,7 @@ def test_a_system_with_links_as_an_fmu(tmp_path: Path) -> None:
         assert found[name] == pytest.approx(frame[name].to_numpy(), rel=1e-6)
 
 
-def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
+def test_rejected_input(unit: FmuComponent, tmp_path: Path) -> None:
     path = unit.fmu.path
     with pytest.raises(FmuImportError, match=r"2 event indicators.*CoSimulation"):
         component("power", path)
@@ -148,7 +148,7 @@ def test_what_is_refused(unit: FmuComponent, tmp_path: Path) -> None:
         component("power", path, parameters={"unit.speed": 1.0}, ignore_events=True)
     with pytest.raises(FmuVariableError, match="no variable 'inertia'"):
         component("power", path, parameters={"inertia": 1.0}, ignore_events=True)
-    with pytest.raises(FmuRunError, match=r"It says: .* must be above 0"):
+    with pytest.raises(FmuRunError, match=r"Its log: .* must be above 0"):
         component("power", path, parameters={"unit.inertia": -1.0}, ignore_events=True)
     with pytest.raises(rw.InputError, match=r"unit\.inertia'\] is 'heavy'"):
         component("power", path, parameters={"unit.inertia": "heavy"}, ignore_events=True)  # type: ignore[dict-item]

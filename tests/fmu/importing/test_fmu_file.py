@@ -75,8 +75,8 @@ def _line() -> rw.System:
     return example_line()
 
 
-def test_a_refusal_carries_the_slaves_own_words(line2: Path) -> None:
+def test_an_error_has_the_log_of_the_slave(line2: Path) -> None:
     with Slave(load(line2), "winch") as slave:
         slave.enter(0.0, {})
-        with pytest.raises(FmuRunError, match=r"'winch' \(line2\.fmu\) refused.*must be above 0"):
+        with pytest.raises(FmuRunError, match=r"'winch' \(line2\.fmu\) rejected.*must be above 0"):
             slave.set({"c1.grip_friction": -1.0})

@@ -71,7 +71,7 @@ def test_sizes_follow_structural_parameters(kinds3: Path, kind: Kind) -> None:
         ("gear", "middle", r"Give one of 1 \(low\), 2 \(high\)"),
         ("text", 5, "a String: it cannot be 5. Give a text"),
         ("binary", "00", "Give bytes"),
-        ("v", [1.0, 2.0], "is an array of 3, given are 2 values"),
+        ("v", [1.0, 2.0], "is an array of 3; 2 values were given"),
         ("tick", 1, "Clocks tick by themselves"),
     ],
 )
@@ -121,7 +121,7 @@ def test_connections_that_do_not_fit(kinds2: Path, kinds3: Path) -> None:
         ("a.text_out", "b.count"),
         ("a.count_out", "b.gear"),
     ):
-        with pytest.raises(FmuVariableError, match="it cannot drive it"):
+        with pytest.raises(FmuVariableError, match="they cannot be connected"):
             together.connect(source, target)
     with pytest.raises(
         FmuVariableError, match=r"'v' of kinds3\.fmu is an array of 3\. Name one of its elements, v\[1\]"
@@ -192,7 +192,7 @@ def test_a_table_of_inputs(kinds: Path, tmp_path: Path) -> None:
         assert frame["k.x"].iloc[-1] == pytest.approx(0.5 * 0.45 * 0.9 + 0.3 * 1.55)  # a jump at 0.45 s
 
 
-def test_a_table_of_inputs_as_people_write_it(kinds2: Path, tmp_path: Path) -> None:
+def test_a_table_of_inputs_in_other_notations(kinds2: Path, tmp_path: Path) -> None:
     """Decimal commas, capitals, texts; a column of another name is an error with its line."""
     text = "Time [min];k.u;k.brake;k.text;k.count\n0;1,5;false;left;-3\n0,01;1,5;true;right;7\n0,02;1,5;true;right;7\n"
     (tmp_path / "inputs.csv").write_text(text)
@@ -221,16 +221,16 @@ def test_steps_of_one_length_only(tmp_path: Path, kinds2: Path) -> None:
 @pytest.mark.parametrize(
     ("inputs", "cause"),
     [
-        ({"k.d": RAMP}, "it cannot follow a schedule"),
+        ({"k.d": RAMP}, "cannot follow a piecewise linear schedule"),
         ({"k.u": rw.Schedule((0.0, 0.5), (0.0, 1.0))}, r"ends at 0\.5 s, before 1 s"),
         ({"k.u": pd.Series([0.0, 1.0], [0.0, 0.5])}, r"values of 'k\.u' end at 0\.5 s"),
         ({"k.u": pd.Series([0.0, 1.0], [1.0, 0.5])}, "do not increase"),
-        ({"k.u": pd.Series([0.0, 1.0], ["a", "b"])}, "holds no times"),
+        ({"k.u": pd.Series([0.0, 1.0], ["a", "b"])}, "has no times"),
         ({"k.level": 1.0}, "it cannot change during a run"),
         ({"k.brake": 0.5}, "a Boolean: it cannot be 0.5"),
         ({"k.d": 1.0, "l.u": 1.0}, "no slave is named 'l'"),
         ({"k.uu": 1.0}, "has no variable 'uu'"),
-        ({"k.count": 1}, "is driven already"),
+        ({"k.count": 1}, "is already driven"),
         ("no_such_file.csv", "There is no file"),
         (3.0, "inputs is 3.0"),
     ],
@@ -242,7 +242,7 @@ def test_bad_inputs(kinds2: Path, inputs: Any, cause: str) -> None:
         together.run(1.0, inputs=inputs)
 
 
-def test_a_run_starts_and_stops_as_told(kinds: Path, kind: Kind) -> None:
+def test_a_run_has_its_start_and_stop_time(kinds: Path, kind: Kind) -> None:
     frame = alone(kinds, kind, 0.3, u=1.0).run(11.0, start_time=10.0)
     assert frame.index.tolist() == pytest.approx([10.0, 10.3, 10.6, 10.9, 11.0])
     assert set(frame["k.start_told"]) == {10.0}
@@ -275,5 +275,5 @@ def test_what_cannot_be_a_component(kinds3: Path) -> None:
 def test_an_fmu_for_schedulers_only(tmp_path: Path, kinds3: Path) -> None:
     path = described(tmp_path / "clocks.fmu", "3.0", kinds3.with_suffix(".so"), kinds=["ScheduledExecution"])
     assert load(path).kinds == ("ScheduledExecution",)
-    with pytest.raises(FmuImportError, match="is for ScheduledExecution only: a scheduler must activate its clocks"):
+    with pytest.raises(FmuImportError, match="supports ScheduledExecution only, which requires a scheduler"):
         CoSimulation(0.1).add("clocks", path)

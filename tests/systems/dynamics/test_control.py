@@ -11,19 +11,11 @@ from ropeway.systems.dynamics.line_integrator import LineIntegrator
 from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.dynamics.section_integrator import SectionIntegrator
 from support import schedule_lines
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
 MASSES = (300.0, 100.0, 500.0, 200.0, 600.0, 0.0, 450.0)
-DRIVE = {
-    "displacement": 127e-6,
-    "gear_ratio": 20.0,
-    "sheave_radius": 0.5,
-    "relief_pressure": 250e5,
-    "pump_flow": 7e-3,
-    "engine_power": 60e3,
-    "inertia": 800.0,
-}
 RULE = rw.ThresholdResponse(low=44e3, high=66e3, increment=0.005, period=1.0, hold=3.0)
 
 
@@ -50,13 +42,10 @@ def small(speed: object = 1.0, *, drive: rw.HydraulicDrive, **more: object) -> r
 @pytest.mark.parametrize("seed", range(6))
 def test_limits_hold_in_random_runs(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    drive = rw.HydraulicDrive(
-        **{
-            **DRIVE,
-            "relief_pressure": rng.uniform(5e5, 60e5),
-            "pump_flow": rng.uniform(3e-3, 8e-3),
-            "engine_power": rng.uniform(1e3, 20e3),
-        },
+    drive = hydraulic_drive(
+        relief_pressure=rng.uniform(5e5, 60e5),
+        pump_flow=rng.uniform(3e-3, 8e-3),
+        engine_power=rng.uniform(1e3, 20e3),
         recovers=bool(rng.integers(2)),
         drag=rng.uniform(100.0, 400.0),
         command_lag=rng.choice([0.0, 0.3]),
@@ -71,9 +60,9 @@ def test_limits_hold_in_random_runs(seed: int) -> None:
         assert frame["c.hydraulic_power"].min() >= -1.001 * drive.engine_power
 
 
-def test_a_sheave_asked_for_too_much_slips_and_says_so() -> None:
-    weak = rw.HydraulicDrive(**{**DRIVE, "relief_pressure": 8e5}, drag=200.0)
-    held = rw.simulate(small(drive=rw.HydraulicDrive(**DRIVE)), until=30.0)
+def test_an_overloaded_sheave_slips_and_is_reported() -> None:
+    weak = hydraulic_drive(relief_pressure=8e5, drag=200.0)
+    held = rw.simulate(small(drive=hydraulic_drive()), until=30.0)
     assert held.frame["c.rope_speed"].to_numpy() == pytest.approx(1.0, abs=1e-6)
     heavy = small(drive=weak, load_mass=(900.0, 700.0), load_spacing=25.0)
     slipping = rw.simulate(heavy, until=30.0)
@@ -85,7 +74,7 @@ def test_a_sheave_asked_for_too_much_slips_and_says_so() -> None:
 
 
 def test_command_lag_and_speed_control_follow_their_closed_form() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, command_lag=0.5, response_time=0.25)
+    drive = hydraulic_drive(command_lag=0.5, response_time=0.25)
     step = rw.Schedule([0.0, 1.0, 1.0 + 1e-6, 6.0], [0.4, 0.4, 0.8, 0.8])
     frame = rw.simulate(small(step, drive=drive), until=6.0, every=0.25).frame
     t = frame.index.to_numpy() - 1.0
@@ -96,7 +85,7 @@ def test_command_lag_and_speed_control_follow_their_closed_form() -> None:
 
 def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where no limit is active the drives move by themselves; IDAS on all equations at once gives the same."""
-    model = rw.assemble(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE))
+    model = rw.assemble(line(drive=hydraulic_drive(), response=RULE))
     as_a_whole: list[float] = []
     advance = LineIntegrator.advance
 
@@ -120,22 +109,14 @@ def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.Monkey
 @pytest.mark.slow
 def test_a_limit_that_binds_for_a_moment_is_not_passed_over() -> None:
     """A crossing opens a relief valve that has closed again before the next record."""
-    drive = rw.HydraulicDrive(
-        displacement=127e-6,
-        gear_ratio=20.0,
-        sheave_radius=0.5,
-        relief_pressure=15e5,
-        pump_flow=7e-3,
-        engine_power=60e3,
-        inertia=800.0,
-    )
+    drive = hydraulic_drive(relief_pressure=15e5)
     seldom, often = (rw.simulate(schedule_lines.line(drive=drive), 60.0, every=every).frame for every in (10.0, 0.25))
     for name in ("c1.travel", "c2.travel", "c3.travel"):
         assert seldom[name].to_numpy() == pytest.approx(often.loc[seldom.index, name].to_numpy(), abs=5e-5)
 
 
 def test_energy_balance_over_half_an_hour() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, drag=100.0)
+    drive = hydraulic_drive(drag=100.0)
     result = rw.simulate(line(drive=drive, response=RULE), until=1800.0)
     energy = result.energy()
     assert energy["drives"] > 1e6
@@ -145,7 +126,7 @@ def test_energy_balance_over_half_an_hour() -> None:
 
 
 def test_energy_balance_and_drive_work_from_its_force() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, drag=100.0)
+    drive = hydraulic_drive(drag=100.0)
     result = rw.simulate(line(drive=drive, response=RULE), until=60.0, every=0.05)
     energy, frame = result.energy(), result.full_frame
     assert abs(energy["residual"]) < 1e-5 * abs(energy["drives"])
@@ -155,7 +136,7 @@ def test_energy_balance_and_drive_work_from_its_force() -> None:
 
 
 def test_a_power_unit_shares_flow_and_power() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, drag=200.0)
+    drive = hydraulic_drive(drag=200.0)
     system = line(drive=drive)
     unit = system.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3))
     for i in range(1, 5):
@@ -178,7 +159,7 @@ def test_a_power_unit_shares_flow_and_power() -> None:
 
 
 def test_power_and_engine_share() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, drag=400.0)
+    drive = hydraulic_drive(drag=400.0)
     system = line(drive=drive)
     unit = system.add(rw.HydraulicPowerUnit("unit", pump_flow=40e-3, engine_power=12e3))
     for i in range(1, 5):
@@ -189,7 +170,7 @@ def test_power_and_engine_share() -> None:
     assert frame["unit.power_share"].min() < 0.9
 
 
-@pytest.mark.parametrize("drive", [None, rw.HydraulicDrive(**DRIVE, drag=100.0)])
+@pytest.mark.parametrize("drive", [None, hydraulic_drive(drag=100.0)])
 def test_emergency_stop_from_full_speed(drive: rw.HydraulicDrive | None) -> None:
     stop = rw.Intervention(20.0, "emergency stop", deceleration=0.5)
     result = rw.simulate(line(drive=drive, response=RULE), until=40.0, interventions=[stop])
@@ -205,7 +186,7 @@ def test_emergency_stop_from_full_speed(drive: rw.HydraulicDrive | None) -> None
 
 def test_reverse_from_full_speed() -> None:
     turn = rw.Schedule([0.0, 20.0, 24.0, 60.0], [1.0, 1.0, -1.0, -1.0])
-    result = rw.simulate(line(speed=turn, drive=rw.HydraulicDrive(**DRIVE, drag=100.0)), until=60.0)
+    result = rw.simulate(line(speed=turn, drive=hydraulic_drive(drag=100.0)), until=60.0)
     events = result.events["event"].value_counts()
     assert events["crossing forward"] >= 5
     assert events["crossing backward"] >= 5
@@ -213,7 +194,7 @@ def test_reverse_from_full_speed() -> None:
 
 
 def test_brake_and_pressure_loss() -> None:
-    drive = rw.HydraulicDrive(**DRIVE, drag=3000.0)
+    drive = hydraulic_drive(drag=3000.0)
     acts = [
         rw.Intervention(5.0, "brake", "c"),
         rw.Intervention(12.0, "release", "c"),
@@ -290,7 +271,7 @@ def test_endless_loop_after_one_round_is_where_it_was() -> None:
 
 @pytest.mark.slow
 def test_endless_loop_of_a_hundred_loads_runs_an_hour() -> None:
-    drive = rw.HydraulicDrive(**{**DRIVE, "pump_flow": 12e-3})
+    drive = hydraulic_drive(pump_flow=12e-3)
     system = loop(16, load_mass=(150.0, 100.0, 180.0), load_spacing=32.05, drive=drive)
     result = rw.simulate(system, until=3600.0, every=10.0)
     assert len(result.at(0.0).loads) == len(result.at(3600.0).loads) == 100
@@ -309,8 +290,8 @@ def test_bad_endless_lines() -> None:
         line(precedence="loudest first")
 
 
-def test_summary_names_what_went_wrong() -> None:
-    weak = rw.HydraulicDrive(**{**DRIVE, "relief_pressure": 8e5}, drag=200.0)
+def test_summary_names_exceeded_limits() -> None:
+    weak = hydraulic_drive(relief_pressure=8e5, drag=200.0)
     heavy = small(drive=weak, load_mass=(900.0, 700.0), load_spacing=25.0, response={"c": RULE})
     summary = rw.simulate(heavy, until=30.0).summary()
     assert "open relief valve (time [s]): c" in str(summary)
@@ -334,29 +315,21 @@ def test_summary_names_what_went_wrong() -> None:
 def test_parameters_of_a_drive_stay_in_their_range(name: str, value: float, words: str) -> None:
     """A sheave of negative inertia would run, and a pump of negative flow."""
     with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*{words}"):
-        rw.equilibrium(line(drive=rw.HydraulicDrive(**DRIVE), response=RULE), parameters={f"c1.{name}": value})
+        rw.equilibrium(line(drive=hydraulic_drive(), response=RULE), parameters={f"c1.{name}": value})
 
 
 def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
-    fast, slow = (line(drive=rw.HydraulicDrive(**DRIVE), speed=speed) for speed in (1.0, 0.5))
+    fast, slow = (line(drive=hydraulic_drive(), speed=speed) for speed in (1.0, 0.5))
     warm, cold = rw.equilibrium(slow, start=rw.equilibrium(fast)), rw.equilibrium(slow)
     assert warm["c1.rope_speed"] == 0.5
     assert warm["c1.power"] == pytest.approx(cold["c1.power"], rel=1e-9)
 
 
 @pytest.mark.parametrize("every", [1.0, 0.004])
-def test_a_load_that_a_slipping_drive_throws_over_its_sheave(every: float) -> None:
+def test_a_load_beyond_the_sheave_of_a_slipping_drive(every: float) -> None:
     """The sheave swings at 4 Hz: it has turned again when the load is found beyond it."""
     s = rw.System("flung")
-    drive = rw.HydraulicDrive(
-        displacement=1e-4,
-        gear_ratio=20.0,
-        sheave_radius=0.5,
-        relief_pressure=100e5,
-        pump_flow=0.02,
-        engine_power=60e3,
-        inertia=300.0,
-    )
+    drive = hydraulic_drive(displacement=1e-4, relief_pressure=100e5, pump_flow=0.02, inertia=300.0)
     c = rw.ControlSheave("c", at=(100.0, 5.0), drive=drive)
     spans = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), c, rw.Anchor("b", at=(200.0, 0.0)), tension=40e3)
     s.hang(rw.Load("l", mass=300.0), spans[0], at=spans[0].length - 0.01)

@@ -44,7 +44,7 @@ def test_loads_stay_on_an_endless_rope(speed: float | rw.Schedule) -> None:
             assert cold[name] == pytest.approx(here[name], rel=1e-9, abs=1e-9)
 
 
-def test_there_and_back_on_an_endless_rope() -> None:
+def test_forwards_and_backwards_on_an_endless_rope() -> None:
     way = rw.Schedule((0.0, 59.0, 61.0, 120.0), (-2.0, -2.0, 2.0, 2.0))
     result = rw.simulate(loop(way), 120.0, every=60.0)
     events = result.events["event"].value_counts()

@@ -111,7 +111,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_coarse_records_tell_what_fine_ones_do(case: str) -> None:
+def test_coarse_and_fine_records_agree(case: str) -> None:
     system, interventions, until, intervals = CASES[case]
     fine, *coarse = (
         rw.simulate(system, until, every=every, tolerance=1e-7, interventions=interventions) for every in intervals

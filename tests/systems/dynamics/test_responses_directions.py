@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
@@ -22,15 +23,7 @@ LOW, HIGH, SETTLED = 44e3, 66e3, 100.0
 BASE = {"increment": 0.005, "period": 1.0, "delay": 0.0, "initiation": -2e3, "hold": 3.0}
 FOREVER = 1e3
 """A hold under which no sheave goes back by itself: every response is then an action that was granted."""
-DRIVE = rw.HydraulicDrive(
-    displacement=45e-6,
-    gear_ratio=20.0,
-    sheave_radius=0.5,
-    relief_pressure=250e5,
-    pump_flow=2.4e-3,
-    engine_power=30e3,
-    inertia=800.0,
-)
+DRIVE = hydraulic_drive(displacement=45e-6, pump_flow=2.4e-3, engine_power=30e3)
 SHEAVES = ("c1", "c2", "c3", "c4")
 
 

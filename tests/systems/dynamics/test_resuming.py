@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.2, axial_stiffness=31e6, breaking_load=540e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
@@ -21,15 +22,7 @@ RESPONSES = {
     "proportional with a target": rw.ProportionalResponse(gain=1.5e-6, target=50e3, period=0.6, delay=0.9),
     "proportional": rw.ProportionalResponse(gain=2.5e-6, period=1.1, rate=0.01),
 }
-DRIVE = rw.HydraulicDrive(
-    displacement=1.1e-4,
-    gear_ratio=20.0,
-    sheave_radius=0.5,
-    relief_pressure=240e5,
-    pump_flow=8e-3,
-    engine_power=40e3,
-    inertia=900.0,
-)
+DRIVE = hydraulic_drive(displacement=1.1e-4, relief_pressure=240e5, pump_flow=8e-3, engine_power=40e3, inertia=900.0)
 
 
 def line(response: rw.Response | None = None, drive: rw.Drive | None = None, **more: object) -> rw.System:
@@ -105,7 +98,7 @@ def test_brakes_and_an_emergency_stop_go_on() -> None:
     assert again.events["event"].eq("response").any()
 
 
-def test_what_a_run_leaves_does_not_leak() -> None:
+def test_memory_of_results_is_released() -> None:
     result = whole("threshold that waits")
     here = result.at(13.3)
     assert here["c1.correction"] != 0.0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.components.component import Kind
+from ropeway.components.variable import Kind
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 

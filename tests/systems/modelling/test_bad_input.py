@@ -43,7 +43,7 @@ def refused(
 def test_two_components_of_one_name() -> None:
     s = rw.System("line")
     s.add(anchor("a", 0.0))
-    error = refused(s, lambda: s.add(rw.Sheave("a", at=(9.0, 0.0))), "'a'", "name of its own")
+    error = refused(s, lambda: s.add(rw.Sheave("a", at=(9.0, 0.0))), "'a'", "its own name")
     assert "test_bad_input.py:" in str(error)  # where the first one was added
 
 
@@ -63,11 +63,11 @@ def test_an_equal_support_added_twice() -> None:
     refused(s, lambda: s.string(ROPE, anchor("a", 0.0), anchor("b", 100.0), length=101.0), "'b'")
 
 
-def test_a_rope_on_a_support_that_is_taken() -> None:
+def test_a_rope_on_an_occupied_support() -> None:
     s, _ = line()
     b = s.components["b"]
     assert isinstance(b, rw.Anchor)
-    refused(s, lambda: s.string(ROPE, b, anchor("c", 300.0), length=101.0), "b.rope", "joined twice")
+    refused(s, lambda: s.string(ROPE, b, anchor("c", 300.0), length=101.0), "b.rope", "connected twice")
 
 
 def test_one_support_twice_on_a_rope() -> None:
@@ -112,7 +112,8 @@ def test_an_anchor_inside_a_string() -> None:
 
 def test_two_supports_at_one_place() -> None:
     s = rw.System("line")
-    refused(s, lambda: s.string(ROPE, anchor("a", 5.0, 1.0), anchor("b", 5.0, 1.0), length=3.0), "'a'", "'b'", "place")
+    ends = anchor("a", 5.0, 1.0), anchor("b", 5.0, 1.0)
+    refused(s, lambda: s.string(ROPE, *ends, length=3.0), "'a'", "'b'", "position")
 
 
 def test_tension_too_low_for_the_rope() -> None:
@@ -149,7 +150,7 @@ def test_a_load_outside_its_span() -> None:
     refused(s, lambda: s.hang(rw.Load("l2", mass=10.0), first, at=150.0), "Load 'l2'", "150", "a_s1")
 
 
-def test_a_load_of_a_taken_name() -> None:
+def test_a_load_with_a_used_name() -> None:
     s, spans = line()
     refused(s, lambda: s.hang(rw.Load("turn", mass=10.0), spans, at=5.0), "'turn'")
     refused(s, lambda: s.hang(rw.Load("s1", mass=10.0), spans, at=5.0), "'s1'")
@@ -206,7 +207,7 @@ def test_a_port_joined_twice() -> None:
     refused(s, lambda: s.connect(span.b, anchor("d", 5.0).rope), "'d'", "Add it")
 
 
-def test_a_port_left_open() -> None:
+def test_an_open_port() -> None:
     s = rw.System("line")
     a = s.add(anchor("a", 0.0))
     span = s.add(rw.Span("one", rope=ROPE, length=51.0))
@@ -232,7 +233,7 @@ def test_spans_against_each_other() -> None:
     refused(s, lambda: rw.equilibrium(s), "'one'", "'two'", "'m'", error=rw.UnbalancedSystemError)
 
 
-def test_a_rope_that_changes_on_its_way() -> None:
+def test_a_rope_with_several_kinds() -> None:
     s = rw.System("line")
     a, b, m = s.add(anchor("a", 0.0)), s.add(anchor("b", 100.0)), s.add(rw.Sheave("m", at=(50.0, 0.0)))
     thin = rw.Rope(mass_per_length=1.0, axial_stiffness=1e7, breaking_load=1e5)
@@ -242,7 +243,7 @@ def test_a_rope_that_changes_on_its_way() -> None:
     refused(s, lambda: rw.equilibrium(s), "one", "two", "one rope")
 
 
-def test_what_is_no_system() -> None:
+def test_arguments_that_are_no_system() -> None:
     for study in (rw.equilibrium, lambda line: rw.simulate(line, until=1.0)):
         with pytest.raises(rw.InputError, match=r"system is 'line\.csv'. Give a System or a Model"):
             study("line.csv")
@@ -272,7 +273,7 @@ def test_a_rope_that_nothing_holds() -> None:
         ({"parameters": {"nowhere.mass": 1e4}}, ("nowhere.mass",), rw.UnknownNameError),
     ],
 )
-def test_questions_to_equilibrium(
+def test_invalid_requests_to_equilibrium(
     arguments: dict[str, object], words: tuple[str, ...], error: type[rw.RopewayError]
 ) -> None:
     s, _ = line()
@@ -342,4 +343,4 @@ def test_a_payload_that_no_rope_bears() -> None:
 def test_a_load_on_spans_that_are_not_joined_yet() -> None:
     s = rw.System("line")
     spans = [s.add(rw.Span(name, rope=ROPE, length=50.0)) for name in ("one", "two")]
-    refused(s, lambda: s.hang(rw.Load("turn", mass=100.0), spans, at=60.0), "'one' and 'two' do not follow each other")
+    refused(s, lambda: s.hang(rw.Load("turn", mass=100.0), spans, at=60.0), "'one' and 'two' are not consecutive")

@@ -60,7 +60,7 @@ class Spring(rw.Node):
         return rw.Equations(rates={"x": (v.rope.force[0] - v.stiffness * (v.x - self.at[0])) / self.damping})
 
 
-def test_a_spring_gives_way_by_its_force() -> None:
+def test_a_spring_is_displaced_by_its_force() -> None:
     """15.0 kN at 2e5 N/m: 75.0 mm."""
     s = rw.System("spring")
     s.string(ROPE, Spring("spring", at=(0.0, 0.0)), rw.Anchor("b", at=(120.0, 0.0)), length=120.2)
@@ -122,7 +122,7 @@ def test_a_counterweight_hangs_by_its_weight() -> None:
     assert float(found.loc["w_s.tension_a", "w.mass"]) == pytest.approx(GRAVITY, rel=1e-6)
 
 
-def test_its_energy_is_balanced_as_that_of_our_own() -> None:
+def test_its_energy_is_balanced() -> None:
     s = weighted()
     turn = rw.Schedule((0.0, 1.0, 4.0), (0.0, 0.3, 0.3))
     run = rw.simulate(s, until=4.0, every=0.002, inputs={"d.speed": turn}, progress=False)
@@ -174,7 +174,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("time", PAR),)}, "'time' has the name of"),
     ({"variables_": (var("rope", PAR),)}, "'rope' has the name of a port"),
     ({"variables_": (var("pull", PAR), var("pull", PAR))}, "two variables are named 'pull'"),
-    ({"variables_": (var("my pull", PAR),)}, "no name for a variable"),
+    ({"variables_": (var("my pull", PAR),)}, "not a valid name of a variable"),
     ({"variables_": (var("pull", PAR, "furlong"),)}, "unit 'furlong'"),
     ({"variables_": (var("pull", PAR, nominal=0.0),)}, "nominal"),
     ({"variables_": (var("pull", PAR, value=float("nan")),)}, "value nan"),
@@ -185,7 +185,7 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": 1.0 if v.rope.force[0] > 0 else 2.0}}}, "if_else"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": max(v.rope.force[0], 1.0)}}}, "fmax"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": v.pull}}}, r"v\.pull"),
-    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "not a number"),
+    ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": float(v.rope.force[0])}}}, "NaN for all values"),
     ({"variables_": (var("p"),), "made": lambda v: {"outputs": {"p": ca.vertcat(*v.rope.force)}}}, "3 values"),
 ]
 
@@ -202,7 +202,7 @@ def test_each_fault_is_a_typed_error_with_a_remedy(how: dict[str, Any], words: s
         rw.equilibrium(s)
 
 
-def test_all_our_components_pass() -> None:
+def test_components_of_the_library_pass() -> None:
     made = [
         rw.Anchor("a", at=(0, 0)),
         rw.Sheave("s", at=(0, 0), friction=0.02),
@@ -230,7 +230,7 @@ class SlipDrive(rw.Drive):
         return rw.DriveMotion((1.0 - self.slip) * (v.speed + v.correction), v.tension_in - v.tension_out)
 
 
-def test_a_drive_of_ones_own() -> None:
+def test_a_users_drive() -> None:
     s = rw.System("own drive")
     nodes = [
         rw.Drum("a", at=(0.0, 0.0), tension=40e3),
@@ -244,3 +244,75 @@ def test_a_drive_of_ones_own() -> None:
     for name in "cef":
         assert run.frame[f"{name}.travel"].iloc[-1] == pytest.approx(4.5, rel=1e-9)
     assert np.ptp(run.frame["c.tension_in"]) < 100.0
+
+
+@dataclass(frozen=True)
+class Battery(rw.Component):
+    """A source with a largest power."""
+
+    limit: float
+
+    @property
+    def ports(self) -> tuple[()]:
+        return ()
+
+    @property
+    def sums(self) -> tuple[str, ...]:
+        return ("power",)
+
+    def variables(self, site: rw.Site) -> tuple[rw.Variable, ...]:
+        return (
+            rw.Variable("limit", rw.Kind.PARAMETER, "W", "largest power", self.limit, 1e3),
+            rw.Variable("demanded", rw.Kind.OUTPUT, "W", "sum of the demands", nominal=1e3),
+            rw.Variable("part", rw.Kind.OUTPUT, "1", "part of the demand that is met"),
+        )
+
+    def equations(self, v: Any) -> rw.Equations:
+        return rw.Equations(outputs={"demanded": v.power, "part": ca.fmin(1.0, v.limit / ca.fmax(v.power, 1.0))})
+
+
+@dataclass(frozen=True, slots=True)
+class ElectricDrive(rw.Drive):
+    """It demands power in proportion to its speed, and slows down by the part that it gets."""
+
+    shares = ("part",)
+    rating: float
+
+    def demand(self, v: Any) -> dict[str, Any]:
+        return {"power": self.rating * v.speed}
+
+    def motion(self, v: Any) -> rw.DriveMotion:
+        return rw.DriveMotion(v.speed * v.part, v.tension_in - v.tension_out)
+
+
+def test_own_source_shares_its_power_among_own_drives() -> None:
+    """Demands of 2 kW and 6 kW at 5 kW: each sheave gets 5/8 of its speed; without the source all of it."""
+
+    def frame(*, fed: bool) -> Any:
+        s = rw.System("fed")
+        battery = s.add(Battery("battery", limit=5e3))
+        for k, (name, speed) in enumerate((("p", 0.5), ("q", 1.5))):
+            sheave = rw.ControlSheave(name, at=(50.0, 5.0, 30.0 * k), speed=speed, drive=ElectricDrive(4e3))
+            ends = [rw.Drum(f"{name}{i}", at=(x, 0.0, 30.0 * k), tension=3e4) for i, x in enumerate((0.0, 100.0))]
+            s.string(ROPE, ends[0], sheave, ends[1], tension=3e4)
+            if fed:
+                s.connect(sheave.supply, battery.outlet)
+        return rw.simulate(s, until=4.0, every=2.0, progress=False).frame.iloc[-1]
+
+    fed, alone = frame(fed=True), frame(fed=False)
+    assert fed[["battery.demanded", "battery.part"]].tolist() == pytest.approx([8e3, 0.625], rel=1e-12)
+    assert fed[["p.travel", "q.travel"]].tolist() == pytest.approx([1.25, 3.75], rel=1e-9)
+    assert alone[["battery.demanded", "p.travel", "q.travel"]].tolist() == pytest.approx([0.0, 2.0, 6.0], rel=1e-9)
+
+
+def test_a_source_and_a_consumer_that_do_not_fit_are_refused() -> None:
+    s = rw.System("unfit")
+    battery = s.add(Battery("battery", limit=5e3))
+    hydraulic = rw.HydraulicDrive(
+        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.5, relief_pressure=2e7, pump_flow=0.01, engine_power=4e4,
+        inertia=500.0,
+    )  # fmt: skip
+    with pytest.raises(rw.InputError, match="no output flow_share, power_share"):
+        s.connect(s.add(rw.ControlSheave("h", at=(0.0, 0.0), drive=hydraulic)).supply, battery.outlet)
+    with pytest.raises(rw.InputError, match="no hydraulic drive"):
+        s.connect(s.add(rw.ControlSheave("i", at=(0.0, 0.0))).supply, battery.outlet)

@@ -62,7 +62,7 @@ def test_a_report_of_a_run_with_crossings() -> None:
     assert (spans["largest_sag"] > 0.5).all()
 
 
-def test_what_cannot_be_joined() -> None:
+def test_ports_that_do_not_match() -> None:
     s = fed_line(STRONG)
     c1, unit = s.components["c1"], s.components["unit"]
 
@@ -71,9 +71,9 @@ def test_what_cannot_be_joined() -> None:
             s.connect(one, other)
 
     refused(unit.output("flow"), c1.input("speed"), r"unit\.flow is in m3/s, c1\.speed in m/s")
-    refused(unit.output("flow"), c1.input("pump_flow"), "joined twice")
-    refused(unit.output("flow"), unit.output("pressure"), "Join an output to an input")
-    refused(unit.input("load_power"), c1.input("speed"), "Join an output to an input")
+    refused(unit.output("flow"), c1.input("pump_flow"), "connected twice")
+    refused(unit.output("flow"), unit.output("pressure"), "Connect an output to an input")
+    refused(unit.input("load_power"), c1.input("speed"), "Connect an output to an input")
     with pytest.raises(rw.UnknownNameError, match="has no input 'pressure'"):
         unit.input("pressure")
     with pytest.raises(rw.UnknownNameError, match="has no output or state 'load_power'"):
@@ -87,7 +87,7 @@ def test_an_emergency_stop_needs_the_command() -> None:
         rw.simulate(followed(), 5.0, interventions=[rw.Intervention(1.0, "emergency stop")])
 
 
-def test_an_emergency_stop_leaves_other_inputs_alone() -> None:
+def test_an_emergency_stop_keeps_other_inputs() -> None:
     stop = rw.Intervention(2.0, "emergency stop", deceleration=1.0)
     inputs = {"c1.relief_pressure": 350e5, "c1.pump_flow": 0.02}
     frame = rw.simulate(open_line(), 8.0, inputs=inputs, interventions=[stop]).frame

@@ -6,17 +6,10 @@ import numpy as np
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.1, axial_stiffness=31e6, breaking_load=500e3)
-DRIVE = rw.HydraulicDrive(
-    displacement=1e-4,
-    gear_ratio=10.0,
-    sheave_radius=0.5,
-    relief_pressure=3e7,
-    pump_flow=5e-3,
-    engine_power=60e3,
-    inertia=2000.0,
-)
+DRIVE = hydraulic_drive(displacement=1e-4, gear_ratio=10.0, relief_pressure=3e7, pump_flow=5e-3, inertia=2000.0)
 
 
 def line(mass: float, *, spans: int = 6, precedence: str = "worst first", **how: Any) -> rw.System:
@@ -36,7 +29,7 @@ def line(mass: float, *, spans: int = 6, precedence: str = "worst first", **how:
     return s
 
 
-def test_two_lines_in_one_are_what_they_are_apart() -> None:
+def test_two_lines_in_one_system_are_independent() -> None:
     apart = {"p": line(300.0), "q": line(420.0)}
     outer = rw.System("yard")
     for name, inner in apart.items():
@@ -99,7 +92,7 @@ def test_parts_are_swept_and_summed_up() -> None:
     assert "p.c3" in summary.supports.index
 
 
-def test_what_is_refused() -> None:
+def test_rejected_input() -> None:
     outer, inner = rw.System("outer"), line(300.0, spans=4)
     for name, words in ((None, "needs a name"), ("a.b", "identifier"), ("", "identifier")):
         with pytest.raises(rw.InputError, match=words):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import time
 from pathlib import Path
 from typing import Any
@@ -60,7 +59,7 @@ def test_thirty_minutes_of_a_long_line_are_small_and_move(tmp_path: Path) -> Non
     from plotly.offline import get_plotlyjs
 
     supports = Path(rw.__file__).parent / "examples" / "line.csv"
-    line = rw.monocable("RHOL-IWRC 29" if False else rw.Rope.named("RHOL-IWRC 29"), supports, tension=45e3,
+    line = rw.monocable(rw.Rope.named("RHOL-IWRC 29"), supports, tension=45e3,
                         load_mass=300.0, load_spacing=50.0)  # fmt: skip
     result = rw.simulate(line, 1800.0, every=10.0)
     path = result.report(tmp_path / "line.html")
@@ -80,4 +79,3 @@ def test_a_pdf_has_text_and_pages(tmp_path: Path) -> None:
     data = path.read_bytes()
     assert data.startswith(b"%PDF")
     assert 2 <= data.count(b"/Type /Page\n") + data.count(b"/Type /Page ") + data.count(b"/Type/Page/") <= 8
-    assert subprocess.run(["file", str(path)], capture_output=True, text=True, check=False).returncode in (0, 127)

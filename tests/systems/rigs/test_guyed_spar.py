@@ -180,7 +180,7 @@ def test_payload_is_limited_by_a_guyline() -> None:
     assert back == pytest.approx(60e3, rel=1e-8)
 
 
-def test_a_spar_that_its_guylines_do_not_hold_is_told() -> None:
+def test_an_unstable_spar_is_reported() -> None:
     """Behind a spar and almost in line with the skyline they leave it free to go aside."""
 
     def narrow(half: float) -> rw.SkylineRig:

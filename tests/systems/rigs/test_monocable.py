@@ -75,7 +75,7 @@ def with_row(i: int, **values: object) -> pd.DataFrame:
         (with_row(2, name=""), "line 4, column name: a support has no name"),
         (TABLE.drop(columns="kind"), "line 1: no column kind"),
         (TABLE.iloc[:1], "it has 1 support"),
-        (with_row(1, x=0, y=0, z=0), "stand at one place"),
+        (with_row(1, x=0, y=0, z=0), "have the same position"),
     ],
 )
 def test_bad_tables(table: pd.DataFrame, message: str, tmp_path: Path) -> None:
@@ -90,7 +90,7 @@ def test_bad_tables(table: pd.DataFrame, message: str, tmp_path: Path) -> None:
     ("settings", "message"),
     [
         ({**SETTINGS, "tension": -1.0}, "tension"),
-        ({**SETTINGS, "tension": 1e3}, "too little"),
+        ({**SETTINGS, "tension": 1e3}, "too low"),
         ({**SETTINGS, "load_mass": 0.0}, "mass"),
         ({**SETTINGS, "load_mass": []}, "no masses"),
         ({**SETTINGS, "load_spacing": -5.0}, "spacing"),

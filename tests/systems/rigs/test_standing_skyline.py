@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.studies.skyline.payload_command import payload_command
+from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
@@ -98,19 +98,19 @@ def test_parts_alone_in_a_system_with_a_dropline() -> None:
 
 
 def test_the_commands_function_writes_table_and_picture(tmp_path: Path) -> None:
-    study, (table, picture) = payload_command(
-        CORRIDOR,
+    request = CorridorRequest(
+        corridor=CORRIDOR,
         skyline=ROPE,
         tension=70e3,
         mainline=MAIN,
         head=0.0,
         tail=480.0,
-        supports=["260:9"],
+        supports=("260:9",),
         spacing=20.0,
-        out=tmp_path / "out",
     )
+    study, (table, picture) = payload_command(request, tmp_path / "out")
     assert study.payload > 3000.0
     assert table.read_text().startswith("station,payload,limited_by")
     assert picture.stat().st_size > 20_000
     with pytest.raises(rw.InputError, match="STATION:HEIGHT"):
-        payload_command(CORRIDOR, skyline=ROPE, tension=70e3, supports=["260"], out=tmp_path)
+        payload_command(CorridorRequest(corridor=CORRIDOR, skyline=ROPE, tension=70e3, supports=("260",)), tmp_path)

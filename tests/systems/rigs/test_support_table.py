@@ -6,10 +6,11 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.components.component import Node
+from ropeway.components.node import Node
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
-DRIVE = rw.HydraulicDrive(
+DRIVE = hydraulic_drive(
     displacement=100e-6,
     gear_ratio=5.0,
     sheave_radius=0.4,

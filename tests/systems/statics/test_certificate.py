@@ -163,7 +163,7 @@ def test_a_guyed_spar_and_a_carriage_are_checked() -> None:
         assert text in [c.name for c in again(eq, **change).checks if not c.holds], change
 
 
-def test_a_log_on_its_head_has_no_certificate() -> None:
+def test_an_inverted_log_has_no_certificate() -> None:
     s = rw.System("log")
     log = s.add(rw.Log("log", at=(0.0, 0.0, -6.0), mass=700.0, length=9.0, friction=0.0, moving=0.0))
     top = s.add(rw.Anchor("top", at=(0.0, 0.0)))
@@ -196,7 +196,7 @@ class Cam(rw.Sheave):
         return {"tension_law": ratio(v.a.force, v.b.force, self.gain)}
 
 
-def test_a_users_component_says_what_holds() -> None:
+def test_laws_of_a_users_component() -> None:
     s = rw.System("own")
     s.string(
         ROPE, rw.Anchor("a", at=(0.0, 0.0)), Cam("cam", at=(60.0, 4.0)), rw.Anchor("b", at=(130.0, 0.0)), length=131.0

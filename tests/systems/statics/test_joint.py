@@ -95,7 +95,7 @@ def test_joints_in_runs_and_reports() -> None:
     assert heavier["knot.z"] < rw.equilibrium(s)["knot.z"]
 
 
-def test_what_a_joint_refuses() -> None:
+def test_rejected_joints() -> None:
     with pytest.raises(rw.InputError, match="mass"):
         rw.Joint("j", at=(0.0, 0.0), mass=-1.0)
     s = rw.System("full")

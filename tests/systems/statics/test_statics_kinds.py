@@ -197,6 +197,24 @@ def test_loads_are_not_the_reason_of_a_numerical_failure(
     assert ("too heavy" in caught.value.cause) == blamed
 
 
+def test_loads_on_a_rope_of_fixed_length_are_not_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another rope of the system, without loads, is held by a drum's tension."""
+    s = rw.System("two ropes")
+    (span,) = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(150.0, 12.0)), length=155.0)
+    s.hang(rw.Load("turn", mass=4000.0), span, at=70.0)
+    s.string(ROPE, rw.Anchor("c", at=(0.0, 9.0)), rw.Drum("d", at=(150.0, 21.0), tension=15e3), length=151.0)
+    solve = settling.solve
+
+    def failing(state: LineState, *, quick: bool = False) -> None:
+        if state.runs[0].loads.mass[0] > 1200.0:
+            raise rw.EquilibriumError("no convergence")
+        solve(state, quick=quick)
+
+    monkeypatch.setattr(settling, "solve", failing)
+    with pytest.raises(rw.EquilibriumError, match="No equilibrium of system 'two ropes' is found"):
+        settling.loaded(LineState.cold(rw.assemble(s)))
+
+
 def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where the way from geometry fails, loads are brought on by degrees, also those that a feed still has."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
@@ -211,7 +229,7 @@ def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_too_heavy_loads_are_called_that() -> None:
+def test_loads_that_are_too_heavy_are_named() -> None:
     """A line of ten spans whose rope is held by a drum's tension: with such loads it would run out for ever."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
     line = rw.monocable(ROPE, table, tension=45e3, load_mass=18e3, load_spacing=50.0)

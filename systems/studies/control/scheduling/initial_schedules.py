@@ -24,8 +24,27 @@ _TRIALS, _BALANCE = 20, 1.0
 
 @checked
 def balanced(line: System) -> Equilibrium:
-    """The line at rest with so much rope in each section that all control sheaves have the same difference of tension
-    between their sides: they share evenly what the line as a whole pulls. Raises InputError, EquilibriumError.
+    """The line at rest with as much rope in each section as gives all control sheaves the same difference of tension.
+
+    The control sheaves then share evenly the force that the line as a whole needs.
+
+    Parameters
+    ----------
+    line : System
+        A line with control sheaves.
+
+    Returns
+    -------
+    Equilibrium
+
+    Raises
+    ------
+    InputError, EquilibriumError
+
+    Examples
+    --------
+    >>> start = rw.balanced(line)  # doctest: +SKIP
+    >>> plan = rw.optimise_schedule(line, 120.0, start=start)  # doctest: +SKIP
     """
     names = control_sheaves(line)
     first, *others = (f"{name}.differential_tension" for name in names)
@@ -49,7 +68,7 @@ def balanced(line: System) -> Equilibrium:
 
 
 def balancing(start: Equilibrium, period: float) -> ProportionalResponse:
-    """A response that brings all sheaves to one difference of tension within a few of its periods [s]."""
+    """A response that brings all sheaves to the same difference of tension within a few of its periods [s]."""
     stiffness, names = [], control_sheaves(start.model.system)
     share = float(np.mean([start[f"{name}.differential_tension"] for name in names]))
     for name in names:
@@ -65,7 +84,7 @@ def balancing(start: Equilibrium, period: float) -> ProportionalResponse:
 
 
 def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str, Schedule]:
-    """Schedules on a grid that follow the travels of a run without its steps."""
+    """Schedules on a grid that follow the travels of a run, without its steps."""
     frame, h = result.full_frame, float(grid[1] - grid[0])
     found = {}
     for name in names:
@@ -78,6 +97,6 @@ def smoothed(result: Result, grid: np.ndarray, names: Sequence[str]) -> dict[str
 
 
 def require_sheave(name: str, sheaves: Sequence[str]) -> None:
-    """Raises UnknownNameError unless a name is one of a line's control sheaves."""
+    """Raises UnknownNameError unless a name is that of a control sheave of the line."""
     if name not in sheaves:
         raise UnknownNameError(f"{name!r} is not a control sheave", nearest(name, sheaves))

@@ -43,14 +43,28 @@ SPARE = 0.95
 @checked
 @dataclass(frozen=True, kw_only=True)
 class ScheduleLimits:
-    """Limits of a schedule.
+    """Limits of a schedule. Those of control sheaves: one value for all, or a mapping by name.
 
-    tension_low, tension_high: of every span [N]; by default the lowest that the line has when its control sheaves
-    balance their tensions, and the rope's SWL. force, power: largest size of a control sheave's drive force [N] and
-    power [W]; pressure [Pa], flow [m3/s], hydraulic_power [W] of its hydraulic drive, by default 0.95 of what the
-    drive has; grip: least margin. speed: lowest and highest [m/s], by default the line's own, and beyond them 0.15 of
-    its highest (0.15 m/s for a line that stands); acceleration: largest size [m/s2]. Those of control sheaves: one
-    for all, or a mapping by name. Raises InputError.
+    Parameters
+    ----------
+    tension_low, tension_high : float, optional
+        Of every span [N]; by default the lowest that the line has when its control sheaves balance their tensions, and
+        the rope's SWL.
+    force, power : float or mapping, default inf
+        Largest size of the force [N] and power [W] of a control sheave's drive.
+    pressure, flow, hydraulic_power : float or mapping, optional
+        Largest size in its hydraulic drive [Pa, m3/s, W]; by default 0.95 of the drive's own.
+    grip : float or mapping, default 0.0
+        Least grip margin.
+    speed : (float, float), optional
+        Lowest and highest speed [m/s]; by default the line's own, and 0.15 of its highest beyond them (0.15 m/s for a
+        line that stands).
+    acceleration : float, default 0.05
+        Largest size [m/s2].
+
+    Raises
+    ------
+    InputError
     """
 
     tension_low: float | None = None
@@ -96,7 +110,17 @@ class ScheduleLimits:
     def outputs(self, sheave: str, hydraulic: Mapping[str, float]) -> dict[str, tuple[float, float, str]]:
         """Lowest and highest value of each limited output of a control sheave, and the limit's name.
 
-        hydraulic: the parameters of its hydraulic drive by name, empty for an ideal one."""
+        Parameters
+        ----------
+        sheave : str
+            Name of the control sheave.
+        hydraulic : mapping of str to float
+            Parameters of its hydraulic drive by name, empty for an ideal one.
+
+        Returns
+        -------
+        dict of str to (float, float, str)
+        """
         found = {}
         for name, (_, output) in _LARGEST.items():
             given = getattr(self, name)

@@ -65,7 +65,7 @@ class PlanHistory:
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class PlanData(Tabular):
-    """What a plan says: schedules, and what they bring by plan and by simulation. Its fields: see `rw.SchedulePlan`."""
+    """Data of a plan: schedules, and what they lead to by plan and by simulation. Its fields: see `rw.SchedulePlan`."""
 
     schedules: Mapping[str, Schedule]
     predicted: pd.DataFrame
@@ -86,8 +86,22 @@ class PlanData(Tabular):
     lead: str
     trim: ProportionalResponse
 
-    def told(self, name: str) -> str:
-        """An objective with its value, unit and the time that it counts, as a text. Raises UnknownNameError."""
+    def objective_text(self, name: str) -> str:
+        """An objective with its value, unit and the time over which it counts, as text.
+
+        Parameters
+        ----------
+        name : str
+            "peak tension", "tension deviation" or "energy".
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        UnknownNameError
+        """
         if name not in self.objectives:
             raise UnknownNameError(f"The plan has no objective {name!r}", f"It has {', '.join(self.objectives)}")
         since = 0.0 if name == "energy" else self.settle
@@ -101,7 +115,7 @@ class PlanData(Tabular):
 
     @property
     def objective(self) -> float:
-        """What was minimised, by the simulation."""
+        """The objective that was minimised, by simulation."""
         return self._value(self.objectives)
 
     @property
@@ -122,7 +136,22 @@ class PlanData(Tabular):
         return frame
 
     def at(self, time: float) -> pd.Series:
-        """Speeds at a time [s], by sheave. Raises InputError outside the plan."""
+        """Speeds at a time.
+
+        Parameters
+        ----------
+        time : float
+            Within the plan [s].
+
+        Returns
+        -------
+        Series
+            [m/s], by control sheave.
+
+        Raises
+        ------
+        InputError
+        """
         if not 0.0 <= time <= self.until:
             raise InputError(f"{time:g} s is outside the schedule", f"Choose from 0 to {self.until:g} s")
         return pd.Series({name: s.at(time) for name, s in self.schedules.items()}, name=time)
@@ -139,8 +168,9 @@ class PlanData(Tabular):
 
 
 def active_table(active: list[Active], size: float, objective: float) -> pd.DataFrame:
-    """The limits that bind and matter: to give way by the whole limit would change the objective by a thousandth.
-    `size`: of the objective in the problem's one."""
+    """The active limits that matter: a change by the whole limit would change the objective by a thousandth or more.
+    `size`: of the objective, in that of the problem.
+    """
     rows = pd.DataFrame(
         [(a.limit, component_of(a.component), a.time, a.bound, a.size, a.multiplier * size) for a in active],
         columns=["limit", "component", "time", "bound", "size", "cost"],

@@ -34,7 +34,7 @@ def plan_figure(plan: PlanData) -> Figure:
     for axis in (speeds, tensions, forces):
         axis.grid(alpha=0.3)
         axis.legend(ncols=6, fontsize="small", **ABOVE)
-    figure.suptitle(f"{plan.line.name}: {', '.join(f'least {plan.told(name)}' for name in plan.weights)}")
+    figure.suptitle(f"{plan.line.name}: {', '.join(f'least {plan.objective_text(name)}' for name in plan.weights)}")
     return figure
 
 

@@ -284,7 +284,7 @@ class ScheduleProblem:
         n = len(places)
         variables = np.empty((len(part.variables), n), dtype=int)
         parameters = np.zeros((len(part.discrete) + len(part.states) + len(part.inputs) + 2, n))
-        give = self.numbers.add(np.zeros(n), 0.0) if ("give", 0) in part.variables else np.zeros(0, dtype=int)
+        driving = self.numbers.add(np.zeros(n), 0.0) if ("driving", 0) in part.variables else np.zeros(0, dtype=int)
         for c, (m, record, numbers) in enumerate(places):
             point = self.point(record)
             x, u = self.equations.excess(point, self.speeds_at(m))
@@ -303,8 +303,8 @@ class ScheduleProblem:
                     variables[r, c] = self.driven_number(m, kind, place)
                 elif kind == "peak":
                     variables[r, c] = self.peak
-                elif kind == "give":
-                    variables[r, c] = give[c]
+                elif kind == "driving":
+                    variables[r, c] = driving[c]
                 else:
                     variables[r, c] = self.slack[kind.removeprefix("slack ")]
         low, high = bounds_of(part)
@@ -314,9 +314,9 @@ class ScheduleProblem:
         for r, row in enumerate(part.rows, part.residuals):
             if row.peak and n:
                 self.numbers.start[self.peak] = max(self.numbers.start[self.peak], float(values[r].max()))
-        if len(give):
+        if len(driving):
             for c in range(n):
-                self.numbers.start[give[c]] = max(0.0, -float(values[-1, c]))
+                self.numbers.start[driving[c]] = max(0.0, -float(values[-1, c]))
 
     def _values(self, term: Term, variables: np.ndarray, parameters: np.ndarray) -> np.ndarray:
         start = np.array(self.numbers.start)

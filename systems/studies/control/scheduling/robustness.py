@@ -20,6 +20,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.load_positions import assign_loads
 from ropeway.systems.statics.warm_start import carried_over
 from ropeway.systems.studies.control.control_sheaves import with_responses
 from ropeway.systems.studies.control.objectives import objectives
@@ -32,8 +33,27 @@ if TYPE_CHECKING:
 @checked
 @dataclass(frozen=True)
 class Disturbance:
-    """What is not as planned: all masses times `mass`, the speed of `sheave` times `speed` and its schedule `delay`
-    [s] late, the load nearest to `missing` (0 to 1 along the line) not there. Raises InputError."""
+    """A difference between a line and its plan.
+
+    Parameters
+    ----------
+    name : str
+        Name of its row in a table.
+    mass : float, default 1.0
+        Factor of all loads' masses.
+    speed : float, default 1.0
+        Factor of the speed of `sheave`.
+    delay : float, default 0.0
+        By how much the schedule of `sheave` is late [s].
+    sheave : str, optional
+        A control sheave.
+    missing : float, optional
+        The load nearest to this place, 0 to 1 along the line, is missing.
+
+    Raises
+    ------
+    InputError
+    """
 
     name: str
     mass: float = 1.0
@@ -55,7 +75,21 @@ class Disturbance:
                 raise InputError(f"{owner}: missing is {self.missing!r}", "Give a place along the line from 0 to 1")
 
     def schedules(self, planned: Mapping[str, Schedule]) -> dict[str, Schedule]:
-        """The schedules as the drives then follow them. Raises UnknownNameError."""
+        """The schedules as the drives then follow them.
+
+        Parameters
+        ----------
+        planned : mapping of str to Schedule
+            By control sheave.
+
+        Returns
+        -------
+        dict of str to Schedule
+
+        Raises
+        ------
+        UnknownNameError
+        """
         found = dict(planned)
         if self.sheave is not None:
             require_sheave(self.sheave, list(planned))
@@ -66,7 +100,20 @@ class Disturbance:
         return found
 
     def start(self, planned: Equilibrium) -> Equilibrium:
-        """The start with other masses, the rope as it was."""
+        """The start of the plan with the other masses, and the rope as it was.
+
+        Parameters
+        ----------
+        planned : Equilibrium
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        EquilibriumError
+        """
         runs = []
         for run, passed in zip(planned.runs, planned.passed, strict=True):
             mass, feed = run.loads.mass * self.mass, run.feed
@@ -79,7 +126,7 @@ class Disturbance:
         state = LineState(planned.model, planned.point.copy(), runs, planned.passed)
         state.write_slots()
         newton_of(state.model).solve(state.point)
-        while not state.settle():
+        while not assign_loads(state):
             newton_of(state.model).solve(state.point)
         return Equilibrium(
             state.model, state.point, tuple(state.runs), tuple(state.passed), planned.held, planned.pending
@@ -149,7 +196,7 @@ def _row(
     late: float,
     known: Mapping[str, float],
 ) -> dict[tuple[str, str], float]:
-    """What a plan comes to under a disturbance, open loop and trimmed."""
+    """Objectives of a plan under a disturbance, open loop and trimmed."""
     row: dict[tuple[str, str], float] = {}
     inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
     for kind, start in starts.items():

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.systems.modelling.system import System
-from ropeway.systems.reporting.document import ReportOptions, style_of, write_report
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.studies.control.scheduling.plan_data import PlanData
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance, robustness, trimmed_line
 
@@ -22,49 +24,104 @@ if TYPE_CHECKING:
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class SchedulePlan(PlanData):
-    """Schedules of the control sheaves, by name, and what they bring.
+    """Schedules of the control sheaves, and what they lead to.
 
-    predicted: what the plan expects, with the columns of a result's `full_frame`, a row for each side of each moment
-    that it looks at (NaN for sections that it does not look at then); result: the simulation; objectives: those of
-    the simulation by name, as `rw.objectives(plan.result, settle=plan.settle, target=plan.target)` gives them: tensions
-    from `settle` [s] on, energy over the whole run; balanced, constant: those of the run whose sheaves balance their
-    tensions, and of the line's own speeds (None where it cannot keep them so long); gap between plan and simulation;
-    active: limits that bind, a row for each limit and component, with how often, when first [s], the bound, and the
-    `cost`: by how much the objective would fall per unit of the limit; history. lead: the support that keeps the
-    line's speed; trim: how the others correct towards the plan.
+    Attributes
+    ----------
+    schedules : mapping of str to Schedule
+        Speeds by control sheave.
+    predicted : DataFrame
+        The line by plan, with the columns of a result's `full_frame`; a row for each side of each sample time (NaN for
+        sections without a sample then).
+    result : Result
+        The line by simulation.
+    objectives : mapping of str to float
+        Of the simulation: `rw.objectives(plan.result, settle=plan.settle, target=plan.target)`.
+    balanced, constant : mapping of str to float
+        Objectives of the run whose sheaves balance their tensions, and of the line's own speeds (None where that run
+        fails).
+    weights : mapping of str to float
+        Of the objectives.
+    limits : ScheduleLimits
+    tension : (float, float)
+        Lowest and highest tension allowed [N].
+    target : float
+        Tension from which the deviation counts [N].
+    settle : float
+        Time from which the objectives of tension count [s].
+    gap : Gap
+        Between plan and simulation.
+    active : DataFrame
+        Active limits, a row for each limit and component: how often, when first [s], the bound, and the `cost`: by how
+        much the objective falls per unit of the limit.
+    history : PlanHistory
+        Rounds, size of the problem, computing time.
+    line : System
+    start : Equilibrium
+    lead : str
+        The support that keeps the line's speed.
+    trim : ProportionalResponse
+        How the others correct towards the plan.
     """
 
     def __repr__(self) -> str:
-        found = ", ".join(self.told(name) for name in self.weights)
+        found = ", ".join(self.objective_text(name) for name in self.weights)
         return f"<SchedulePlan of {self.line.name!r} over {self.until:g} s: {found}>"
 
     @property
     def trimmed(self) -> System:
-        """The line with trims that correct towards the plan: feed-forward plus trim is
-        `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`."""
+        """The line with trims that correct towards the plan.
 
+        Feed-forward plus trim is `rw.simulate(plan.trimmed, plan.until, inputs=plan.inputs, start=plan.start)`.
+        """
         return trimmed_line(self, self.trim)
 
     def robustness(
         self, disturbances: Sequence[Disturbance] | None = None, *, settle: float | None = None
     ) -> pd.DataFrame:
-        """The plan when the line is not as planned, a row for each disturbance; by default masses 10 % up and down, a
-        speed 0.1 % up and down, a missing load, a drive 1 s late. Columns "open loop" and "trimmed" over highest
-        tension [N], "over plan" (that over the plan's, less 1), deviation [N], from `settle` [s] on, by default the
-        plan's, and energy [J] of the whole run; NaN where the line could not go on.
-        """
+        """The plan under disturbances, by simulation.
 
+        Parameters
+        ----------
+        disturbances : sequence of Disturbance, optional
+            By default masses 10 % up and down, a speed 0.1 % up and down, a missing load, a drive 1 s late.
+        settle : float, optional
+            Time from which tensions count [s]; by default the plan's.
+
+        Returns
+        -------
+        DataFrame
+            A row for each disturbance; columns "open loop" and "trimmed" over "peak tension" [N], "over plan" (that
+            over the plan's, less 1), "tension deviation" [N], and "energy" of the whole run [J]; NaN where a run fails.
+
+        Raises
+        ------
+        InputError, UnknownNameError
+        """
         return robustness(self, disturbances, settle)
 
-    def report(self, path: str | Path, **options: Unpack[ReportOptions]) -> Path:
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
         """Write the report of the plan: objectives, speeds, the moving line, active limits.
 
         Parameters
         ----------
         path : str or Path
             HTML, or PDF by a browser's print; needs the extra `report`.
-        **options
-            `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
 
         Returns
         -------
@@ -72,14 +129,24 @@ class SchedulePlan(PlanData):
 
         Raises
         ------
-        InputError, WriteError
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
         """
-        from ropeway.systems.studies.control.scheduling.plan_report import sections_of
+        from ropeway.systems.studies.control.scheduling.reporting.plan_report import sections_of
 
-        return write_report(path, self.line.name, sections_of(self, style_of(options)), options)
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.line.name, sections_of(self, style), options)
 
     def plot(self) -> Figure:
-        """Speeds, highest and lowest tension by plan and simulation, and the drives' forces."""
+        """Plot speeds, highest and lowest tension by plan and simulation, and the drives' forces.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
         from ropeway.systems.studies.control.scheduling.plan_plot import plan_figure
 
         return plan_figure(self)

@@ -10,9 +10,9 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from ropeway.components.component import Node
 from ropeway.components.control_sheave import grip_margin
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.solvers.newton import Point, expanded
 from ropeway.systems.studies.control.scheduling.nonlinear_program import Term
@@ -20,8 +20,9 @@ from ropeway.systems.studies.control.scheduling.nonlinear_program import Term
 FORCE = 1e4
 """Unit of forces in the problem [N]: of the order of what a schedule changes."""
 
-GIVE = "give"
-"""The row by which an unknown stays above the power that a drive gives, where that is above zero."""
+DRIVING = "driving power"
+"""The row by which an unknown that is at least zero stays above the power of a drive: it is the power where that is
+positive."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def side(limit: str, *, high: bool) -> str:
 @dataclass(frozen=True)
 class SectionTerm:
     """A term with what its variables are: (kind, place), kind one of "z" (place in the algebraic variables), "q" and
-    "v" (travel and speed of a driven support, by its number), "peak", "give", "slack <limit>"; `discrete`, `states`
+    "v" (travel and speed of a driven support, by its number), "peak", "driving", "slack <limit>"; `discrete`, `states`
     and `inputs` are the places of its parameters: d, then states and inputs less what the schedule says they are,
     then the weights of its mean square and of its power. `rows` are its constraints after `residuals` equations."""
 
@@ -102,7 +103,7 @@ class LineEquations:
             "x": self._more_x,
             "u": self._more_u,
         }
-        self._peak, self._give = ca.SX.sym("peak"), ca.SX.sym("give")
+        self._peak, self._driving = ca.SX.sym("peak"), ca.SX.sym("driving")
         pattern = ca.jacobian_sparsity(self._alg, self._z)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.get_col())
 
@@ -148,13 +149,13 @@ class LineEquations:
         self, i: int, rows: Sequence[Constraint], target: float | None, *, energy: bool, relaxed: bool
     ) -> SectionTerm:
         """Limits on a driven support's outputs, and its cost: the mean square of both tensions' distances from a
-        target, or the power that the drive gives."""
+        target, or the power of the drive where that is positive."""
         name, cost = self.nodes[i].name, ca.SX(0)
         if target is not None:
             for side in ("in", "out"):
                 cost += (self._y[self.model.y.index[f"{name}.tension_{side}"]] - target / FORCE) ** 2 / 2.0
         if energy:
-            rows = (*rows, Constraint(f"{name}.power", 0.0, np.inf, GIVE))
+            rows = (*rows, Constraint(f"{name}.power", 0.0, np.inf, DRIVING))
         return self._part(ca.SX(0, 1), rows, cost, relaxed)
 
     def _part(self, equations: ca.SX, rows: Sequence[Constraint], cost: ca.SX, relaxed: bool) -> SectionTerm:
@@ -163,13 +164,13 @@ class LineEquations:
         kept: list[Constraint] = []
         signs: list[int] = []
         slacks: dict[str, ca.SX] = {}
-        gives = any(row.limit == GIVE for row in rows)
+        drives = any(row.limit == DRIVING for row in rows)
         for row in rows:
             for value in self._values(row):
                 if row.peak:
                     written, kept, signs = [*written, value - self._peak], [*kept, row], [*signs, 0]
-                elif row.limit == GIVE:
-                    written, kept, signs = [*written, self._give - value], [*kept, row], [*signs, 0]
+                elif row.limit == DRIVING:
+                    written, kept, signs = [*written, self._driving - value], [*kept, row], [*signs, 0]
                 elif not relaxed:
                     written, kept, signs = [*written, value], [*kept, row], [*signs, 0]
                 else:
@@ -189,14 +190,14 @@ class LineEquations:
         if any(row.peak for row in rows):
             variables.append(("peak", 0))
             symbols.append(self._peak)
-        if gives:
-            variables.append(("give", 0))
-            symbols.append(self._give)
+        if drives:
+            variables.append(("driving", 0))
+            symbols.append(self._driving)
         for limit, slack in slacks.items():
             variables.append((f"slack {limit}", 0))
             symbols.append(slack)
         parameters = [self._known[name][int(k)] for name in ("d", "x", "u") for k in places[name]]
-        total = weight[0] * cost + weight[1] * (self._give if gives else 0)
+        total = weight[0] * cost + weight[1] * (self._driving if drives else 0)
         return SectionTerm(
             Term(ca.vertcat(*symbols), ca.vertcat(*parameters, weight), ca.vertcat(equations, *written), total),
             tuple(variables),

@@ -10,7 +10,7 @@ import pandas as pd
 from ropeway.systems.solvers.newton import outputs_of
 from ropeway.systems.studies.control.scheduling.nonlinear_program import Solution
 from ropeway.systems.studies.control.scheduling.problem import ScheduleProblem
-from ropeway.systems.studies.control.scheduling.section_equations import GIVE, side
+from ropeway.systems.studies.control.scheduling.section_equations import DRIVING, side
 
 _REACHED, _MULTIPLIER = 1e-3, 1e-7
 """A limit counts as reached when its row is as near to it [the problem's units], with a multiplier as large."""
@@ -102,7 +102,7 @@ def active_limits(problem: ScheduleProblem, solution: Solution, times: np.ndarra
             for r, row in enumerate(label.rows, m - len(label.rows)):
                 at = offset + c * m + r
                 bound = row.high if solution.multipliers[at] > 0.0 else row.low
-                if row.peak or row.limit == GIVE or not reached[at]:
+                if row.peak or row.limit == DRIVING or not reached[at]:
                     continue
                 if not problem.task.relaxed and abs(solution.rows[at] - bound) > _REACHED:
                     continue

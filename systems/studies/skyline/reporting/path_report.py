@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,13 +12,13 @@ import pandas as pd
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.reporting.blocks import Chart, Section, Table, axis, curve
-from ropeway.systems.reporting.document import ReportOptions, style_of, warnings_of, write_report
-from ropeway.systems.reporting.style import Style
+from ropeway.systems.reporting.document import Project, ReportOptions, warnings_of, write_report
+from ropeway.systems.reporting.style import Style, Units
 from ropeway.systems.results.result_report import limit_curves
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.reporting import rig_sections
-from ropeway.systems.studies.skyline.reporting.payload_report import TENSIONS
 from ropeway.systems.studies.skyline.reporting.rig_player import FRAMES, Places, rig_player
+from ropeway.systems.studies.skyline.reporting.rig_sections import TENSIONS
 
 _OWN = (None, None)
 """Safety factors: each rope has its own."""
@@ -38,7 +38,15 @@ _COLUMNS: tuple[tuple[str, str, str | None, Any], ...] = (
 
 @checked
 def load_path_report(
-    rig: SkylineRig, payload: float, frame: pd.DataFrame, path: str | Path, **options: Unpack[ReportOptions]
+    rig: SkylineRig,
+    payload: float,
+    frame: pd.DataFrame,
+    path: str | Path,
+    *,
+    project: Project | None = None,
+    units: Units = "metric",
+    labels: Mapping[str, str] | None = None,
+    more: Sequence[Section] = (),
 ) -> Path:
     """Write the report of a load path.
 
@@ -51,8 +59,13 @@ def load_path_report(
         As `rw.load_path(rig, payload)` gives it.
     path : str or Path
         HTML, or PDF by a browser's print; needs the extra `report`.
-    **options
-        `project`, `units`, `labels`, `more`, see `docs/reports.md`.
+    project : Project, optional
+        Title, place, client, author and a remark.
+    units : {"metric", "imperial"}, default "metric"
+    labels : mapping, optional
+        Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+    more : sequence of Section, optional
+        Sections of your own after the others.
 
     Returns
     -------
@@ -67,7 +80,8 @@ def load_path_report(
     """
     if not {"station", "carriage_z", "highest_tension"} <= set(frame.columns):
         raise InputError("The frame is no load path", "Give what rw.load_path(rig, payload) returns")
-    style = style_of(options)
+    options = ReportOptions(project, units, labels, more)
+    style = options.style
     loaded = frame.assign(payload=payload)
     title = f"{rig.name}: {style.text('load_path')} {style.text('with_payload', payload=style.value(payload, 'mass'))}"
     given = [(style.text("payload"), style.value(payload, "mass"))]
@@ -151,7 +165,7 @@ def _player(rig: SkylineRig, frame: pd.DataFrame, style: Style, over: str, event
         texts = [f"{style.value(e.time, 'time')}: {e.event}" for e in events.itertuples()]
         happened = list(zip(frames.tolist(), texts, strict=True))
     x = shown["carriage_x"].to_numpy(float)
-    heights = None if rig.kind.value == "standing" or over == "time" else shown["carriage_z"].to_numpy(float)
+    heights = None if not rig.kind.sets_height or over == "time" else shown["carriage_z"].to_numpy(float)
     labels = [f"{style.text(over)} {style.value(m, quantity)}" for m in marks]
     places = Places(
         x, shown["payload"].to_numpy(float), heights, labels, values, style.scaled(marks, quantity).tolist(), happened

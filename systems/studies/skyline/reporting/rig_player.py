@@ -12,7 +12,7 @@ from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.reporting.blocks import Chart, Moving, Player, axis, curve, dots
 from ropeway.systems.reporting.style import Style
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_solver import Stations
@@ -83,9 +83,7 @@ def rig_player(rig: SkylineRig, places: Places, style: Style) -> Player:
 
 
 def _name(rig: SkylineRig, role: str, style: Style) -> str:
-    if role == "skyline" and rig.kind is RigKind.RUNNING:
-        return style.text("haulback")
-    return style.text(role or "guyline")
+    return style.text(rig.kind.carrying_rope if role == "skyline" else role or "guyline")
 
 
 def _ropes(solved: Solved) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -16,14 +16,20 @@ from ropeway.systems.reporting.document import values_of
 from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import ropes_table
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+
+TENSIONS = (
+    ("highest_tension", "skyline", "#111"), ("mainline_highest", "mainline", "#d62728"),
+    ("haulback_highest", "haulback", "#1f77b4"), ("dropline_tension", "dropline", "#2ca02c"),
+)  # fmt: skip
+"""Columns of tensions, the rope that they belong to, and its colour."""
 
 
 def inputs(
     rig: SkylineRig, style: Style, factors: tuple[float | None, float | None], more: Sequence[tuple[str, str]]
 ) -> Section:
     """The rig as it was given. factors: safety factors of the skyline and of the other ropes, None: each its own."""
-    rows = [(style.text("kind"), f"{rig.kind.value} skyline"), *more]
+    rows = [(style.text("kind"), f"{rig.kind.name} skyline"), *more]
     if rig.tension is not None:
         rows.append((style.text("pretension"), style.value(rig.tension, "force")))
     if rig.haulback_tension is not None:
@@ -39,8 +45,7 @@ def inputs(
 
 def ropes_of(rig: SkylineRig) -> list[tuple[str, Rope]]:
     """The ropes of a rig by their use, equal guylines once."""
-    sky = "haulback" if rig.kind is RigKind.RUNNING else "skyline"
-    found: list[tuple[str, Rope]] = [(sky, rig.skyline)]
+    found: list[tuple[str, Rope]] = [(rig.kind.carrying_rope, rig.skyline)]
     for use, rope in (("mainline", rig.mainline), ("haulback", rig.haulback)):
         if rope is not None:
             found.append((use, rope))
@@ -145,11 +150,11 @@ def set_up(rig: SkylineRig, style: Style) -> Section:
     rows = [(style.text("chord"), style.value(chord, "length", "up"))]
     if rig.length is not None:
         rows.append((style.text("unstretched"), style.value(rig.length, "short_length")))
-    if rig.kind is not RigKind.RUNNING:
+    if rig.kind.keeps_length:
         rows.append((style.text("bare_tension"), style.value(bare_tension(rig), "force")))
     if rig.pulled:
         rows.append((style.text("mainline_needed"), style.value(reach, "length", "up")))
-    if rig.haulback is not None or rig.kind is RigKind.RUNNING:
+    if rig.haulback is not None or not rig.kind.keeps_length:
         rows.append((style.text("haulback_needed"), style.value(2.0 * reach, "length", "up")))
     return Section(style.text("set_up"), (values_of(rows, style),))
 

@@ -103,7 +103,7 @@ def test_a_response_outside_the_ranges_counts_too() -> None:
 
 def test_a_line_that_cannot_run_says_why() -> None:
     heavy = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=8e3, load_spacing=30.0)
-    with pytest.raises(rw.SimulationError, match=r"The first said: The loads .* are too heavy"):
+    with pytest.raises(rw.SimulationError, match=r"The message of the first: The loads .* are too heavy"):
         rw.tune_response(
             heavy,
             COARSE,

@@ -173,9 +173,9 @@ def test_longest_rope_agrees_with_bisection_over_lengths() -> None:
 @pytest.mark.parametrize(
     ("stations", "elevations", "error", "word"),
     [
-        ([0.0], [-5.0], InputError, "two or more points"),
-        ([0.0, 200.0], [-5.0], InputError, "two or more points"),
-        ([0.0, 100.0, 100.0, 200.0], [-5.0, -9.0, -9.0, -5.0], InputError, "must increase"),
+        ([0.0], [-5.0], InputError, "at least two"),
+        ([0.0, 200.0], [-5.0], InputError, "as many elevations as stations"),
+        ([0.0, 100.0, 100.0, 200.0], [-5.0, -9.0, -9.0, -5.0], InputError, "do not increase"),
         ([0.0, 100.0, float("nan")], [-5.0, -9.0, -5.0], InputError, "finite"),
         ([10.0, 190.0], [-5.0, -5.0], InputError, "Extend the profile"),
         ([0.0, 100.0, 200.0], [-5.0, 1.0, -5.0], SlackRopeError, "chord"),

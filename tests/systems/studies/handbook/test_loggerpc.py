@@ -41,7 +41,7 @@ def test_log_slope_is_that_of_the_step_before_the_carriage() -> None:
     for place in (5.0, 41.0):
         with pytest.raises(InputError, match="no terrain point before"):
             log_slope(x, z, place)
-    with pytest.raises(InputError, match="two or more points"):
+    with pytest.raises(InputError, match="at least two"):
         log_slope([0.0], [0.0], 0.0)
 
 

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 
@@ -105,15 +106,7 @@ def test_units_stand_beside_the_numbers() -> None:
     assert frame.attrs["per"] == {"l1.mass": "kg", "a.pretension": "N"}
 
 
-DRIVE = rw.HydraulicDrive(
-    displacement=250e-6,
-    gear_ratio=20.0,
-    sheave_radius=0.5,
-    relief_pressure=300e5,
-    pump_flow=16e-3,
-    engine_power=60e3,
-    inertia=2000.0,
-)
+DRIVE = hydraulic_drive(displacement=250e-6, relief_pressure=300e5, pump_flow=16e-3, inertia=2000.0)
 RAMP = rw.Schedule((0.0, 12.5, 17.0, 100.0), (1.0, 1.0, 1.03, 1.03))
 MASSES = tuple(200.0 + 10.0 * ((37 * i) % 29) for i in range(20))
 SUPPORTS = pd.DataFrame(

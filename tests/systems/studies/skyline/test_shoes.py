@@ -7,7 +7,7 @@ import pytest
 import ropeway as rw
 from ropeway.components.terrain import least_height
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.studies.skyline.load_path import _pieces, least_rope_clearance, rope_clearance
+from ropeway.systems.studies.skyline.clearances import _pieces, least_rope_clearance, rope_clearance
 from ropeway.systems.studies.skyline.station_solver import Stations
 from support import skyline_oracle as oracle
 

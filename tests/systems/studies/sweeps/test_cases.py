@@ -85,7 +85,7 @@ def test_units_in_the_names_of_a_functions_parameters_become_si() -> None:
     ("column", "words"),
     [
         ("d.speed [kN]", "'d.speed \\[kN\\]': 'kN' and 'm/s' measure different quantities"),
-        ("l.mass [stone]", "'stone' is not known"),
+        ("l.mass [stone]", "'stone' is unknown"),
         ("l.weight [N]", "l.weight"),
     ],
 )

@@ -307,7 +307,7 @@ def test_wrong_input_comes_before_the_first_case() -> None:
     for workers in (0, "2"):
         with pytest.raises(rw.InputError, match=f"workers is {workers!r}"):
             rw.sweep(area, {"width": [1.0]}, workers=workers)  # type: ignore[arg-type]
-    with pytest.raises(rw.InputError, match="worker process cannot be given"):
+    with pytest.raises(rw.InputError, match="cannot be sent to a worker process"):
         rw.sweep(lambda width: width, {"width": [1.0]}, workers=2)
     with pytest.raises(rw.InputError, match="numbers and text"):
         rw.sweep(area, {"width": [ROPE]}, workers=1, path="never.parquet")

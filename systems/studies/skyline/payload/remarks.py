@@ -13,7 +13,8 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rounding import at_least
 from ropeway.systems.rigs.bare_skyline import bare_profile
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.rig_kind import STANDING
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 
@@ -26,7 +27,7 @@ class BareRope(NamedTuple):
 
 def bare_rope(rig: SkylineRig) -> BareRope | None:
     """Where the bare skyline of a rig is nearest to its ground; None without a terrain or a skyline of its own."""
-    if rig.kind is RigKind.RUNNING or rig.terrain is None:
+    if not rig.kind.keeps_length or rig.terrain is None:
         return None
     x, z = bare_profile(rig)
     inside = (x >= rig.terrain.station[0]) & (x <= rig.terrain.station[-1])
@@ -46,14 +47,14 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
     """The least haulback tension [N], to 2 percent above, with which the mainline holds a payload [kg] at all of some
     stations [m]; None where no tension within the rope's safe working load does."""
     rope = rig.haulback or rig.mainline
-    if rope is None or rig.kind is RigKind.RUNNING or not len(stations):
+    if rope is None or not rig.kind.keeps_length or not len(stations):
         return None
     if isinstance(rig.tailspar, GuyedSpar) and rig.haulback_block is None:
         return None
     some = stations[np.unique(np.linspace(0, len(stations) - 1, 12).astype(int))]
 
     def hauls(tension: float, where: np.ndarray) -> bool:
-        solver = Stations(replace(rig, haulback=rope, haulback_tension=tension, kind=RigKind.STANDING))
+        solver = Stations(replace(rig, haulback=rope, haulback_tension=tension, kind=STANDING))
         try:
             return all(solver.solve(float(x), payload).held_by == "mainline" for x in where)
         except (EquilibriumError, InputError):

@@ -12,16 +12,12 @@ from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import limit_curves
 from ropeway.systems.studies.skyline.reporting import rig_sections
 from ropeway.systems.studies.skyline.reporting.rig_player import FRAMES, Places, rig_player
+from ropeway.systems.studies.skyline.reporting.rig_sections import TENSIONS
 
 if TYPE_CHECKING:
-    from ropeway.systems.studies.skyline.payload_data import PayloadData
+    from ropeway.systems.studies.skyline.payload.data import PayloadData
 
 _COLOURS = ("#1f77b4", "#ff7f0e", "#9467bd", "#bcbd22", "#e377c2", "#17becf", "#8c564b", "#2ca02c")
-TENSIONS = (
-    ("highest_tension", "skyline", "#111"), ("mainline_highest", "mainline", "#d62728"),
-    ("haulback_highest", "haulback", "#1f77b4"), ("dropline_tension", "dropline", "#2ca02c"),
-)  # fmt: skip
-"""Columns of tensions, the rope that they belong to, and its colour."""
 
 
 def sections_of(study: PayloadData, style: Style) -> list[Section]:

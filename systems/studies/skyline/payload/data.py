@@ -11,8 +11,9 @@ import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.table_writer import Tabular
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
-from ropeway.systems.studies.skyline.payload_remarks import (
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.studies.skyline.limits import is_lowered
+from ropeway.systems.studies.skyline.payload.remarks import (
     BareRope,
     bare_rope,
     haulback_that_hauls,
@@ -73,8 +74,3 @@ class PayloadData(Tabular):
     def payload(self) -> float:
         """Largest payload that can be brought along all stations [kg]."""
         return float(self.limiting["payload"])
-
-
-def is_lowered(rig: SkylineRig) -> bool:
-    """Whether a clearance sets the skyline's height: not a standing one's, and not under a log, which follows."""
-    return rig.kind is not RigKind.STANDING and rig.turn is None

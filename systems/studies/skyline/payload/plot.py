@@ -13,17 +13,18 @@ from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
-from ropeway.systems.rigs.skyline_rig import RigKind, SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.load_path import load_path, row
+from ropeway.systems.studies.skyline.load_path import load_path
+from ropeway.systems.studies.skyline.station_row import station_row
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropeway.systems.studies.skyline.payload_data import PayloadData
+    from ropeway.systems.studies.skyline.payload.data import PayloadData
 
 
 class Way(NamedTuple):
@@ -88,7 +89,7 @@ def _ropes(axis: Axes, shown: Solved) -> None:
     for r, run in enumerate(model.runs):
         sky, role = r == shown.at.skyline, shown.at.roles[r]
         colour, width = ("black", 2.2) if sky else (_ROPES.get(role, "0.45"), 1.0)
-        name = "haulback" if sky and rig.kind is RigKind.RUNNING else role or "guylines"
+        name = rig.kind.carrying_rope if sky else role or "guylines"
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
             length = shown[f"{span.name}.length"]
@@ -142,8 +143,7 @@ def _headline(study: PayloadData) -> str:
 def _given(study: PayloadData) -> str:
     """What the payloads hold for."""
     rig, rope = study.rig, study.rig.skyline
-    name = "haulback" if rig.kind is RigKind.RUNNING else "skyline"
-    given = [f"{name}: {rope.mass_per_length:g} kg/m, MBL {at_most(rope.breaking_load / 1e3, 1)} kN"]
+    given = [f"{rig.kind.carrying_rope}: {rope.mass_per_length:g} kg/m, MBL {at_most(rope.breaking_load / 1e3, 1)} kN"]
     if rig.tension is not None:
         given.append(f"pretension {rig.tension / 1e3:g} kN")
     elif rig.length is not None:
@@ -183,7 +183,7 @@ def _path(study: PayloadData, mass: float) -> pd.DataFrame:
         return load_path(study.rig, mass, study.frame["station"].to_numpy())
     solver, rows = Stations(study.rig, by_height=True), []
     for x, z in study.frame.reindex(columns=["station", "carriage_z"]).dropna().itertuples(index=False):
-        rows.append(row(certified([solver.solve(x, mass, z)])[0], x))
+        rows.append(station_row(certified([solver.solve(x, mass, z)])[0], x))
     return pd.DataFrame(rows)
 
 
@@ -234,11 +234,10 @@ def _payloads(axis: Axes, study: PayloadData) -> None:
 def _tensions(axis: Axes, study: PayloadData, frame: pd.DataFrame) -> None:
     """Highest tensions over station, against the safe working loads by the study's safety factors."""
     rig = study.rig
-    sky = "haulback" if rig.kind is RigKind.RUNNING else "skyline"
-    shown = [(sky, "highest_tension", "black", rig.skyline, study.safety_factor)]
+    shown = [(rig.kind.carrying_rope, "highest_tension", "black", rig.skyline, study.safety_factor)]
     if rig.mainline is not None:
         shown.append(("mainline", "mainline_highest", "tab:red", rig.mainline, study.mainline_safety_factor))
-    if rig.haulback is not None and rig.kind is not RigKind.RUNNING:
+    if rig.haulback is not None:
         shown.append(("haulback", "haulback_highest", "tab:blue", rig.haulback, study.mainline_safety_factor))
     found: dict[tuple[float, float], tuple[float, str, str]] = {}
     for name, column, colour, rope, factor in shown:

@@ -1,0 +1,60 @@
+"""Newton's method for many small problems side by side, with derivatives by the complex step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+_STEP = 1e-30  # of the complex step: derivatives to rounding
+
+CONVERGED = 1e-10
+"""Relative step after which only rounding errors are left: convergence is quadratic."""
+
+_ITERATIONS = 60
+
+
+class Roots(NamedTuple):
+    """Unknowns (n, k), the Jacobians of the last step (n, k, k), and the relative size of that step (n,). What is not
+    a number has no root nearby."""
+
+    unknowns: np.ndarray
+    jacobians: np.ndarray
+    steps: np.ndarray
+
+    @property
+    def converged(self) -> np.ndarray:
+        """Which problems are solved, (n,)."""
+        return np.asarray(self.steps <= CONVERGED)
+
+
+def solve_side_by_side(
+    residual: Callable[[Any], Any],
+    start: np.ndarray,
+    relative_step: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    longest: float,
+) -> Roots:
+    """Roots of n problems in k unknowns each.
+
+    residual: unknowns (..., n, k), real or complex, to residuals of the same shape; start: (n, k); relative_step:
+    unknowns and a Newton step (n, k) to the size of that step (n,); longest: the largest relative step, above which
+    steps are shortened.
+    """
+    unknowns = before = start
+    probe = 1j * _STEP * np.eye(start.shape[-1])[:, None, :]
+    with np.errstate(all="ignore"):
+        for _ in range(_ITERATIONS):
+            jacobians = np.moveaxis(residual(unknowns + probe).imag / _STEP, 0, -1)
+            singular = ~np.isfinite(jacobians).all(axis=(1, 2)) | (np.linalg.det(jacobians) == 0.0)
+            jacobians[singular] = np.eye(start.shape[-1])
+            moves = -np.linalg.solve(jacobians, residual(unknowns)[:, :, None])[:, :, 0]
+            moves[singular] = np.nan
+            steps = relative_step(unknowns, moves)
+            last, before = before, unknowns
+            unknowns = unknowns + moves * np.minimum(1.0, longest / np.maximum(steps, 1e-300))[:, None]
+            if not (steps > CONVERGED).any():
+                break
+            if steps.max() > 1e-3 and np.abs(unknowns / last - 1.0).max() < 1e-5:  # large steps alternate
+                break
+    return Roots(unknowns, jacobians, steps)

@@ -1,0 +1,99 @@
+"""What a skyline rig is made of, and where its parts are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ropeway.components.argument_checks import checked
+from ropeway.components.carriage import Carriage
+from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
+from ropeway.components.rope import Rope
+from ropeway.components.spar import Block, HeadSpar, TailSpar
+from ropeway.components.terrain import Profile
+from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.rigs.turn import Turn
+
+
+@checked
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RigParts:
+    """The parts of a skyline rig.
+
+    Parameters
+    ----------
+    terrain : Profile or None
+    headspar : HeadSpar
+    tailspar : TailSpar or GuyedSpar
+    skyline : Rope
+        That carries the carriage: of a running skyline the haulback.
+    carriage : Carriage
+    name : str
+    supports : sequence of IntermediateSupport, default ()
+    length : float, optional
+        Unstretched, of the skyline from the headspar to its end [m].
+    tension : float, optional
+        Of the bare skyline at the headspar; of a running skyline at the haulback's drum [N].
+    mainline, haulback : Rope, optional
+    haulback_tension : float, optional
+        At the haulback's drum [N].
+    haulback_block : Block, optional
+    turn : Turn, optional
+    gravity : float, default 9.80665
+        [m/s2].
+    """
+
+    terrain: Profile | None
+    headspar: HeadSpar
+    supports: tuple[IntermediateSupport, ...] = ()
+    tailspar: TailSpar | GuyedSpar
+    skyline: Rope
+    length: float | None = None
+    tension: float | None = None
+    mainline: Rope | None = None
+    haulback: Rope | None = None
+    haulback_tension: float | None = None
+    haulback_block: Block | None = None
+    carriage: Carriage
+    turn: Turn | None = None
+    name: str
+    gravity: float = GRAVITY
+
+    @property
+    def stands(self) -> tuple[Node, ...]:
+        """The ends of the spans: headspar, intermediate supports, tailspar."""
+        return (self.headspar, *self.supports, self.tailspar)
+
+    @property
+    def ends(self) -> tuple[Node, ...]:
+        """What the skyline runs over: headspar, supports, tailspar, and the tailhold behind it."""
+        hold = self.tailspar.tailhold
+        return (*self.stands, *(() if hold is None else (hold,)))
+
+    @property
+    def points(self) -> np.ndarray:
+        """Points that the skyline runs over, shape (n, 3) [m]."""
+        return np.array([node.at for node in self.ends])
+
+    @property
+    def spans(self) -> int:
+        """Number of spans that the carriage can run on."""
+        return len(self.supports) + 1
+
+    @property
+    def ideal(self) -> bool:
+        """Whether an ideal force holds the carriage."""
+        return self.mainline is None and not self.carriage.clamped
+
+    @property
+    def pulled(self) -> bool:
+        """Whether a real mainline pulls the carriage."""
+        return self.mainline is not None and not self.carriage.clamped
+
+    @property
+    def guyed_spars(self) -> tuple[GuyedSpar, ...]:
+        """Those of its two spars that are guyed."""
+        return tuple(spar for spar in (self.headspar, self.tailspar) if isinstance(spar, GuyedSpar))

@@ -1,0 +1,75 @@
+"""Heights of a solved rig over the ground: of the load and of the ropes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from operator import itemgetter
+
+import numpy as np
+
+from ropeway.components.rope_piece import Piece
+from ropeway.components.terrain import Profile, above_tangents, least_height
+from ropeway.systems.studies.skyline.carriage_model import Solved
+
+
+def load_clearance(solved: Solved, ground: Profile) -> float:
+    """Height of the lowest point of the load over the ground [m]; of a log that of its front where its rear drags,
+    else of its rear."""
+    rig = solved.at.rig
+    if rig.turn is None:
+        x, z = (solved[f"{rig.carriage.name}.{axis}"] for axis in "xz")
+        return z - rig.carriage.depth - float(ground.elevations(x))
+    if drags(solved):
+        return front_clearance(solved, ground)
+    log = rig.turn.log.name
+    return solved[f"{log}.rear_z"] - float(ground.elevations(solved[f"{log}.rear_x"]))
+
+
+def front_clearance(solved: Solved, ground: Profile) -> float:
+    """Height of a log's front over the ground [m]; NaN without a log."""
+    turn = solved.at.rig.turn
+    if turn is None:
+        return float("nan")
+    return solved[f"{turn.log.name}.z"] - float(ground.elevations(solved[f"{turn.log.name}.x"]))
+
+
+def drags(solved: Solved) -> bool:
+    """Whether a log's rear is on the ground."""
+    turn = solved.at.rig.turn
+    return turn is not None and solved[f"{turn.log.name}.ground_force"] > 1.0
+
+
+def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> float:
+    """Least height of a rope over the ground [m], from the headspar's top on where it runs over that, and for the
+    skyline as far as the tailspar. NaN where there is no such rope."""
+    pieces = [(above_tangents(ground, piece, end), piece) for piece, end in _pieces(solved, role)]
+    least = np.inf if pieces else np.nan
+    for bound, piece in sorted(pieces, key=itemgetter(0)):
+        if bound >= least:
+            break
+        least = min(least, least_height(ground, piece).height)
+    return float(least)
+
+
+def least_rope_clearance(solved: Solved, ground: Profile) -> float:
+    """A lower bound of the skyline's `rope_clearance` [m] that costs less."""
+    return min((above_tangents(ground, piece, end) for piece, end in _pieces(solved, "skyline")), default=-np.inf)
+
+
+def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, float]]]:
+    """The pieces of a rope over the corridor, towards growing x, and where each ends (x, z) [m]."""
+    rig, at = solved.at.rig, solved.at
+    for r, run in enumerate(at.model.runs):
+        if at.roles[r] != role:
+            continue
+        weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
+        first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
+        for k, span in enumerate(run.spans[first:], first):
+            start, end = solved.start(r, k), solved.end(r, k)
+            force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
+            if force[0] < 0.0:  # it runs back: looked at from its other end
+                start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])
+            if force[0] > 0.0:
+                yield Piece((start[0], start[2]), tuple(force), weight, length, strain), (end[0], end[2])
+            if role == "skyline" and run.nodes[k + 1].name == rig.tailspar.name:
+                break

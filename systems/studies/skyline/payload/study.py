@@ -1,0 +1,207 @@
+"""The largest payload along a corridor, and which limit governs where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.argument_checks import checked
+from ropeway.components.errors import InputError
+from ropeway.components.rounding import at_most
+from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.studies.skyline.limits import LoadLimits
+from ropeway.systems.studies.skyline.load_path import stations_of
+from ropeway.systems.studies.skyline.payload.data import PayloadData
+from ropeway.systems.studies.skyline.payload.search import PayloadSearch
+from ropeway.systems.studies.skyline.station_row import StationRow, units_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class PayloadStudy(PayloadData):
+    """The largest payload by station, as `rw.payload` returns it.
+
+    A payload of 0 with limited_by is an answer: even the empty carriage is beyond that limit. "rest point": a running
+    skyline's carriage would run back from there; "haulback tension": the haulback carries no more however deep the
+    carriage hangs.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline.
+    frame : DataFrame
+        One row a station: station [m], payload [kg], limited_by, and the columns of `rw.load_path` under that payload.
+    safety_factor : float
+        Of the skyline.
+    mainline_safety_factor : float
+        Of the other ropes.
+    clearance : float or None
+        Asked for [m].
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
+    ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> rw.payload(rig, stations=[100.0, 150.0])
+    <PayloadStudy of 'standing skyline': 2689 kg, limited at 150 m by skyline tension>
+    """
+
+    def __repr__(self) -> str:
+        worst = self.limiting
+        return (
+            f"<PayloadStudy of {self.rig.name!r}: {at_most(self.payload)} kg, limited at {worst['station']:g} m by "
+            f"{worst['limited_by']}{self._unhauled}>"
+        )
+
+    @property
+    def _unhauled(self) -> str:
+        count = len(self.not_hauled)
+        return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
+
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the study: payloads by station, supports, anchors, set-up.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
+        """
+        from ropeway.systems.studies.skyline.payload.report import sections_of
+
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.rig.name, sections_of(self, style), options)
+
+    def plot(self) -> Figure:
+        """The corridor to scale with the load path, the payload by station, and the tensions.
+
+        Returns
+        -------
+        Figure
+            The payload in the colour of the limit that governs, the tensions against their safe working loads.
+        """
+        from ropeway.systems.studies.skyline.payload.plot import payload_figure
+
+        return payload_figure(self)
+
+
+@checked
+@interruptible
+def payload(
+    rig: SkylineRig,
+    *,
+    safety_factor: float = 3.0,
+    clearance: float | None = None,
+    rope_clearance: float = 0.0,
+    stations: Sequence[float] | np.ndarray | None = None,
+    mainline_safety_factor: float | None = None,
+    lift_off: bool = True,
+) -> PayloadStudy:
+    """The largest payload at stations along a corridor within all limits.
+
+    Limits are the tensions of all ropes, the clearances, the capacities of spars, supports and tailhold where they are
+    known, and lift-off. A live, gravity or running skyline with a clearance is lowered at each station to just that
+    clearance, or as low as its empty carriage hangs, and not further than the skyline's own clearance allows; not
+    with a log, which follows.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline.
+    safety_factor : float, default 3.0
+        Minimum breaking load over highest tension of the skyline.
+    clearance : float, optional
+        Of the load over the ground [m]; of a log's front, as its rear may drag.
+    rope_clearance : float, default 0.0
+        Of the loaded skyline over the ground between headspar and tailspar [m]; counts with `clearance` only.
+    stations : sequence of float, shape (n,), optional
+        [m], by default about every 5 m.
+    mainline_safety_factor : float, optional
+        Of mainline, haulback, dropline and guylines; by default `safety_factor`.
+    lift_off : bool, default True
+        Whether the skyline must stay in its saddles and a guyed spar on its foot.
+
+    Returns
+    -------
+    PayloadStudy
+        The payloads, and what limits them.
+
+    Raises
+    ------
+    InputError
+        A station is outside the skyline, or a clearance is asked for without a terrain.
+
+    Examples
+    --------
+    >>> rig = rw.live_skyline(
+    ...     rw.Profile([0.0, 150.0, 300.0], [0.0, -30.0, -10.0]), tension=70e3, skyline="RHOL-IWRC 29",
+    ...     headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+    ...     tailspar=rw.TailSpar("tail", station=300.0, height=5.0),
+    ...     mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> study = payload(rig, clearance=2.0, stations=[100.0, 150.0])
+    >>> study.frame["limited_by"].tolist()
+    ['skyline tension', 'skyline tension']
+    """
+    check.positive(safety_factor, rig.name, "safety_factor")
+    others = safety_factor if mainline_safety_factor is None else mainline_safety_factor
+    check.positive(others, rig.name, "mainline_safety_factor")
+    if clearance is not None:
+        check.number(clearance, rig.name, "clearance", "m")
+        if rig.terrain is None:
+            raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
+    check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    where = stations_of(rig, stations)
+    search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))
+    rows: list[StationRow] = []
+
+    def study() -> PayloadStudy:
+        frame = pd.DataFrame(rows)
+        frame.attrs["units"] = units_of(frame)
+        return PayloadStudy(rig, frame, safety_factor, others, clearance)
+
+    with keeping(lambda: study().frame):
+        for x in where:
+            rows.append(search.at(float(x)))
+    return study()

@@ -1,0 +1,56 @@
+"""Tensions of a solved rig: of its ropes, and what they load spars and supports with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.node import Node
+from ropeway.components.span import Span
+from ropeway.systems.studies.skyline.carriage_model import Solved
+
+
+def highest_tension(solved: Solved, role: str) -> float:
+    """Highest tension of the skyline, the mainline or the haulback, by its role in the model [N]; 0 without one."""
+    runs = [run for run, its in zip(solved.at.model.runs, solved.at.roles, strict=True) if its == role]
+    return max((tension for run in runs for tension in end_tensions(solved, run.spans)), default=0.0)
+
+
+def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
+    """Tensions at both ends of all spans [N]; a load-free span has none higher in between."""
+    return [solved[f"{span.name}.tension_{end}"] for span in spans for end in "ab"]
+
+
+def anchor_tension(solved: Solved) -> float:
+    """Tension where the skyline is tied [N]."""
+    return solved[f"{solved.at.model.runs[solved.at.skyline].spans[-1].name}.tension_b"]
+
+
+def guyline_tension(solved: Solved, guyline: str, spar: GuyedSpar) -> float:
+    """Higher tension of the two ends of a guyline [N]."""
+    return max(solved[f"{guyline}_{spar.name}.tension_{end}"] for end in "ab")
+
+
+def load_on(solved: Solved, stand: Node) -> float:
+    """What a spar or support carries [N]: the resultant of all ropes at its top; the compression of a guyed spar; on
+    a shoe the load on it and that of the mainline on its roller."""
+    if isinstance(stand, GuyedSpar):
+        return solved[f"{stand.name}.compression"]
+    if isinstance(stand, IntermediateSupport) and stand.radius > 0.0:
+        roller = f"{stand.name}_mainline.bearing_load"
+        return solved[f"{stand.name}.bearing_load"] + (solved[roller] if solved.has(roller) else 0.0)
+    total = np.zeros(3)
+    for r, run in enumerate(solved.at.model.runs):
+        weight = run.rope.mass_per_length * solved.at.rig.gravity
+        for k, node in enumerate(run.nodes):
+            if node.at != stand.at:
+                continue
+            if k < len(run.spans):
+                total += solved.at.curve(solved.point, k, r)
+            if k > 0:
+                total -= solved.at.curve(solved.point, k - 1, r)
+                total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
+    return float(np.linalg.norm(total))
