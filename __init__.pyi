@@ -36,6 +36,7 @@ from .components.intermediate_support import IntermediateSupport as Intermediate
 from .components.joint import Joint as Joint
 from .components.load import Load as Load
 from .components.log import Log as Log
+from .components.map_frame import MapFrame as MapFrame
 from .components.node import Node as Node
 from .components.power_unit import HydraulicPowerUnit as HydraulicPowerUnit
 from .components.response import ProportionalResponse as ProportionalResponse, ThresholdResponse as ThresholdResponse
@@ -62,6 +63,8 @@ from .components.variable import (
 )
 from .systems.dynamics.result import Result as Result
 from .systems.dynamics.simulation import simulate as simulate
+from .systems.exchange.gis import export_gis as export_gis
+from .systems.exchange.places import places as places
 from .systems.exchange.study_inputs import StudyInputs as StudyInputs
 from .systems.modelling.assembly import assemble as assemble
 from .systems.modelling.component_functions import check_component as check_component
@@ -119,7 +122,7 @@ from .systems.studies.handbook.payload_methods import (
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
 from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
-from .systems.studies.skyline.inhaul import Inhaul as Inhaul, inhaul as inhaul
+from .systems.studies.skyline.inhaul.study import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
 from .systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history

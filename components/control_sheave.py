@@ -143,7 +143,7 @@ class ControlSheave(Wheel):
 
 
 def _seen_by_drive(v: Any, outputs: Mapping[str, Any]) -> SimpleNamespace:
-    """What the equations of a sheave's drive read: the sheave's variables, its tensions and bearing load."""
+    """Symbols for the equations of a drive: variables of the sheave, tensions and bearing load."""
     return SimpleNamespace(
         **{**vars(v), **{name: outputs[name] for name in ("tension_in", "tension_out", "bearing_load")}}
     )

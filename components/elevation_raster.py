@@ -10,7 +10,9 @@ import numpy as np
 
 from ropeway.components import check, units
 from ropeway.components.errors import InputError
-from ropeway.components.map_lengths import ground_steps, horizontal, vertical_unit
+from ropeway.components.map_frame import MapFrame, name_of, thinned, transformed, utm_of
+from ropeway.components.map_lengths import as_pyproj, ground_steps, horizontal, vertical_name, vertical_unit
+from ropeway.components.plan_axis import PlanAxis
 
 LOWEST, HIGHEST = -450.0, 9000.0
 """Plausible elevations of the ground [m]."""
@@ -27,7 +29,7 @@ class Reading:
     """How the user wants a raster to be read; None: as the raster declares.
 
     `spacing` of stations [m]; `band` (from 1); `unit` of the elevations; `nodata`, the value for missing data;
-    `largest_jump` between neighbouring cells of real ground [m].
+    `largest_jump` between neighbouring cells of real ground [m]; coordinate system `crs`.
     """
 
     spacing: float | None = None
@@ -35,6 +37,7 @@ class Reading:
     unit: str | None = None
     nodata: float | None = None
     largest_jump: float | None = None
+    crs: str | None = None
 
     def __post_init__(self) -> None:
         for name, unit in (("spacing", "m"), ("largest_jump", "m")):
@@ -48,7 +51,7 @@ class Reading:
 
 def along(
     raster: Any, name: str, start: tuple[float, float], end: tuple[float, float], reading: Reading
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, MapFrame]:
     """Stations and elevations over a raster, bilinear between the centres of its cells.
 
     Parameters
@@ -64,6 +67,8 @@ def along(
     -------
     station, elevation : ndarray, shape (n,)
         Length on the ground from the start, and elevation [m].
+    frame : MapFrame
+        Map frame of the line; in UTM over a raster in degrees.
 
     Raises
     ------
@@ -75,13 +80,38 @@ def along(
     _require_places(raster, name)
     if math.dist(start, end) == 0.0:
         raise InputError(f"{name}: start and end are one point", "Give two different points")
-    count = _count(raster, name, start, end, reading.spacing)
+    count = _count(raster, name, start, end, reading)
     share = np.linspace(0.0, 1.0, count)
     east = start[0] + share * (end[0] - start[0])
     north = start[1] + share * (end[1] - start[1])
-    station = np.concatenate([[0.0], np.cumsum(ground_steps(name, raster.crs, east, north))])
+    crs = _system(raster, name, reading.crs)
+    station = np.concatenate([[0.0], np.cumsum(ground_steps(name, crs, east, north))])
     row, column = _cells(raster, name, east, north)
-    return station, _elevations(raster, name, band, factor, station, row, column, reading)
+    elevation = _elevations(raster, name, band, factor, station, row, column, reading)
+    return station, elevation, _frame(name, crs, station, east, north)
+
+
+def _system(raster: Any, name: str, given: str | None) -> Any:
+    """The coordinate system of a raster, or the one given for a raster without any. Raises InputError."""
+    if given is None:
+        return raster.crs
+    if raster.crs is not None and as_pyproj(name, raster.crs) != as_pyproj(name, given):
+        raise InputError(f"{name} has a coordinate system of its own, not {given!r}", "Leave crs out")
+    return as_pyproj(name, given)
+
+
+def _frame(name: str, crs: Any, station: np.ndarray, east: np.ndarray, north: np.ndarray) -> MapFrame:
+    """Where the line lies on the map."""
+    some = thinned(station)
+    station, east, north, system = station[some], east[some], north[some], ""
+    if crs is not None:
+        flat = horizontal(name, crs)
+        system = name_of(flat)
+        if flat.is_geographic:
+            system = utm_of(float(east.mean()), float(north.mean()))
+            east, north = (np.asarray(v) for v in transformed(flat, system, east, north))
+    axis = PlanAxis(*(tuple(v.tolist()) for v in (station, east, north)))
+    return MapFrame(system, axis, "" if crs is None else vertical_name(name, crs))
 
 
 def _band(raster: Any, name: str, requested: int | None) -> int:
@@ -146,16 +176,16 @@ def _require_places(raster: Any, name: str) -> None:
             )
 
 
-def _count(raster: Any, name: str, start: tuple[float, float], end: tuple[float, float], spacing: float | None) -> int:
+def _count(raster: Any, name: str, start: tuple[float, float], end: tuple[float, float], reading: Reading) -> int:
     """Number of stations: `spacing` metres apart, or half a cell. Raises InputError."""
-    if spacing is None:
+    if reading.spacing is None:
         cell = min(
             math.hypot(raster.transform.a, raster.transform.d), math.hypot(raster.transform.b, raster.transform.e)
         )
         count = 2.0 * math.dist(start, end) / cell
     else:
         ends = np.array([start, end], dtype=float).T
-        count = float(ground_steps(name, raster.crs, *ends).sum()) / spacing
+        count = float(ground_steps(name, _system(raster, name, reading.crs), *ends).sum()) / reading.spacing
     check.count(count, name, "stations")
     return max(2, math.ceil(count * (1.0 - 1e-9)) + 1)
 

@@ -10,7 +10,7 @@ from ropeway.components.errors import InputError
 
 _BEYOND = 10.0
 """Coordinates farther than this outside the area of use of their system are treated as local [degrees]."""
-_REPROJECT = "Reproject the raster to a metric coordinate system"
+_REPROJECT = 'Use a metric coordinate system, such as UTM "EPSG:32632"'
 
 
 def ground_steps(name: str, crs: Any, east: np.ndarray, north: np.ndarray) -> np.ndarray:
@@ -80,6 +80,12 @@ def vertical_unit(name: str, crs: Any) -> str:
         if axis.direction == "up":
             return str(axis.unit_name)
     return ""
+
+
+def vertical_name(name: str, crs: Any) -> str:
+    """Name of the vertical part of a coordinate system, "" where there is none. Raises InputError."""
+    parts = as_pyproj(name, crs).sub_crs_list
+    return next((str(part.name) for part in parts if part.is_vertical), "")
 
 
 def as_pyproj(name: str, crs: Any) -> Any:

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from ropeway.components import check, table
+from ropeway.components import check, profile_points, table
 from ropeway.components.accepted_values import RefusedError
 from ropeway.components.argument_checks import checked
-from ropeway.components.catenary import segment
+from ropeway.components.clearance import Clearance, least_height, under_line
 from ropeway.components.errors import InputError
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.rope_piece import Piece
 
 _STATIONS = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
-_COORDINATES = table.TableLayout(
-    dict.fromkeys("xyz", "m"), "x,y,z\n2600030.5,1200300.0,846.4\n2600040.1,1200302.5,840.1"
-)
-
-
-class Clearance(NamedTuple):
-    """Smallest height above the ground [m], and its station [m]."""
-
-    height: float
-    station: float
 
 
 @checked
@@ -43,6 +32,8 @@ class Profile:
         Stations [m], increasing.
     elevation : array_like
         Elevations at these stations [m].
+    map_frame : MapFrame, optional
+        Where the corridor lies on a map.
 
     Raises
     ------
@@ -52,8 +43,9 @@ class Profile:
 
     station: np.ndarray
     elevation: np.ndarray
+    map_frame: MapFrame | None
 
-    def __init__(self, station: ArrayLike, elevation: ArrayLike) -> None:
+    def __init__(self, station: ArrayLike, elevation: ArrayLike, map_frame: MapFrame | None = None) -> None:
         x, z = np.array(station, dtype=float), np.array(elevation, dtype=float)
         if x.ndim != 1 or x.shape != z.shape or len(x) < 2:
             raise InputError(
@@ -67,6 +59,7 @@ class Profile:
             raise InputError(f"Profile stations do not increase: {x[k + 1]:g} m after {x[k]:g} m", "Sort them")
         object.__setattr__(self, "station", x)
         object.__setattr__(self, "elevation", z)
+        object.__setattr__(self, "map_frame", map_frame)
 
     def __repr__(self) -> str:
         return f"<Profile of {len(self.station)} points, {self.station[0]:g} to {self.station[-1]:g} m>"
@@ -87,8 +80,8 @@ class Profile:
         Parameters
         ----------
         path : str, Path or DataFrame
-            A table with columns station and elevation [m]; or with columns x, y, z [m], the vertices of a line in map
-            coordinates, whose station is the horizontal length along it. Other columns are ignored.
+            A table with columns station and elevation [m]; or with those of `from_points`. Other columns are
+            ignored.
 
         Returns
         -------
@@ -100,21 +93,51 @@ class Profile:
         InputError
             The table is invalid; the message has file, line and column.
         """
-        read = table.read(path, _STATIONS, _COORDINATES)
-        if read.layout is _STATIONS:
-            station, elevation = read.numbers("station", "elevation").T
-        else:
-            x, y, elevation = read.numbers("x", "y", "z").T
-            station = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
-            in_degrees = np.abs(x).max() <= 180.0 and np.abs(y).max() <= 90.0
-            if in_degrees and np.ptp(elevation) > 20.0 * station[-1]:
-                raise read.error(
-                    f"{station[-1]:g} m long and {np.ptp(elevation):g} m high", "Are x and y in degrees? Give metres"
-                )
+        read = table.read(path, _STATIONS, *profile_points.LAYOUTS)
+        if read.layout is not _STATIONS:
+            return cls(*profile_points.of_table(read, "").profile())
+        station, elevation = read.numbers("station", "elevation").T
         read.require_increase(station, "station", "m")
         if len(read) < 2:
             raise read.error("it has 1 point", "Give at least two")
         return cls(station, elevation)
+
+    @classmethod
+    def from_points(
+        cls,
+        points: table.Source | Sequence[Sequence[float]] | np.ndarray,
+        crs: str | None = None,
+        *,
+        straight: bool = False,
+    ) -> Profile:
+        """Along surveyed points, see `docs/gis.md`.
+
+        Parameters
+        ----------
+        points : str, Path, DataFrame or array, shape (n, 3)
+            Easting, northing and elevation [m] of points along the corridor: an array, a table with columns easting,
+            northing, elevation or x, y, z, or a GPX file with a track, a route or waypoints (extra `gis`).
+        crs : str, optional
+            Projected coordinate system of the points, such as "EPSG:2056"; of a GPX file the one that it is brought
+            to, by default its UTM zone. Without one nothing can be exported to a map.
+        straight : bool, default False
+            Stations are along the straight line from the first to the last point, and points beside it are projected
+            onto it; otherwise they are along the broken line through all points.
+
+        Raises
+        ------
+        InputError
+            With file, line and column; for a geographic coordinate system.
+
+        Warns
+        -----
+        RopewayWarning
+            The broken line is more than 1 % longer than the straight one: a rope hangs in one plane.
+        """
+        found = profile_points.read(points, crs)
+        if not straight:
+            found.warn_crooked()
+        return cls(*found.profile(straight=straight))
 
     @classmethod
     def from_dem(
@@ -128,6 +151,7 @@ class Profile:
         unit: str | None = None,
         nodata: float | None = None,
         largest_jump: float | None = None,
+        crs: str | None = None,
     ) -> Profile:
         """A profile along a straight line over an elevation raster, see `docs/files.md`; needs the extra `gis`.
 
@@ -149,6 +173,8 @@ class Profile:
             A value for missing data, in addition to the one that the raster declares.
         largest_jump : float, optional
             Largest plausible difference between neighbouring cells [m]; by default 50 m and three times their distance.
+        crs : str, optional
+            Coordinate system of a raster that does not declare one, such as "EPSG:2056".
 
         Returns
         -------
@@ -166,7 +192,7 @@ class Profile:
             raise InputError("Reading a raster needs rasterio", "pip install ropeway[gis]") from error
         from ropeway.components.elevation_raster import Reading, along
 
-        reading = Reading(spacing, band, unit, nodata, largest_jump)
+        reading = Reading(spacing, band, unit, nodata, largest_jump, crs)
         start, end = check.pair(start, "from_dem", "start"), check.pair(end, "from_dem", "end")
         try:
             raster = rasterio.open(path)
@@ -174,6 +200,29 @@ class Profile:
             raise InputError(f"{path} is not a raster: {error}", "Give the path of a raster of elevations") from error
         with raster:
             return cls(*along(raster, str(path), start, end, reading))
+
+    @property
+    def crs(self) -> str:
+        """Coordinate system of the map that it lies on, "" where it is unknown."""
+        return "" if self.map_frame is None else self.map_frame.crs
+
+    @property
+    def azimuth(self) -> float:
+        """Direction of the corridor from grid north [degrees clockwise]. Raises InputError without a map."""
+        return self.require_map().azimuth
+
+    @property
+    def coordinates(self) -> np.ndarray:
+        """Easting, northing and elevation of every station, shape (n, 3). Raises InputError without a map."""
+        return np.column_stack([*self.require_map().to_map(self.station), self.elevation])
+
+    def require_map(self) -> MapFrame:
+        """Where it lies on a map. Raises InputError where that is unknown."""
+        if self.map_frame is None:
+            raise InputError(
+                f"{self!r} has no map coordinates", "Make it with from_dem or from_points, or give it a map_frame"
+            )
+        return self.map_frame
 
     def elevation_at(self, station: float) -> float:
         """Elevation at a station.
@@ -302,7 +351,7 @@ class Profile:
         check.count((self.station[-1] - self.station[0]) / spacing, "Profile.resampled", "stations", 1_000_000)
         count = max(2, round((self.station[-1] - self.station[0]) / spacing) + 1)
         stations = np.linspace(self.station[0], self.station[-1], count)
-        return Profile(stations, self.elevations(stations))
+        return Profile(stations, self.elevations(stations), self.map_frame)
 
     def clearance(self, piece: Piece) -> Clearance:
         """Smallest height of a piece of rope above the ground.
@@ -342,13 +391,7 @@ class Profile:
         line = np.asarray(points, dtype=float).reshape(-1, 2)
         if not len(line):
             raise InputError("The line has no points", "Give one or more (x, z)")
-        line = line[np.argsort(line[:, 0], kind="stable")]
-        x = np.union1d(line[:, 0], self.station[(self.station > line[0, 0]) & (self.station < line[-1, 0])])
-        height = np.interp(x, line[:, 0], line[:, 1]) - self.elevations(x)
-        if np.all(np.isnan(height)):
-            return Clearance(math.inf, math.nan)
-        k = int(np.nanargmin(height))
-        return Clearance(float(height[k]), float(x[k]))
+        return under_line(self, line)
 
 
 ProfileSource = Profile | table.Source
@@ -358,45 +401,3 @@ ProfileSource = Profile | table.Source
 def profile_of(ground: ProfileSource | None) -> Profile | None:
     """The profile that an argument stands for. Raises RefusedError, InputError."""
     return None if ground is None else Profile._from_given(ground)
-
-
-def least_height(ground: Profile, piece: Piece) -> Clearance:
-    """`Profile.clearance` without its check of arguments, for repeated calls."""
-    fx, fy, v0 = piece.force
-    total, _, _ = segment(piece.force, piece.weight, piece.length, piece.strain).reach
-    x0, z0 = piece.start
-    low, high = max(x0, ground.station[0]), min(x0 + total, ground.station[-1])
-    if not low <= high:
-        return Clearance(math.inf, math.nan)
-    slopes = np.diff(ground.elevation) / np.diff(ground.station)
-    parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
-    inside = ground.station[(ground.station > low) & (ground.station < high)]
-    along = np.concatenate([parallel, piece.distances(np.array([low, *inside, high]), float(total))])
-    reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
-    x = x0 + reach[0]
-    height = z0 + reach[2] - np.interp(x, ground.station, ground.elevation)
-    height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
-    k = int(np.argmin(height))
-    return Clearance(float(height[k]), float(x[k]))
-
-
-def above_tangents(ground: Profile, piece: Piece, end: tuple[float, float]) -> float:
-    """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
-
-    The rope is above both tangents. inf if there is no ground below.
-    """
-    (x0, z0), (x1, z1), force = piece.start, end, piece.force
-    low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
-    if not low <= high:
-        return math.inf
-    a, b = force[2] / force[0], (force[2] + piece.weight * piece.length) / force[0]
-    crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
-    inside = ground.station[(ground.station > low) & (ground.station < high)]
-    x = np.array([low, min(max(crossing, low), high), high, *inside])
-    line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
-    return float((line - np.interp(x, ground.station, ground.elevation)).min())
-
-
-def deflection(sag: float, span: float) -> float:
-    """Deflection in percent of the horizontal span."""
-    return 100.0 * sag / span

@@ -48,7 +48,7 @@ _GARBLED = re.compile(
     rf"|[ìù](?={_LETTER})"  # Vìra; Italian and French end in them
     r"|ñ(?![aeiouáéíóú])"  # Poznañ; a Spanish vowel follows
 )
-"""What words of Western languages do not have, and those of other code pages do when they are read as Windows-1252."""
+"""Characters that occur in words of other code pages read as Windows-1252, and never in Western languages."""
 
 
 _BETWEEN = ' \t\r\n,;|"'

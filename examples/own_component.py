@@ -1,4 +1,4 @@
-"""Own components: a counterweight with inertia and an anchor with spring and damper; simulated, swept, exported."""
+"""Components of your own: a counterweight with inertia, an anchor with spring and damper; run, swept, exported."""
 
 from __future__ import annotations
 

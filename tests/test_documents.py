@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -21,11 +22,13 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/projects.md",
         "docs/catalogue.md",
         "docs/reports.md",
+        "docs/gis.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
     ],
 )
 def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
+    import_module("ropeway.examples.corridor_map").make_raster(tmp_path / "dem.tif")
     monkeypatch.chdir(tmp_path)
     scripts = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(), re.DOTALL)
     assert scripts

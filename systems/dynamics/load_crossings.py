@@ -1,12 +1,12 @@
-"""Loads that cross supports: when the next one does, and what then happens to the line.
+"""Loads that cross supports: the time of the next crossing, and its effect on the state of the line.
 
-A load at place c on the rope stands on support k exactly when the support's travel is X_k - c, X_k the rope
-at the support at zero travel: a threshold known in advance. At a crossing the load changes spans, tensions
-and the travel of idlers jump. Where a sheave holds the rope down, the load can be pushed back from either
-side; it then stands on the sheave, which carries it, until one side wins.
+A load at place c on the rope stands on support k exactly when the support's travel is X_k - c, with X_k the rope at the
+support at zero travel: a threshold known in advance. At a crossing the load changes spans; tensions and the travel of
+idlers jump. Where a sheave holds the rope down, the load can be pushed back from both sides; then it stands on the
+sheave, which carries it, until the pull of one side prevails.
 
-A drum that keeps its tension can draw back a load that is put on there. Such a load rests on the drum until the
-rope carries it away from the drum.
+A drum that sets a tension can draw back a load that is put on there. Such a load rests on the drum until the rope takes
+it away.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Gaps:
 
 
 def gaps(state: LineState, r: int) -> Gaps:
-    """The gaps of a run; takes more loads from its feed when the last one comes near."""
+    """The gaps of a run; takes more loads from its feed when the last one is near."""
     run = state.runs[r]
     if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
         extend(state, r)
@@ -66,7 +66,7 @@ def gaps(state: LineState, r: int) -> Gaps:
     ahead, behind = rope - padded[beyond + 1], padded[beyond] - rope
     if run.around:  # the wheel where the rope begins and ends counts once
         ahead[-1] = behind[-1] = np.inf
-    # Over a sheave on which a load stands none goes.
+    # No load crosses a sheave on which another one stands.
     busy = state.busy(r)
     ahead[busy] = behind[busy] = np.inf
     for (own, k), (load, further) in state.resting.items():
@@ -81,8 +81,8 @@ def _number(state: LineState, r: int, k: int, *, forward: bool) -> int:
 
 
 def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
-    """The first crossing at the present `rates` of travel of each run [m/s]; overdue ones have a negative
-    time. None if no load moves towards a support."""
+    """The first crossing at the present `rates` of travel of each run [m/s]; overdue ones have a negative time. None if
+    no load moves towards a support."""
     best: Crossing | None = None
     for r, rate in enumerate(rates):
         gap = gaps(state, r)
@@ -97,7 +97,7 @@ def next_crossing(state: LineState, rates: list[np.ndarray]) -> Crossing | None:
 
 
 def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Crossing:
-    """The same crossing from here: its time and gap anew."""
+    """The same crossing with its time and gap from the present state."""
     gap, rate = gaps(state, crossing.r), float(rates[crossing.r][crossing.k])
     value = float((gap.ahead if crossing.forward else gap.behind)[crossing.k])
     way = rate if crossing.forward else -rate
@@ -122,8 +122,8 @@ def due(state: LineState, first: Crossing, rates: list[np.ndarray]) -> list[Cros
 
 
 def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
-    """Loads that a jump of the line has thrown past a support; at the ends of the run, not those that have
-    `just` been put on or taken off there (run, support)."""
+    """Loads that a jump of the line has moved past a support; at the ends of a run, not those of `just` (run, support),
+    which have been put on or taken off there."""
     found = []
     for r in range(len(state.passed)):
         gap, near = gaps(state, r), NEAR * state.span_scale[r]
@@ -139,12 +139,11 @@ def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
 
 
 def passes(state: LineState, crossing: Crossing) -> bool:
-    """Whether the load goes on beyond its support, rather than being pushed back onto it.
+    """Whether the load passes its support, rather than being pushed back onto it.
 
-    With f the tension vectors of the rope beside the load, P its weight: beyond the support the load hangs
-    on the other side, and rope must run on its way: |f_out - P z| >= |f_in| forward (times the sheave's
-    tension ratio), the other way round backward.
-    """
+    With f the tension vectors of the rope beside the load, P its weight: after the support the load hangs on the other
+    side, and the rope must continue to move: |f_out - P z| >= |f_in| forward (times the tension ratio of the sheave),
+    and the other way round backward."""
     run, layout = state.runs[crossing.r], state.model.layouts[crossing.r]
     k = crossing.k
     if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
@@ -158,8 +157,8 @@ def passes(state: LineState, crossing: Crossing) -> bool:
 
 @dataclass(frozen=True)
 class Sides:
-    """Tensions beside a sheave on which a load stands [N]: with the load on the rope of that side, and
-    without; `ratio`: tension out over tension in that the sheave's friction asks for."""
+    """Tensions beside a sheave on which a load stands [N]: with the load on the rope of that side, and without;
+    `ratio`: tension out over tension in by the friction of the sheave."""
 
     in_bare: float
     in_loaded: float
@@ -194,8 +193,9 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
 
 
 def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) -> str:
-    """Moves the load, or leaves it on the support; returns what happened. `passing`: whether it goes on, by default
-    as `passes` says. The line is not solved anew. Raises EquilibriumError where no load can stand."""
+    """Moves the load to the next span, or leaves it on the support; returns the event. `passing`: whether it moves, by
+    default as `passes` decides. The line is not solved. Raises EquilibriumError where no load can stand.
+    """
     run, k = state.runs[crossing.r], crossing.k
     if not (passes(state, crossing) if passing is None else passing):
         state.hold(crossing.r, k, crossing.load - run.loads.first)
@@ -211,29 +211,29 @@ def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) 
 
 
 def drawn_back(state: LineState, crossing: Crossing) -> float:
-    """How far a load that has been put on hangs beyond the end of the rope [m], negative where it hangs in its span."""
+    """How far a load that has been put on hangs outside the rope's end [m], negative where it hangs in its span."""
     loads = state.runs[crossing.r].loads
     beyond = float(state.rope(crossing.r)[crossing.k] - loads.place[crossing.load - loads.first])
     return beyond if crossing.forward else -beyond
 
 
 def can_rest(state: LineState, crossing: Crossing) -> bool:
-    """Whether a load is put on at an end that lets rope run by itself."""
+    """Whether a load is put on at an end that lets rope in and out."""
     k, last = crossing.k, len(state.passed[crossing.r]) - 1
     free = state.model.layouts[crossing.r].travel.algebraic[k] >= 0
     return bool(free) and not state.runs[crossing.r].closed and k == (0 if crossing.forward else last)
 
 
 def rest(state: LineState, crossing: Crossing, back: float) -> None:
-    """Leaves a load on the drum that would draw it back by so much [m], a thousandth longer than that."""
+    """Leaves a load on the drum that would draw it back by `back` [m]: a thousandth more than that."""
     load, further = state.resting.get((crossing.r, crossing.k), (crossing.load, 0.0))
     more = 1.001 * back + NEAR * state.span_scale[crossing.r]
     state.resting[crossing.r, crossing.k] = (crossing.load, more + (further if load == crossing.load else 0.0))
 
 
 def require_order(state: LineState) -> None:
-    """Raises EquilibriumError where loads have crossed a support that did not come to the support before: the jump of
-    the line has no end."""
+    """Raises EquilibriumError where loads have crossed a support without having reached the one before: the jump of the
+    line does not converge."""
     for run, beyond in zip(state.runs, state.passed, strict=True):
         if np.any(np.diff(beyond) > 0):
             raise unstable(run.nodes[int(np.argmax(np.diff(beyond) > 0)) + 1].name)
@@ -260,8 +260,8 @@ def require_all(state: LineState, before: np.ndarray, events: Sequence[tuple[Cro
 
 
 def pulls(state: LineState) -> list[tuple[Crossing, float]]:
-    """For each load that stands on a sheave, forward and backward, the force by which that side is ahead of
-    the other [N]: the load leaves when it is positive."""
+    """For each load that stands on a sheave, forward and backward, the force by which that side prevails [N]: the load
+    is released when it is positive."""
     found = []
     for r, k, travel in state.standing():
         place = state.model.layouts[r].start(state.point.p)[k] - travel
@@ -273,7 +273,7 @@ def pulls(state: LineState) -> list[tuple[Crossing, float]]:
 
 
 def let_go(state: LineState, crossing: Crossing) -> None:
-    """Releases a load that stood on a sheave to the side that the crossing says."""
+    """Releases a load that stands on a sheave, to the side of the crossing."""
     state.release(crossing.r, crossing.k)
     first = state.runs[crossing.r].loads.first
     state.passed[crossing.r][crossing.k] = crossing.load - first + (1 if crossing.forward else 0)

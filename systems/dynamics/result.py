@@ -1,4 +1,4 @@
-"""A simulation, ready to ask: its data, its reports, its pictures and files."""
+"""The result of a simulation: its data, reports, pictures and files."""
 
 from __future__ import annotations
 

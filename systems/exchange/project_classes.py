@@ -11,11 +11,14 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.diesel_unit import DieselHydraulicUnit
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
+from ropeway.components.ground import Ground
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.joint import Joint
 from ropeway.components.load import Load
 from ropeway.components.log import Log
+from ropeway.components.map_frame import MapFrame
+from ropeway.components.plan_axis import PlanAxis
 from ropeway.components.power_unit import HydraulicPowerUnit
 from ropeway.components.response import ProportionalResponse, ThresholdResponse
 from ropeway.components.return_wheel import TensionedReturn
@@ -31,8 +34,8 @@ CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
         Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum, Elastic,
-        GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, IntermediateSupport, Intervention,
-        Joint, Load, Log, Profile, ProportionalResponse, Rope, Sheave, Span, SpringAnchor, TailSpar, Tailhold,
-        TensionedReturn, ThresholdResponse, Turn,
+        Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, IntermediateSupport,
+        Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope, Sheave, Span,
+        SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
     )
 }  # fmt: skip

@@ -7,8 +7,6 @@ from dataclasses import fields
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.terrain import Profile
@@ -51,7 +49,7 @@ def _write(encoder: Encoder, rig: SkylineRig) -> dict[str, Json]:
     decoder = Decoder(
         ProjectText(rig.name, "", found), encoder.kinds, encoder.classes, encoder.own, ropes=encoder.ropes
     )
-    if differs := _difference(rig, _read(rig.kind, decoder, found, ())):
+    if differs := _difference(encoder, rig, _read(rig.kind, decoder, found, ())):
         raise InputError(
             f"{rig.name}: its {differs} does not follow from its other values",
             "Save a rig as one of the four functions makes it; give length= instead of tension= to fix a length",
@@ -80,12 +78,12 @@ def _made(kind: RigKind, *, holding: Any = "bisector", **parts: Any) -> SkylineR
     return build_rig(kind, RigParts(**parts), holding)
 
 
-def _difference(one: SkylineRig, other: SkylineRig) -> str | None:
+def _difference(encoder: Encoder, one: SkylineRig, other: SkylineRig) -> str | None:
     """The first field in which two rigs differ."""
     for f in fields(SkylineRig):
         a, b = getattr(one, f.name), getattr(other, f.name)
         if isinstance(a, Profile) and isinstance(b, Profile):
-            if not (np.array_equal(a.station, b.station) and np.array_equal(a.elevation, b.elevation)):
+            if encoder.part(a) != encoder.part(b):
                 return f.name
         elif a != b:
             return f.name

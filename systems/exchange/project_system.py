@@ -33,6 +33,8 @@ _FIELDS = (
     "signals",
     "loads",
     "feeds",
+    "ground",
+    "map_frame",
 )
 
 
@@ -56,6 +58,9 @@ def _write(encoder: Encoder, system: System) -> dict[str, Json]:
             for f in system.feeds
         ],
     }
+    for name in ("ground", "map_frame"):
+        if getattr(system, name) is not None:
+            found[name] = encoder.part(getattr(system, name))
     return {name: value for name, value in found.items() if value not in ({}, []) and value != {"": "all at once"}}
 
 
@@ -73,6 +78,9 @@ def _read(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> System:
         _do(decoder, (*keys, "precedence", group), check_precedence, precedence)
         system.precedences[PartName(group) if group else group] = precedence
     _join(decoder, system, data, keys)
+    for name in ("ground", "map_frame"):
+        if name in data:
+            setattr(system, name, decoder.part(data[name], (*keys, name)))
     for i, each in enumerate(lists["loads"]):
         here = (*keys, "loads", i)
         decoder.require_fields(each, here, _LOAD, _LOAD)

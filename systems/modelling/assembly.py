@@ -35,10 +35,32 @@ from ropeway.systems.modelling.system import System
 @checked
 @interruptible
 def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
-    """The flat model of a system.
+    """Assemble the flat model of a system.
 
-    slots: least number of load slots of each span of each run; by default what the loads need.
-    Deterministic: the same declarations give the same model. Raises InputError, UnbalancedSystemError.
+    The same declarations give the same model.
+
+    Parameters
+    ----------
+    system : System
+        The declarations.
+    slots : sequence of sequence of int, optional
+        Smallest number of load slots of each span of each run; by default as many as the loads need.
+
+    Returns
+    -------
+    Model
+        The flat differential-algebraic equations.
+
+    Raises
+    ------
+    InputError
+        An invalid declaration.
+    UnbalancedSystemError
+        An open port, or unequal numbers of equations and unknowns.
+
+    Examples
+    --------
+    >>> rw.assemble(system).z.names
     """
     return assembled(system, ComponentFunctions(), slots)
 

@@ -63,22 +63,26 @@ class ComponentFunctions:
 
 @checked
 def check_component(component: Component) -> None:
-    """Checks a component of your own as scikit-learn's `check_estimator` checks an estimator.
+    """Check a component of your own, as scikit-learn's `check_estimator` checks an estimator.
 
-    The same is checked when a system with the component is assembled.
+    The assembly of a system makes the same checks.
 
     Parameters
     ----------
-    component
+    component : Component
         Any component, added to a system or not.
 
     Raises
     ------
     InputError
-        What is wrong and how to mend it: a variable with a reserved, repeated or invalid name, or of an unknown unit; a
-        missing or superfluous residual, rate, output or rope force; a limit, travel or balance that names a variable
-        which does not exist; more or fewer residuals than algebraic variables; a Python `if`, `max` or `math` function
-        on a symbol; results that are not numbers.
+        A fault and its remedy: a reserved, repeated or invalid name, or an unknown unit, of a variable; a missing or
+        superfluous residual, rate, output or rope force; an unknown variable in a limit, travel or balance; unequal
+        numbers of residuals and algebraic variables; a Python `if`, `max` or `math` function on a symbol; results that
+        are not numbers.
+
+    Examples
+    --------
+    >>> rw.check_component(rw.Anchor("a", at=(0.0, 0.0)))
     """
     site = Site(1e4, 100.0)
     variables = component.variables(site)

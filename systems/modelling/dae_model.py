@@ -213,14 +213,36 @@ def kept_with_model(
 @checked
 @dataclass(frozen=True, eq=False)
 class Model:
-    """The flat model of a system.
+    """The flat model of a system; `rw.assemble` creates it.
 
-    `dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y` are CasADi functions in SI
-    units, unscaled; nominals stand in the tables. `signals` holds for each input what drives it: a number,
-    a Schedule, or None where it is left open. `swaps` names for an output the parameter that is freed when
-    the output is solved for. `clocks` tick at samples. `kept` are the places in the discrete vector that do not
-    follow from where the loads are. `free_states`: the states that come to rest by themselves. `system` holds the
-    declarations it was made from.
+    Parameters
+    ----------
+    system : System
+        A copy of the declarations.
+    tables : dict of Kind to VariableTable
+        Names, units, descriptions, values, nominals and ranges of the variables of each kind.
+    dae : casadi.Function
+        (t, x, z, u, p, d) -> (ode, alg), in SI units, unscaled.
+    outputs : casadi.Function
+        (t, x, z, u, p, d) -> y, in SI units, unscaled.
+    signals : tuple of float, Schedule or None
+        Value of each input; None: an open input.
+    runs : tuple of Run
+        The ropes with their supports, spans and loads.
+    layouts : tuple of RunLayout
+        Positions of the variables of each run in the vectors.
+    balances : tuple of Balance
+        Residuals of travels and free positions.
+    swaps : dict of str to str
+        The parameter that is freed when an output is solved for.
+    limits : Limits
+        Bounds of outputs.
+    clocks : tuple of Clock, default ()
+        Sampled responses.
+    kept : ndarray
+        Positions in the discrete vector that do not follow from the loads.
+    free_states : tuple of str, default ()
+        States that `equilibrium` solves for.
     """
 
     system: System

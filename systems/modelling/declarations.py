@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ropeway.components.component import Component
+from ropeway.components.ground import Ground
 from ropeway.components.load import Load
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.span import Span
 
 
@@ -41,7 +43,7 @@ class Declarations:
 
     `connections`: the seat of each rope end; `supplies`: the source of each supply; `links`: the source of each
     connected input; `precedences`: precedence among the control sheaves of each subsystem, "" being those of the system
-    itself.
+    itself; `ground`: the ground under it, `map_frame`: where its axes lie on a map, None if unknown.
     """
 
     def __init__(self, name: str, gravity: float, precedence: str) -> None:
@@ -56,3 +58,5 @@ class Declarations:
         self.feeds: list[Feed] = []
         self.origins: dict[str, str] = {}
         self.seated: set[tuple[str, str]] = set()  # the seats in `connections`
+        self.ground: Ground | None = None
+        self.map_frame: MapFrame | None = None

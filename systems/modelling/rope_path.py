@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ropeway.components.annotation_checks import Numbers
 from ropeway.components.component import Seat
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.node import Node
@@ -84,11 +85,11 @@ class Run:
         """Positions of the supports, shape (n + 1, 3) [m]."""
         return np.array([node.at for node in self.nodes])
 
-    def start(self, k: int, read: Callable[[str], float]) -> np.ndarray:
+    def start(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
         """Start of span k, (x, y, z) [m], from a function that reads a variable."""
         return _place(self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k], read)
 
-    def end(self, k: int, read: Callable[[str], float]) -> np.ndarray:
+    def end(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
         """End of span k, as `start`; on a shoe it differs from the start of the next one."""
         return _place(self.seats[k + 1], read)
 
@@ -108,7 +109,7 @@ class Run:
         return any(n.drive_speed is not None or n.set_tension is not None for n in self.nodes)
 
 
-def _place(seat: Seat, read: Callable[[str], float]) -> np.ndarray:
+def _place(seat: Seat, read: Callable[[str], Numbers]) -> np.ndarray:
     """Position of the rope at a seat, (x, y, z) [m]."""
     name = seat.owner.name
     place = np.array([read(f"{name}.{axis}") for axis in "xyz"])

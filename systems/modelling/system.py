@@ -11,11 +11,13 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port, Seat
 from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.ground import Ground
 from ropeway.components.load import Load
 from ropeway.components.node import Node
 from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
+from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.declarations import Declarations, Feed, Hung
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.modelling.port_connections import connect
@@ -44,6 +46,8 @@ class System(Declarations):
     precedence : str, default "all at once"
         Which control sheaves act if several respond at one sample: "all at once", "upstream first", "downstream first",
         "worst first" or "neighbours locked out".
+    terrain : Profile, optional
+        The ground under it: its stations are x, its map is that of the system.
 
     Raises
     ------
@@ -51,10 +55,19 @@ class System(Declarations):
         A gravity that is not positive, or an unknown precedence.
     """
 
-    def __init__(self, name: str = "system", *, gravity: float = GRAVITY, precedence: str = "all at once") -> None:
+    def __init__(
+        self,
+        name: str = "system",
+        *,
+        gravity: float = GRAVITY,
+        precedence: str = "all at once",
+        terrain: Profile | None = None,
+    ) -> None:
         check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
         super().__init__(name, gravity, precedence)
+        if terrain is not None:
+            self.ground, self.map_frame = Ground(terrain), terrain.map_frame
 
     def __repr__(self) -> str:
         spans = sum(isinstance(c, Span) for c in self.components.values())
@@ -343,6 +356,7 @@ class System(Declarations):
         other.supplies, other.links = dict(self.supplies), dict(self.links)
         other.hung, other.feeds, other.origins = list(self.hung), list(self.feeds), dict(self.origins)
         other.seated = set(self.seated)
+        other.ground, other.map_frame = self.ground, self.map_frame
         return other
 
     def _load_names(self) -> set[str]:

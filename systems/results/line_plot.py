@@ -13,6 +13,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.limit_lines import ABOVE, draw_limits, limits_of
+from ropeway.systems.results.line_map import draw_map
 from ropeway.systems.statics.equilibrium import Equilibrium
 
 if TYPE_CHECKING:
@@ -46,33 +47,41 @@ _GROUND = 500
 
 
 class _Way(NamedTuple):
-    """A rope's way: distance of each support along the line, and place in plan sideways of a straight line [m]."""
+    """A rope's way: distance of each support along the line, direction of a straight line, supports in plan [m]."""
 
     along: np.ndarray
     direction: np.ndarray
-    origin: np.ndarray
+    flat: np.ndarray
 
     def sideways(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Distance of points to the left of the straight line [m]."""
         u, v = self.direction
-        return np.asarray(u * (y - self.origin[1]) - v * (x - self.origin[0]))
+        return np.asarray(u * (y - self.flat[0, 1]) - v * (x - self.flat[0, 0]))
 
 
 def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
-    """Elevation with rope, loads and supports (and the ground, where it is given), tension along the rope, and the plan
-    where supports do not stand in one line, of a line at one time."""
+    """Elevation with rope, loads and supports (and the ground, where it is known), tension along the rope, the plan
+    where supports do not stand in one line, and the map where the line lies on one, of a line at one time. `ground`:
+    over the horizontal distance along the line, by default that of its system."""
     from matplotlib.figure import Figure
 
     ways = [_way(line.points(r)) for r in range(len(line.runs))]
     plan_needed = any(np.ptp(w.sideways(*line.points(r)[:, :2].T)) > 1e-3 for r, w in enumerate(ways))
     heights = [2.4, 1.3, 0.9] if plan_needed else [2.4, 1.3]
-    figure = Figure(figsize=(11.0, 2.0 * sum(heights)), layout="constrained")
-    elevation, tension, *rest = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
+    frame = line.model.system.map_frame
+    figure = Figure(figsize=(11.0 if frame is None else 13.5, 2.0 * sum(heights)), layout="constrained")
+    columns = [1.0] if frame is None else [4.4, 1.0]
+    grid = figure.add_gridspec(len(heights), len(columns), height_ratios=heights, width_ratios=columns)
+    elevation = figure.add_subplot(grid[0, 0])
+    tension, *rest = (figure.add_subplot(grid[i, 0], sharex=elevation) for i in range(1, len(heights)))
+    for axis in (elevation, tension, *rest)[:-1]:
+        axis.tick_params(labelbottom=False)
+    if frame is not None:
+        draw_map(figure.add_subplot(grid[:, 1]), line, frame)
     plan = rest[0] if rest else None
-    station = np.linspace(0.0, max(float(way.along[-1]) for way in ways), _GROUND)
-    level = None if ground is None else np.array([ground.elevation_at(float(x)) for x in station])
+    level = _level(line, max(ways, key=lambda way: way.along[-1]), ground)
     if level is not None:
-        elevation.plot(station, level, color="0.4", lw=1.2, label="ground")
+        elevation.plot(*level, color="0.4", lw=1.2, label="ground")
     highest, names, named = dict[Rope, float](), dict[Rope, str](), set[str]()
     for r, (run, way) in enumerate(zip(line.runs, ways, strict=True)):
         points = line.points(r)
@@ -86,7 +95,7 @@ def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
             names.setdefault(span.rope, run.name)
             if plan is not None:
                 plan.plot(x, way.sideways(curve["x"].to_numpy(), curve["y"].to_numpy()), color="tab:blue", lw=1.2)
-        _supports(elevation, plan, run.nodes, way, points, ground, named)
+        _supports(elevation, plan, run.nodes, way, points, level, named)
         for x in way.along:
             for axis in (tension, *rest):
                 axis.axvline(x, color="0.85", lw=0.8, zorder=0)
@@ -98,7 +107,7 @@ def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
     elevation.set_xlim(elevation.get_xlim())
     if level is not None:
         low = elevation.get_ylim()[0]
-        elevation.fill_between(station, level, low, color="0.88", lw=0, zorder=0)
+        elevation.fill_between(*level, low, color="0.88", lw=0, zorder=0)
         elevation.set_ylim(bottom=low)
     tension.set_ylabel("tension [kN]")
     tension.legend(ncols=4, fontsize="small", **ABOVE)
@@ -121,7 +130,19 @@ def _way(points: np.ndarray) -> _Way:
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(flat, axis=0).T))])
     apart = flat[int(np.argmax(np.hypot(*(flat - flat[0]).T)))] - flat[0]
     length = float(np.hypot(*apart))
-    return _Way(along, apart / length if length > 0.0 else np.array([1.0, 0.0]), flat[0])
+    return _Way(along, apart / length if length > 0.0 else np.array([1.0, 0.0]), flat)
+
+
+def _level(line: Equilibrium, way: _Way, ground: Profile | None) -> tuple[np.ndarray, np.ndarray] | None:
+    """The ground along a way: distances and elevations [m]; None where it is unknown. Raises InputError for a ground
+    that ends before the line."""
+    under = line.model.system.ground
+    station = np.union1d(np.linspace(0.0, float(way.along[-1]), _GROUND), way.along)
+    if ground is not None:
+        return station, np.array([ground.elevation_at(float(x)) for x in station])
+    if under is None:
+        return None
+    return station, under.elevations(*(np.interp(station, way.along, way.flat[:, i]) for i in (0, 1)))
 
 
 def _loads(elevation: Axes, plan: Axes | None, line: Equilibrium, run: Run, way: _Way, points: np.ndarray) -> None:
@@ -149,7 +170,7 @@ def _supports(
     nodes: Sequence[Node],
     way: _Way,
     points: np.ndarray,
-    ground: Profile | None,
+    level: tuple[np.ndarray, np.ndarray] | None,
     named: set[str],
 ) -> None:
     """Supports with their names; on the ground, where it is known, else with a guide to the panels below."""
@@ -160,11 +181,11 @@ def _supports(
         x, z = way.along[k], points[k, 2]
         elevation.plot(x, z, label=None if node.role in named else node.role, **style)
         named.add(node.role)
-        if ground is None:
+        if level is None:
             elevation.axvline(x, color="0.85", lw=0.8, zorder=0)
         else:
             elevation.plot(
-                [x, x], [ground.elevation_at(float(x)), z], color="tab:brown", lw=2.0, zorder=1, solid_capstyle="butt"
+                [x, x], [np.interp(x, *level), z], color="tab:brown", lw=2.0, zorder=1, solid_capstyle="butt"
             )
         if plan is not None:
             plan.plot(x, way.sideways(points[k, 0], points[k, 1]), **style)

@@ -272,7 +272,7 @@ def _driven(result: RunData) -> list[Node]:
 
 
 def _supports(result: RunData, summary: Summary, style: Style) -> Table:
-    frame, rows = result.full_frame, []
+    frame, rows = result.full_frame, list[tuple[str, ...]]()
     for node in each_node(result.runs):
         own = summary.supports.loc[node.name]
         force = frame.get(f"{node.name}.bearing_load", frame.get(f"{node.name}.tension"))
@@ -292,7 +292,14 @@ def _supports(result: RunData, summary: Summary, style: Style) -> Table:
         style.head("highest_tension", "force"),
     )  # fmt: skip
     unit = style.shown("length").unit
-    return Table(tuple(h.replace("[m]", f"[{unit}]") for h in head), rows, texts=2)
+    heads = [h.replace("[m]", f"[{unit}]") for h in head]
+    frame_of_map = result.model.system.map_frame
+    if frame_of_map is not None:
+        heads += [style.text("easting"), style.text("northing")]
+        points = np.array([node.at for node in each_node(result.runs)])
+        places = np.column_stack(frame_of_map.to_map(points[:, 0], points[:, 1]))
+        rows = [(*row, *(f"{v:.2f}" for v in place)) for row, place in zip(rows, places.tolist(), strict=True)]
+    return Table(tuple(heads), rows, texts=2)
 
 
 def _spans(summary: Summary, style: Style) -> Table:

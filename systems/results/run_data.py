@@ -17,6 +17,7 @@ from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
@@ -169,21 +170,46 @@ class RunData(Tabular):
         return frame
 
     @cached_property
+    @interruptible
+    def heights(self) -> np.ndarray:
+        """Least height of each span with its loads over the ground at all records, shape (records, spans) [m]. Raises
+        InputError where the system has no ground."""
+        return line_clearance.heights(self.model, self._column)
+
+    def _column(self, name: str) -> np.ndarray:
+        """A variable at all records."""
+        m = self.model
+        if name in m.y.index:
+            return self.outputs[:, m.y.index[name]]
+        if name in m.z.index:
+            return self.algebraic[:, m.z.index[name]]
+        if name in m.x.index:
+            return np.array([record.x[m.x.index[name]] for record in self.records])
+        return np.full(len(self.records), self.parameters[m.p.index[name]])
+
+    @cached_property
+    def clearance(self) -> pd.DataFrame:
+        """Height over the ground, each span when it is lowest: index span; columns rope_clearance, the least of the
+        rope and its loads, the station of the ground there, load_clearance, that of the lowest load [m], time [s].
+        Raises InputError where the system has no ground."""
+        names = [span.name for run in self.runs for span in run.spans]
+        return line_clearance.clearance(names, self.heights, self.record, self.times)
+
+    @cached_property
     def events(self) -> pd.DataFrame:
         """What happened, in order of time: columns time [s], component, event, value, load.
 
         Crossings and loads put on, taken off, held and released (value: the load's number); responses (value: the
         correction [m/s]) and interventions; limits reached (tension above SWL or MBL, lift-off; value: the output that
-        tells).
+        tells; below clearance, where the line has one; value: the height over the ground [m]).
         """
-        found = sorted([*self.noted, *self._limits_reached()], key=lambda e: e.time)
+        found = sorted([*self.noted, *self._limits_reached(), *self._below_clearance()], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
         return frame.astype({"time": float, "value": float})
 
     def _limits_reached(self) -> list[Event]:
         limits = self.model.limits
         broken = limits.broken(self.outputs)
-        begins = broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]])
         return [
             Event(
                 float(self.records[i].time),
@@ -191,7 +217,18 @@ class RunData(Tabular):
                 limits.events[j],
                 float(self.outputs[i, limits.output[j]]),
             )
-            for i, j in zip(*np.nonzero(begins), strict=True)
+            for i, j in zip(*np.nonzero(_begins(broken)), strict=True)
+        ]
+
+    def _below_clearance(self) -> list[Event]:
+        """Where a span comes below the clearance that the line has to keep."""
+        ground = self.model.system.ground
+        if ground is None or ground.clearance is None:
+            return []
+        names = [span.name for run in self.runs for span in run.spans]
+        return [
+            Event(float(self.records[i].time), names[k], "below clearance", float(self.heights[i, k]))
+            for i, k in zip(*np.nonzero(_begins(self.heights < ground.clearance)), strict=True)
         ]
 
     def record(self, i: int) -> Equilibrium:
@@ -203,3 +240,8 @@ class RunData(Tabular):
         self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
         pending = self.records[i].pending.after(state.point.t)
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
+
+
+def _begins(broken: np.ndarray) -> np.ndarray:
+    """Where limits come to be broken, of booleans (records, limits)."""
+    return np.asarray(broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]]))

@@ -134,6 +134,10 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
             found = supports[sign * supports[column].fillna(0.0) > 0.0]
             values = ", ".join(f"{r['support']} ({r[column]:.4g})" for _, r in found.iterrows())
             lines.append(f"{words}: {values or 'none'}")
+    if result.model.system.ground is not None:
+        lowest = result.clearance.loc[result.clearance["rope_clearance"].idxmin()]
+        height = at_most(lowest["rope_clearance"], 2)
+        lines.append(f"Least height over the ground {height} m in {lowest.name} at {lowest['time']:.1f} s")
     return "\n".join(lines)
 
 

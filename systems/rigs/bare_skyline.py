@@ -14,20 +14,26 @@ from ropeway.components.spar import Block
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.modelling.system import System
 from ropeway.systems.rigs.rig_parts import RigParts
+from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
+
+
+def bare_equilibrium(rig: RigParts) -> tuple[Equilibrium, tuple[Span, ...]]:
+    """It at rest, and its spans between headspar and tailspar. Raises SlackRopeError, EquilibriumError."""
+    bare, spans = _strung(rig)
+    return equilibrium(bare), spans[: rig.spans]
 
 
 def bare_tension(rig: RigParts) -> float:
     """Its tension at the headspar [N]."""
-    bare, spans = _strung(rig)
-    return equilibrium(bare)[f"{spans[0].name}.tension_a"]
+    solution, spans = bare_equilibrium(rig)
+    return solution[f"{spans[0].name}.tension_a"]
 
 
 def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
     """Points along it (x, z) between headspar and tailspar, 201 a span [m]."""
-    bare, spans = _strung(rig)
-    solution = equilibrium(bare)
-    curves = [solution.profile(span.name, 201) for span in spans[: rig.spans]]
+    solution, spans = bare_equilibrium(rig)
+    curves = [solution.profile(span.name, 201) for span in spans]
     x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
     return x, z
 
@@ -70,7 +76,7 @@ def _span_names(count: int) -> list[str]:
 
 
 def _strung(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
-    bare = System(rig.name, gravity=rig.gravity)
+    bare = System(rig.name, gravity=rig.gravity, terrain=rig.terrain)
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
     anchors = [Anchor(node.name, at=node.at) for node in (first, last)]

@@ -19,7 +19,9 @@ from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -37,6 +39,9 @@ def endless(
     drive: Drive | None = None,
     name: str = "endless line",
     gravity: Positive = GRAVITY,
+    crs: str | None = None,
+    terrain: ProfileSource | None = None,
+    clearance: float | None = None,
 ) -> System:
     """An endless line with loads both ways.
 
@@ -63,6 +68,13 @@ def endless(
         Of the line, in results and messages.
     gravity : float, default 9.80665
         [m/s2].
+    crs : str, optional
+        Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
+    terrain : Profile, str, Path or DataFrame, optional
+        The ground below. Its stations count along the line; if both lie on one map, they are where the terrain is.
+        It lies under the rope's way back too.
+    clearance : float, optional
+        Least height of rope and loads above the terrain [m]: `Result.events` has where a run falls below it.
 
     Returns
     -------
@@ -87,7 +99,8 @@ def endless(
     >>> endless("RHOL-IWRC 29", supports, tension=45e3).name
     'endless line'
     """
-    rope, table = rope_of(rope), read_supports(supports, endless=True)
+    rope = rope_of(rope)
+    table, map_frame = read_supports(supports, endless=True, crs=crs)
     check.positive(tension, "endless", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("endless has one of load_mass and load_spacing", "Give both, or none for an empty rope")
@@ -95,6 +108,7 @@ def endless(
     if len(returns) != 1:
         raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
     line = System(name, gravity=gravity)
+    line.map_frame, line.ground = map_frame, ground_under(table, profile_of(terrain), map_frame, clearance)
     if take_up is None:
         at_rest = table[[column for column in table if "." not in column]]  # an ideal drive serves at rest
         empty = System(name, gravity=gravity)

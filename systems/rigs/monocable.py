@@ -21,8 +21,10 @@ from ropeway.components.response import Response
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
+from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.empty_rope import support_tensions
 from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 
 _Part = TypeVar("_Part", Drive, Response)
@@ -42,6 +44,9 @@ def monocable(
     response: Response | Mapping[str, Response] | None = None,
     precedence: str = "all at once",
     gravity: Positive = GRAVITY,
+    crs: str | None = None,
+    terrain: ProfileSource | None = None,
+    clearance: float | None = None,
 ) -> System:
     """A mono-cable line, from drum to drum.
 
@@ -76,6 +81,12 @@ def monocable(
         Which control sheave acts first when several respond.
     gravity : float, default 9.80665
         [m/s2].
+    crs : str, optional
+        Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
+    terrain : Profile, str, Path or DataFrame, optional
+        The ground below. Its stations count along the line; if both lie on one map, they are where the terrain is.
+    clearance : float, optional
+        Least height of rope and loads above the terrain [m]: `Result.events` has where a run falls below it.
 
     Returns
     -------
@@ -100,7 +111,8 @@ def monocable(
     >>> round(rw.equilibrium(line)["valley_s1.tension_a"])
     45000
     """
-    rope, table = rope_of(rope), read_supports(supports)
+    rope = rope_of(rope)
+    table, map_frame = read_supports(supports, crs=crs)
     check.positive(tension, "monocable", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
         raise InputError("monocable has one of load_mass and load_spacing", "Give both, or none for an empty rope")
@@ -110,6 +122,7 @@ def monocable(
     for parts in (drive, response):
         _require_control_sheaves(parts, table)
     line = System(name, gravity=gravity, precedence=precedence)
+    line.map_frame, line.ground = map_frame, ground_under(table, profile_of(terrain), map_frame, clearance)
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     tensions = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
     nodes: list[Node] = []

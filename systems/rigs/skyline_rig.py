@@ -11,6 +11,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.map_frame import MapFrame
 from ropeway.systems.modelling.system import System
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.guylines import string_guylines
@@ -82,6 +83,11 @@ class SkylineRig(RigParts):
     def __repr__(self) -> str:
         places = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
         return f"<SkylineRig {self.name!r}: {places}>"
+
+    @property
+    def map_frame(self) -> MapFrame | None:
+        """Where it lies on a map: that of its terrain."""
+        return None if self.terrain is None else self.terrain.map_frame
 
     @property
     def skyline_drum(self) -> str:
@@ -262,7 +268,7 @@ class SkylineRig(RigParts):
         mass = self.carriage.payload if payload is None else payload
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
-        system = System(self.name, gravity=self.gravity)
+        system = System(self.name, gravity=self.gravity, terrain=self.terrain)
         for spar in self.guyed_spars:
             string_guylines(system, spar)
         self.kind.string(system, self, carriage, span, on)

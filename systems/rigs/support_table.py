@@ -8,12 +8,14 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ropeway.components import table
 from ropeway.components.drive import Drive, HydraulicDrive
 from ropeway.components.errors import InputError
 from ropeway.components.identifier import identifier
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
 
 KINDS = ("anchor", "drum", "idler", "control", "return")
@@ -26,6 +28,11 @@ _LAYOUT = table.TableLayout(
     {"name": None, "x": "m", "y": "m", "z": "m", "kind": None},
     "name,x,y,z,kind\nvalley,0,0,0,drum\ns1,108.3,0,11.5,idler\nmountain,204.9,0,19.6,drum",
 )
+_MAP_LAYOUT = table.TableLayout(
+    {"name": None, "easting": "m", "northing": "m", "z": "m", "kind": None},
+    "name,easting,northing,z,kind,crs\nvalley,2600100,1200200,846,drum,EPSG:2056\ns1,2600180,1200270,857.5,idler,",
+)
+"""Supports in map coordinates; a column crs can name their system."""
 _PARTS: Mapping[str, tuple[type, ...]] = {
     "drive": (HydraulicDrive,),
     "response": (ThresholdResponse, ProportionalResponse),
@@ -34,28 +41,36 @@ _PARTS: Mapping[str, tuple[type, ...]] = {
 _WORDS = {"true": 1.0, "yes": 1.0, "false": 0.0, "no": 0.0}
 
 
-def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFrame:
-    """The table of supports, checked, in the order of the rope.
+def read_supports(
+    source: table.Source, *, endless: bool = False, crs: str | None = None
+) -> tuple[pd.DataFrame, MapFrame | None]:
+    """The table of supports, checked, in the order of the rope, and where it lies on a map.
 
     Parameters
     ----------
     source : str, Path or DataFrame
-        Columns name, x, y, z [m], kind, see `docs/files.md`.
+        Columns name, x, y, z [m], kind, see `docs/files.md`; or easting and northing instead of x and y.
     endless : bool, default False
         Whether the rope is endless: it begins and ends at the first support, a control sheave.
+    crs : str, optional
+        Projected coordinate system of the supports, whose x and y then are eastings and northings; by default that of
+        a column crs.
 
     Returns
     -------
-    DataFrame
+    supports : DataFrame
         Columns name (an identifier), label (the name as given), x, y, z [m], kind, place (in the source, for errors),
         and those of drive.* and response.*, NaN where they are blank.
+    map_frame : MapFrame or None
+        The line's own axes, of which x and y are coordinates: x runs from the first support to the one that is farthest
+        from it in plan. None for a table in axes of its own.
 
     Raises
     ------
     InputError
         With file, line and column.
     """
-    read = table.read(source, _LAYOUT)
+    read = table.read(source, _LAYOUT, _MAP_LAYOUT)
     if len(read) < 2:
         raise read.error("it has 1 support", "A line has at least two")
     if len(read) > MOST:
@@ -66,7 +81,8 @@ def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFram
     found = pd.DataFrame({"name": _names(read, labels), "label": labels})
     words = [key for key in own if _holds_words(read, key)]
     held = [key for key in own if key not in words]
-    found[["x", "y", "z", *held]] = read.numbers("x", "y", "z", optional=held)
+    on_map = read.layout is _MAP_LAYOUT
+    found[["x", "y", "z", *held]] = read.numbers(*(("easting", "northing") if on_map else "xy"), "z", optional=held)
     for key in words:
         found[key] = [_WORDS.get(text.casefold(), math.nan) for text in read.texts(key)]
     found["kind"] = kinds
@@ -77,7 +93,28 @@ def read_supports(source: table.Source, *, endless: bool = False) -> pd.DataFram
         if len(unused):
             i = int(unused[0])
             raise read.error(f"{labels[i]!r} is no control sheave", "Leave its cell blank", i, key)
-    return found
+    crs = crs or _named_crs(read)
+    return found, _in_own_axes(read, found, crs or "") if crs or on_map else None
+
+
+def _named_crs(read: table.Table) -> str | None:
+    """The coordinate system that a column names, in one cell or more. Raises InputError for two."""
+    named = set(filter(None, read.texts("crs"))) if "crs" in read.keys else set()
+    if len(named) > 1:
+        raise read.error(f"its supports are in {' and in '.join(sorted(named))}", "Give all in one coordinate system")
+    return next(iter(named), None)
+
+
+def _in_own_axes(read: table.Table, found: pd.DataFrame, crs: str) -> MapFrame:
+    """The line's axes on the map; x and y of the supports are brought into them. Raises InputError."""
+    east, north = found["x"].to_numpy(), found["y"].to_numpy()
+    far = int(np.argmax(np.hypot(east - east[0], north - north[0])))
+    if (east[far], north[far]) == (east[0], north[0]):
+        raise read.error("all its supports stand at one point of the map", "Give eastings and northings")
+    start, end = ((float(east[k]), float(north[k])) for k in (0, far))
+    frame = MapFrame.straight(crs, start, end)
+    found["x"], found["y"] = frame.to_local(east, north)
+    return frame
 
 
 def _holds_words(read: table.Table, key: str) -> bool:

@@ -1,7 +1,7 @@
-"""The independent parts of a model's algebraic equations.
+"""The independent blocks of a model's algebraic equations.
 
-With the states given, control sheaves and drums cut a line into sections that do not know of each other. A
-crossing touches one or two of them, and only these are solved anew.
+For given states, control sheaves and drums separate a line into sections that are independent of each other. A crossing
+changes one or two of them, and only these are solved again.
 """
 
 from __future__ import annotations
@@ -17,13 +17,15 @@ from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, damped, expanded, solve_sparse
+from ropeway.systems.solvers.damped_newton import damped
+from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded, solve_sparse
 
 
 @dataclass(frozen=True)
-class _Part:
-    """One part: its columns and residuals, the entries of the model's vectors that it reads, its residual, and
-    its residual with solved steps and rates."""
+class _Block:
+    """A block: its columns and residuals, the entries of the model's vectors that it depends on, its residual, and its
+    residual with Newton step and rates.
+    """
 
     columns: np.ndarray
     names: tuple[str, ...]
@@ -33,7 +35,7 @@ class _Part:
 
 
 class Blocks:
-    """The parts; `of` (nz,) is the part of each algebraic variable."""
+    """The blocks of a model; `of` (nz,) is the number of the block of each algebraic variable."""
 
     def __init__(self, model: Model) -> None:
         self.model = model
@@ -45,16 +47,16 @@ class Blocks:
         pattern = ca.jacobian_sparsity(self._alg, self._symbols[Kind.ALGEBRAIC])
         rows, columns, n = np.array(pattern.row()), np.array(pattern.get_col()), len(model.z)
         graph = csr_matrix((np.ones(len(rows)), (rows, n + columns)), shape=(2 * n, 2 * n))
-        # Without a scalar graph there is nothing to gain from parts.
+        # Without a scalar graph, blocks save nothing.
         label = np.zeros(2 * n, dtype=int) if model.external else connected_components(graph, directed=False)[1]
         self.of = label[n:]
         self._row_of = label[:n]
-        self._parts: dict[int, _Part] = {}
+        self._blocks: dict[int, _Block] = {}
 
-    def _part(self, block: int) -> _Part:
-        """A part, made when it is first used, with functions of what it reads only."""
-        if block not in self._parts:
-            rows = np.flatnonzero(self._row_of == block)
+    def _block(self, number: int) -> _Block:
+        """A block; its functions, of its own variables only, are made at the first use."""
+        if number not in self._blocks:
+            rows = np.flatnonzero(self._row_of == number)
             residual = self._alg[rows.tolist()]
             used = tuple(self._used(residual, kind) for kind in VECTORS)
             x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
@@ -66,17 +68,17 @@ class Blocks:
             parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
             symbols = parts.mx_in()
             value, matrix, sides = parts(*symbols)
-            self._parts[block] = _Part(
+            self._blocks[number] = _Block(
                 columns,
                 tuple(self.model.r.names[i] for i in rows),
                 used,
                 Buffered(ca.Function("value", inputs, [residual])),
                 Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
             )
-        return self._parts[block]
+        return self._blocks[number]
 
     def _used(self, residual: Any, kind: Kind) -> np.ndarray:
-        """Entries of a vector that a residual reads; without a scalar graph all of them."""
+        """Entries of a vector that a residual depends on; without a scalar graph all of them."""
         if self.model.external:
             return np.arange(len(self.model.tables[kind]))
         return np.unique(np.array(ca.jacobian_sparsity(residual, self._symbols[kind]).get_col(), dtype=int))
@@ -84,22 +86,21 @@ class Blocks:
     def solve(
         self, point: Point, blocks: Iterable[int], x_rate: np.ndarray, slope: np.ndarray, rates: np.ndarray
     ) -> None:
-        """Solves some parts in place, and puts the rates of their variables into `rates` (nz,) [per s], for
-        states that move with `x_rate` and inputs with `slope`. Raises EquilibriumError.
-        """
-        for block in blocks:
-            part = self._part(block)
-            nominal, n = self.model.z.nominals[part.columns], len(part.columns)
-            x, z, u, p, d = (vector[places] for vector, places in zip(point.vectors, part.used, strict=True))
-            rest = [u, p, d, x_rate[part.used[0]], slope[part.used[2]]]
+        """Solves some blocks in place, and writes the rates of their variables to `rates` (nz,) [per s], for rates
+        `x_rate` of the states and `slope` of the inputs. Raises EquilibriumError."""
+        for number in blocks:
+            block = self._block(number)
+            nominal, n = self.model.z.nominals[block.columns], len(block.columns)
+            x, z, u, p, d = (vector[places] for vector, places in zip(point.vectors, block.used, strict=True))
+            rest = [u, p, d, x_rate[block.used[0]], slope[block.used[2]]]
             v, sides = damped(
                 z / nominal,
-                _copied(part.step, [np.array([point.t]), x], nominal, rest),
-                _copied(part.value, [np.array([point.t]), x], nominal, rest),
-                part.names,
+                _copied(block.step, [np.array([point.t]), x], nominal, rest),
+                _copied(block.value, [np.array([point.t]), x], nominal, rest),
+                block.names,
             )
-            point.z[part.columns] = v * nominal
-            rates[part.columns] = -sides[n : 2 * n] * nominal
+            point.z[block.columns] = v * nominal
+            rates[block.columns] = -sides[n : 2 * n] * nominal
 
 
 def _entries(vector: Any, places: np.ndarray) -> Any:
@@ -114,13 +115,13 @@ def _copied(
     """A function of the scaled unknowns alone, with results of its own: one array, or a tuple of them."""
 
     def at(v: np.ndarray) -> Any:
-        found = [result.copy() for result in function(*before, v * nominal, *after)]
-        return found[0] if len(found) == 1 else tuple(found)
+        results = [result.copy() for result in function(*before, v * nominal, *after)]
+        return results[0] if len(results) == 1 else tuple(results)
 
     return at
 
 
 @kept_with_model
 def blocks_of(model: Model) -> Blocks:
-    """The parts of a model: found once, as their functions take a while to build."""
+    """The blocks of a model, made once."""
     return Blocks(model)

@@ -1,8 +1,8 @@
-"""Drives that move on their own.
+"""Trajectories of drives that do not depend on the line.
 
-While no limit binds, a drive's motion does not depend on the tensions: its control cancels them. Then the
-states alone make a small set of equations, which IDAS solves over a whole stretch, crossings and all, and the
-algebraic variables follow section by section.
+While no limit is active, the motion of a drive does not depend on the tensions: its control cancels them. The states
+alone are then a small system of equations, which IDAS solves over a whole window, across crossings, and the algebraic
+variables follow section by section.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
 _WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
 
-_LOOKED_AT = slice(3, None, 3)
-"""Those of them at which limits are looked at."""
+_CHECKED = slice(3, None, 3)
+"""Those of them at which limits are checked."""
 
 
 def _derivative() -> np.ndarray:
-    """Derivatives at the points of the polynomial through values there."""
+    """Matrix of the derivatives, at the points, of the polynomial through values there."""
     with np.errstate(divide="ignore"):
         matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (_NODES[:, None] - _NODES[None, :])
     np.fill_diagonal(matrix, 0.0)
@@ -42,7 +42,7 @@ _DERIVATIVE = _derivative()
 
 @dataclass(frozen=True)
 class Window:
-    """States over a stretch from `start` [s] of length `h`: `values` (13, nx) at its Chebyshev points."""
+    """States over `h` seconds from `start` [s]: `values` (13, nx) at the Chebyshev points."""
 
     start: float
     h: float
@@ -65,7 +65,7 @@ class Window:
 
 
 class Drives:
-    """The states of a model by themselves; `tolerance` is absolute, on scaled variables."""
+    """The states of a model alone; `tolerance` is absolute, on scaled variables."""
 
     def __init__(self, model: Model, tolerance: float) -> None:
         self.model = model
@@ -75,7 +75,7 @@ class Drives:
         ode, _ = expanded(model)(time, *(sx[kind] for kind in VECTORS))
         by_z = ca.jacobian(ode, sx[Kind.ALGEBRAIC])
         self.ties = by_z.nnz() > 0
-        """Whether a limit can bind, so that a drive feels the tensions."""
+        """Whether a limit can be active, so that a drive depends on the tensions."""
         if self.ties:
             inputs = [time, *(sx[kind] for kind in VECTORS)]
             scaled = by_z * ca.repmat(ca.DM(model.z.nominals).T, nx, 1)
@@ -114,10 +114,10 @@ class Drives:
         return not self.ties or float(self._coupling(*point.arguments)[0][0]) < 1e-9
 
     def alone(self, window: Window, point: Point, slope: np.ndarray) -> bool:
-        """Whether no limit binds along a window from a point, with the algebraic variables as they are there."""
+        """Whether no limit is active along a window from a point, for the algebraic variables of that point."""
         if not self.ties:
             return True
-        for share, x in zip(_NODES[_LOOKED_AT], window.values[_LOOKED_AT], strict=True):
+        for share, x in zip(_NODES[_CHECKED], window.values[_CHECKED], strict=True):
             passed = share * window.h
             if not self.decoupled(replace(point, t=point.t + passed, x=x, u=point.u + passed * slope)):
                 return False
@@ -134,19 +134,19 @@ class Drives:
             return Window(point.t, h, line)
         knowns = np.concatenate([[point.t, h], point.x, rate, slope, point.z, point.u, point.p, point.d])
         try:
-            found = self._f(np.zeros(len(nominal)), np.zeros(0), knowns)[0]
+            deviations = self._f(np.zeros(len(nominal)), np.zeros(0), knowns)[0]
         except RuntimeError as error:
             raise SimulationError(
                 f"IDAS failed within the next {h:.9g} s: {str(error).splitlines()[-1]}",
-                "Look at the drives in the last result",
+                "Check the drives in the last result",
                 point.t,
             ) from error
-        line[1:] += found.reshape(len(_NODES) - 1, len(nominal)) * nominal
+        line[1:] += deviations.reshape(len(_NODES) - 1, len(nominal)) * nominal
         self._commanded.put(line[1:], point, _NODES[1:] * h, slope)
         return Window(point.t, h, line)
 
 
 @kept_with_model
 def drives_of(model: Model, tolerance: float) -> Drives:
-    """The states of a model: made once, as its functions take a while to build."""
+    """The drives of a model, made once."""
     return Drives(model, tolerance)

@@ -1,12 +1,11 @@
-"""IDAS on a model, over a stretch of time in which nothing jumps.
+"""IDAS on a model, over a time without events.
 
-Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every stretch, and
-backwards too. What is integrated are the scaled deviations from the straight line that starts with the known
-rates, x = x0 + h tau x'0 + w and likewise z: they and their rates begin at zero, so that IDAS needs no
-initialisation and predicts its first step to second order. Inputs are linear in time.
+Time is normalised, t = t0 + tau h with h a parameter, so that one integrator serves every step, also backwards. The
+scaled deviations from the straight line with the initial rates are integrated, x = x0 + h tau x'0 + w and likewise z:
+they and their rates are zero at first, so that IDAS needs no initialisation; its first prediction is of second order.
+Inputs are linear in time.
 
-The travel of a drive whose speed is commanded is a known function of time: it is taken from there, without
-drift.
+The travel of a drive whose speed is commanded is a known function of time, and is not integrated: it does not drift.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from ropeway.systems.solvers.prescribed_states import commanded_of
 
 
 def strict(tolerance: float, share: float) -> float:
-    """Tolerance of one stretch, a share of the run's: errors of stretches add up. Not below what rounding allows."""
+    """Tolerance of one step, a share of the run's, as errors of steps add up; not below the rounding error."""
     return min(tolerance, max(share * tolerance, 1e-11))
 
 
@@ -37,7 +36,7 @@ class Idas:
         x0, x_rate, z0, z_rate = (sym(n, k) for n, k in (("x0", nx), ("dx", nx), ("z0", nz), ("dz", nz)))
         u, slope = sym("u", nu), sym("slope", nu)
         p, d = sym("p", len(model.p)), sym("d", len(model.d))
-        # IDAS's linear solver takes rows and columns as they come: see `banded_order`.
+        # IDAS's linear solver does not reorder rows and columns: see `banded_order`.
         dae = expanded(model)
         rows, columns = banded_order(dae.jac_sparsity(1, 2))
         self._places = np.argsort(columns)
@@ -69,7 +68,7 @@ class Idas:
                 "suppress_algebraic": True,
                 "calc_ic": False,
                 "linear_solver": "csparse",
-                # A stretch between two events is short: try it in one step, the error test cuts it down.
+                # The time between two events is short: one step is tried first, which the error test shortens.
                 "step0": 1.0,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
@@ -94,7 +93,7 @@ class Idas:
             reason = str(error).strip().splitlines()[-1]
             raise SimulationError(
                 f"IDAS failed within the next {h:.9g} s: {reason}",
-                "Look at the last result: a rope gone slack or a load stuck shows there; or loosen the tolerance",
+                "Check the last result for a slack rope or a load that stands on a support; or take a larger tolerance",
                 point.t,
             ) from error
         x = point.x + h * x_rate + end[0] * m.x.nominals

@@ -13,16 +13,14 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
 
-from ropeway.components.errors import EquilibriumError
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.solvers.damped_newton import damped
 
 Slot = tuple[Kind, int]
 """An entry of one of the model's vectors."""
 
-_SMALL = 1e-11
-"""Scaled residual of a root."""
 VECTORS = {
     Kind.STATE: "x",
     Kind.ALGEBRAIC: "z",
@@ -85,14 +83,14 @@ class Buffered:
         except AttributeError:
             set_argument, call, results, known = self._own.buffers = self._buffers()
         for i, argument in enumerate(arguments):
-            if argument is not known[i]:  # most stay the same arrays over the steps of one solve
+            if argument is not known[i]:  # most are the same arrays in all steps of one solve
                 set_argument(i, argument.data)
                 known[i] = argument
         call()
         return results
 
     def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray], list[object]]:
-        """What sets an argument, what calls, where the results stand, and the arrays that are set."""
+        """The function that sets an argument, the call, the arrays of the results, and the arguments that are set."""
         buffer, call = self.function.buffer()
         results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
         for i, result in enumerate(results):
@@ -243,14 +241,13 @@ class Newton:
 
 
 def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
-    """Solution of a sparse system, its rows and columns put into an order that keeps chains of spans banded.
+    """Solution of a sparse system, its rows and columns ordered so that chains of spans stay banded.
 
-    CasADi's "csparse" takes them as they come, and so would fill in; its "qr" gives NaN where an entry of the
-    pattern is zero, as all those across a plane line are.
-    """
+    CasADi's "csparse" does not reorder them, which would fill in; its "qr" gives NaN where an entry of the pattern is
+    zero, as all those across a plane line are."""
     rows, columns = banded_order(matrix.sparsity())
-    found = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
-    return found[np.argsort(columns).tolist(), :]
+    solution = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
+    return solution[np.argsort(columns).tolist(), :]
 
 
 def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
@@ -275,95 +272,6 @@ def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any,
     symbols = parts.mx_in()
     value, system, right = parts(*symbols)
     return ca.Function(name, symbols, [value, solve_sparse(system, right)])
-
-
-def damped(
-    v: np.ndarray,
-    step: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-    value: Callable[[np.ndarray], np.ndarray],
-    names: Sequence[str],
-    iterations: int = 50,
-    shortest: float = 1e-7,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Newton's method from `v`, damped where the residual does not fall.
-
-    step(v): residual (n,) and the solutions of the linear system for it and for more right-hand sides, one
-    after the other; value(v): residual alone. Returns the root and the last of these solutions. `names` of
-    the residuals are for the error. Raises EquilibriumError.
-    """
-    n = len(v)
-    residual: np.ndarray | None = None
-    move, before, last = np.zeros(n), np.inf, np.inf
-    for _ in range(iterations):
-        try:
-            now, sides = step(v)
-            after = float(np.linalg.norm(now))
-            if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
-                # The step from here is small where a single long one has led down to the rounding.
-                if min(last, float(np.abs(sides[:n]).max())) < 1e-6 and _rounded(v, now, value):
-                    return v - sides[:n], sides
-                v = _shortened(v, move, before, value, residual, names, shortest)
-                last = np.inf
-                now, sides = step(v)
-                after = float(np.linalg.norm(now))
-        except RuntimeError as error:
-            raise _failure(residual, "The equations are singular", names) from error
-        residual, move = now, sides[:n]
-        size = float(np.abs(move).max())
-        if not np.isfinite(size):
-            raise _failure(residual, "The equations are singular", names)
-        # Convergence is quadratic: the next step would be about size * (size / last)^2.
-        coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
-        if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):
-            if last < 1e-2 and size <= 1e-3 * last and after <= 1e-6:  # seen over two full steps
-                return v - move, sides
-            # Otherwise it is foreseen only: a small residual makes it a root.
-            left = value(v - move).copy()
-            if np.abs(left).max() <= _SMALL or _rounded(v - move, left, value):
-                return v - move, sides
-        v, before, last = v - move, after, size
-    raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
-
-
-def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
-    """Whether a residual is no more than what rounding of the unknowns makes of it, as at a stiff spring far from the
-    origin."""
-    left, least = np.abs(residual), np.full(len(v), _SMALL)
-    for signs in (1.0, np.where(np.arange(len(v)) % 2, 1.0, -1.0)):
-        least = np.maximum(least, 4.0 * np.abs(value(v * (1.0 + 4.0 * np.finfo(float).eps * signs)) - residual))
-    return bool((left <= least).all())
-
-
-def _shortened(
-    v: np.ndarray,
-    move: np.ndarray,
-    before: float,
-    value: Callable[[np.ndarray], np.ndarray],
-    residual: np.ndarray,
-    names: Sequence[str],
-    shortest: float,
-) -> np.ndarray:
-    """Where a step that has overshot lowers the residual: at a half, a quarter, ... of it."""
-    share = 0.5
-    while share > shortest:
-        trial = v + (1.0 - share) * move
-        if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
-            return trial
-        share *= 0.5
-    raise _failure(residual, "Newton's method makes no progress", names)
-
-
-def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> EquilibriumError:
-    worst, place = None, ""
-    if residual is not None and len(residual):
-        k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))
-        name = names[k] if k < len(names) else "a given value"
-        worst, place = component_of(name), f" (worst: {name})"
-    return EquilibriumError(
-        f"{reason}{place}",
-        "Check lengths, tensions and loads there, or start from a nearby equilibrium with start=",
-        worst,
-    )
 
 
 @kept_with_model
@@ -397,7 +305,7 @@ def _nominal(model: Model, slot: Slot) -> float:
 
 
 def _drag(model: Model, v: Any, anchor: Any) -> Any:
-    """Move of each travel that a residual balances, at that residual's place."""
+    """Displacement of each travel that a residual balances, at the place of that residual."""
     drag = type(v)(len(model.r), 1)
     for balance in model.balances:
         drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
@@ -405,9 +313,8 @@ def _drag(model: Model, v: Any, anchor: Any) -> Any:
 
 
 def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
-    """How much nearer to their spans' ends a loads come to be by a metre more of a span's starting length: those that
-    ride beyond that span by all of it, as they keep their places along the rope. One entry for each discrete
-    variable."""
+    """By how much loads come nearer to their spans' ends a, per metre of a span's starting length: 1 for those that
+    ride on later spans, as they keep their places along the rope. One entry for each discrete variable."""
     nearer = type(discrete)(discrete.shape[0], 1)
     for layout in model.layouts:
         for span in np.flatnonzero(layout.length_start == parameter):
@@ -419,5 +326,5 @@ def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
 
 @kept_with_model
 def newton_of(model: Model) -> Newton:
-    """The plain solver of a model: made once for each model, as its functions take a while to build."""
+    """The solver of a model without freed quantities, made once."""
     return Newton(model)

@@ -1,7 +1,7 @@
 """States whose rates are known functions of time: the travel of drives that follow a commanded speed.
 
-They are integrated by Simpson's rule, exact for rates up to the third power of time, so that travel does not
-drift over thousands of stretches.
+They are integrated by Simpson's rule, exact for rates up to the third power of time, so that travel does not drift over
+thousands of steps.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Commanded:
         dae = expanded(model)
         solved = {*dae.jac_sparsity(0, 1).row(), *dae.jac_sparsity(0, 2).row()}
         self.rows = [i for i in range(len(model.x)) if i not in solved]
-        # These rates do not depend on the states and algebraic variables: any values will do.
+        # These rates do not depend on the states and algebraic variables: any values serve.
         ode, _ = dae(t, model.x.values, model.z.values, u, p, d)
         rate = ca.Function("rate", [t, u, p, d], [ca.densify(ode[self.rows])])
         ends = [rate(t + share * h, u + share * h * slope, p, d) for share in (0.0, 0.5, 1.0)]
@@ -32,7 +32,7 @@ class Commanded:
         self._gains: dict[int, Buffered] = {}
 
     def _gain(self, count: int) -> Buffered:
-        """Gains over `count` stretches, one after the other; made when first used."""
+        """Changes over `count` steps, one after the other; made at the first use."""
         if count not in self._gains:
             make = self._model.sym
             rest = [make(self._one.name_in(i), self._one.numel_in(i)) for i in range(1, self._one.n_in())]
@@ -51,5 +51,5 @@ class Commanded:
 
 @kept_with_model
 def commanded_of(model: Model) -> Commanded:
-    """The commanded states of a model: found once."""
+    """The commanded states of a model, determined once."""
     return Commanded(model)

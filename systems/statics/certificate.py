@@ -36,21 +36,21 @@ from ropeway.systems.statics.line_state import find
 from ropeway.systems.statics.stability import free_balances, has_free_nodes, least_pivot
 
 CLOSURE = 1e-9
-"""How far a span may end from its support, over its chord. A hundred-thousandth of its rope and of its coordinates
-counts as chord too: rounding leaves that much of them."""
+"""Largest distance of a span's end from its support, over its chord. A hundred-thousandth of its rope and of its
+coordinates counts as chord too, for rounding."""
 PLACE = 1e-9
-"""How far a load may hang from its place on the rope, over the mean span."""
+"""Largest distance of a load from its place on the rope, over the mean span."""
 INSIDE = 1e-8
-"""How far a load that stands on a support may hang beyond it, over the mean span."""
+"""Largest distance of a load that stands on a support beyond it, over the mean span."""
 ROPE = 1e-9
-"""How much of a rope may be missing or too much, over its length."""
+"""Largest error of a rope's length, relative."""
 LAW = 1e-8
-"""How far forces may be from balance, over their sizes, and a law of a component from being kept."""
+"""Largest residual of a balance of forces, over their sizes, and of a component's law."""
 GIVEN = 1e-8
-"""How far a given value may be missed, over its size or its nominal."""
+"""Largest error of a given value, over its size or its nominal."""
 
 _BATCH = 200_000
-"""Numbers in one array of a batch of records, about: more take memory and save no time."""
+"""Approximate number of values in one array of a batch of records: more take memory and save no time."""
 
 
 class Check(NamedTuple):

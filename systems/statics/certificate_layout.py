@@ -1,5 +1,5 @@
-"""Where a certificate finds what it checks: places in the vectors of a model, one after the other, and a zero behind
-them for what a model does not have."""
+"""Places of a certificate's variables in the stacked vectors of a model, which end with a zero for variables that a
+model does not have."""
 
 from __future__ import annotations
 
@@ -119,7 +119,7 @@ class CertificateLayout:
 
 @kept_with_model
 def layout_of(model: Model) -> CertificateLayout:
-    """The places of a model: found once."""
+    """The places of a model."""
     places = _Places(model)
     kinds = _kinds(model, places)
     known = {f"{s.name}.closure_{axis}" for run in model.runs for s in run.spans for axis in "xyz"}

@@ -1,4 +1,4 @@
-"""Ways to a root where Newton's method does not find it from its start."""
+"""Continuation where Newton's method does not converge from its initial guess."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from ropeway.systems.statics.line_state import LineState
 
 
 def solve_algebraic(state: LineState) -> None:
-    """Newton's method, then with idlers locked and released by degrees."""
+    """Newton's method, then continuation in the damping of the idlers and in the rope's stiffness. Raises
+    EquilibriumError."""
     newton = newton_of(state.model)
     start = state.point.copy()
     try:
@@ -18,14 +19,14 @@ def solve_algebraic(state: LineState) -> None:
         return
     except EquilibriumError as error:
         first = error
-    for way in (_release_idlers, _stiffen) if state.model.layouts else ():
+    for method in (_release_idlers, _stiffen) if state.model.layouts else ():
         for scale in (1.0, 0.3, 3.0):
             state.point.z[:] = start.z
             for layout in state.model.layouts:
                 for axis in range(3):
                     state.point.z[layout.force + axis] *= scale
             try:
-                way(newton, state)
+                method(newton, state)
                 return
             except EquilibriumError:
                 state.point.p[:] = start.p
@@ -33,14 +34,15 @@ def solve_algebraic(state: LineState) -> None:
 
 
 def _release_idlers(newton: Newton, state: LineState) -> None:
-    """Newton's method with the idlers held back, by degrees less."""
+    """Newton's method with damped travels of the idlers, in steps down to none."""
     for power in range(3, -5, -1):
         newton.solve(state.point, damping=10.0**power)
     newton.solve(state.point)
 
 
 def _stiffen(newton: Newton, state: LineState) -> None:
-    """Newton's method with a soft rope, by degrees stiffer: a nearly inextensible one can be hard to start."""
+    """Newton's method with a soft rope, in steps up to its stiffness: a nearly inextensible rope can be hard to
+    start."""
     places = np.concatenate([layout.compliance for layout in state.model.layouts])
     wanted = state.point.p[places].copy()
     for power in range(-5, -13, -1):

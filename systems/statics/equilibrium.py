@@ -1,4 +1,4 @@
-"""A system at rest: solved, checked to be physical, and ready to ask."""
+"""The equilibrium of a system, and its values by name."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pandas as pd
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
+from ropeway.components.clearance import Clearance
 from ropeway.components.errors import (
     InputError,
     UnknownNameError,
@@ -160,17 +161,71 @@ class Equilibrium(Tabular):
         """
         if isinstance(stations, int):
             check.index(stations, 1_000_000, "Equilibrium.profile", "stations")
-        for run, layout, beyond in zip(self.runs, self.model.layouts, self.passed, strict=True):
+        for r, run in enumerate(self.runs):
             for k, candidate in enumerate(run.spans):
                 if candidate.name == span:
-                    return self._profile(run, k, int(layout.force[k]), beyond, stations)
+                    curve, place = self._curve(r, k, stations)
+                    return pd.DataFrame(
+                        {
+                            "station": curve.station,
+                            "x": place[:, 0],
+                            "y": place[:, 1],
+                            "z": place[:, 2],
+                            "tension": curve.tension,
+                            "slope": curve.slope,
+                        }
+                    )
         raise UnknownNameError(
             f"No span {span!r}", f"Spans are {', '.join(s.name for r in self.runs for s in r.spans)}"
         )
 
-    def _profile(
-        self, run: Run, k: int, force: int, beyond: np.ndarray, stations: Sequence[float] | np.ndarray | int
-    ) -> pd.DataFrame:
+    def heights_over_ground(self, points: int = 101) -> list[Clearance]:
+        """Smallest height of each span with its loads above the ground.
+
+        Parameters
+        ----------
+        points : int, default 101
+            Points of a span that are measured, besides its loads and the vertices of the ground.
+
+        Returns
+        -------
+        list of Clearance
+            Height and station of the ground there [m], span by span.
+
+        Raises
+        ------
+        InputError
+            The system has no ground.
+        """
+        ground = self.model.system.ground
+        if ground is None:
+            raise InputError(f"{self.model.name!r} has no ground", "Give its system a terrain")
+        check.index(points, 1_000_000, "Equilibrium.heights_over_ground", "points")
+        spans = [(r, k) for r, run in enumerate(self.runs) for k in range(len(run.spans))]
+        return [ground.under(self._curve(r, k, points)[1]) for r, k in spans]
+
+    @cached_property
+    def clearance(self) -> pd.DataFrame:
+        """Smallest height of each span above the ground.
+
+        Index span; columns rope_clearance (of the rope with its loads), the station of the ground there, load_clearance
+        (of the loads; NaN if there are none) [m]. Raises InputError if the system has no ground.
+        """
+        names = [span.name for run in self.runs for span in run.spans]
+        rows = {name: (*found, np.nan) for name, found in zip(names, self.heights_over_ground(), strict=True)}
+        frame = pd.DataFrame.from_dict(rows, "index", columns=["rope_clearance", "station", "load_clearance"])
+        loads, ground = self.loads, self.model.system.ground
+        if ground is not None and len(loads):
+            over = loads["z"] - ground.elevations(loads["x"].to_numpy(), loads["y"].to_numpy())
+            frame["load_clearance"] = over.groupby(loads["span"]).min().reindex(frame.index)
+        frame.attrs["units"] = dict.fromkeys(frame.columns, "m")
+        return frame.rename_axis("span")
+
+    def _curve(
+        self, r: int, k: int, stations: Sequence[float] | np.ndarray | int
+    ) -> tuple[catenary.SpanCurve, np.ndarray]:
+        """The curve of span k of run r, and its points (n, 3)."""
+        run, beyond, force = self.runs[r], self.passed[r], int(self.model.layouts[r].force[k])
         name = run.spans[k].name
         read, p = self.outputs, self.model.p.index
         count = int(beyond[k] - beyond[k + 1])
@@ -187,14 +242,4 @@ class Equilibrium(Tabular):
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
         curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        place = run.start(k, self.__getitem__) + curve.reach
-        return pd.DataFrame(
-            {
-                "station": curve.station,
-                "x": place[:, 0],
-                "y": place[:, 1],
-                "z": place[:, 2],
-                "tension": curve.tension,
-                "slope": curve.slope,
-            }
-        )
+        return curve, run.start(k, self.__getitem__) + curve.reach

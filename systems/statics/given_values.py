@@ -19,8 +19,9 @@ from ropeway.systems.statics.settling import settle
 def solve_swapped(
     state: LineState, given: Mapping[str, float], solve_for: Sequence[str], *, from_chord: bool = True
 ) -> None:
-    """Brings a state to rest with values given and as many quantities freed. from_chord: ropes whose length is freed
-    start straight; otherwise from the state, which is at rest then. Raises InputError, EquilibriumError."""
+    """Solves a state for rest with values given and as many quantities freed. from_chord: ropes whose length is freed
+    start straight; otherwise from the state, which is at rest then. Raises InputError, EquilibriumError.
+    """
     lengths = {int(k) for layout in state.model.layouts for k in layout.length_start}
     freed = [state.find(name) for name in solve_for]
     for name, (kind, _) in zip(solve_for, freed, strict=True):
@@ -51,7 +52,7 @@ def solve_swapped(
 
 
 def _pull_straight(state: LineState, lengths: Sequence[int], given: Mapping[str, float]) -> None:
-    """Starts from a taut rope at its chord: for a given tension a very slack one may exist too."""
+    """Starts from a taut rope along its chord: a very slack rope may have the given tension too."""
     for run, layout in zip(state.runs, state.model.layouts, strict=True):
         for k, span in enumerate(run.spans):
             if int(layout.length_start[k]) in lengths:
@@ -71,7 +72,7 @@ def _pull_straight(state: LineState, lengths: Sequence[int], given: Mapping[str,
 
 
 def _approach(state: LineState, newton: Newton, wanted: Sequence[Slot], target: np.ndarray) -> None:
-    """Newton's method towards the target, by smaller steps where the whole way is too far."""
+    """Newton's method to the target, in smaller steps where one step fails."""
     try:
         newton.solve(state.point, target=target)
         return
@@ -97,7 +98,7 @@ def _approach(state: LineState, newton: Newton, wanted: Sequence[Slot], target: 
 
 
 def _read_masses(state: LineState) -> None:
-    """Takes masses that were solved for out of the slots."""
+    """Copies masses that were solved for from the slots to the loads."""
     for r, (run, layout) in enumerate(zip(state.runs, state.model.layouts, strict=True)):
         beyond, mass = state.passed[r], run.loads.mass.copy()
         for k in range(len(run.spans)):

@@ -34,19 +34,19 @@ class LineState:
         """Mean span length of each run [m]."""
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
-        rope still makes without it. Found again where it is missing."""
+        rope still makes without it. Determined anew where it is missing."""
         self._functions = ComponentFunctions()  # of models with more and more slots
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
-        """As it is declared, without loads: ropes start as its assembly found them."""
+        """As declared, without loads: ropes have the start values of the assembly."""
         state = cls(model, declared_point(model), model.runs, [np.zeros(len(run.nodes), int) for run in model.runs])
         state.write_slots()
         return state
 
     @classmethod
     def cold(cls, model: Model) -> LineState:
-        """From geometry."""
+        """From geometry, without any solution."""
         state = cls(model, declared_point(model), model.runs, [np.zeros(0, int) for _ in model.runs])
         state.restart()
         return state
@@ -75,11 +75,11 @@ class LineState:
         return np.asarray(layout.start(self.point.p) - layout.travel.read(self.point.x, self.point.z))
 
     def points(self, r: int) -> np.ndarray:
-        """Places of the supports of a run as they are now, shape (supports, 3) [m]."""
+        """Positions of the supports of a run, shape (supports, 3) [m]."""
         return support_points(self.model, r, self.point)
 
     def write_slots(self) -> None:
-        """Puts the loads into the slots of their spans; assembles anew where a span has too few."""
+        """Writes the loads into the slots of their spans; assembles the model anew where a span has too few."""
         counts = [p[:-1] - p[1:] for p in self.passed]
         if any(np.any(c > layout.slots.count) for c, layout in zip(counts, self.model.layouts, strict=True)):
             self._grow(
@@ -116,7 +116,8 @@ class LineState:
         return outputs_of(self.model)(*self.point.arguments)[0].copy()
 
     def hold(self, r: int, k: int, load: int) -> None:
-        """Leaves a load standing on support k: the idler's travel is kept there, its tensions are free."""
+        """Sets a load down on support k: the idler's travel is held there, its tensions are free. Raises
+        EquilibriumError."""
         layout = self.model.layouts[r]
         if layout.held[k] < 0:
             raise EquilibriumError(
@@ -150,7 +151,7 @@ class LineState:
         return tuple(self.runs[r].nodes[k].name for r, k, _ in self.standing())
 
     def rezero(self) -> None:
-        """Makes the present travel of the supports the zero: span lengths and places of loads follow."""
+        """Sets the travel of all supports to zero: span lengths and places of loads follow."""
         for r, (run, layout) in enumerate(zip(self.runs, self.model.layouts, strict=True)):
             rope = self.rope(r)
             loads = run.loads
@@ -163,8 +164,8 @@ class LineState:
                 ),
             )
             self.point.p[layout.length_start] = np.diff(rope)
-            rough = layout.grip >= 0
-            self.point.p[layout.grip[rough]] -= layout.travel.read(self.point.x, self.point.z)[rough]
+            friction = layout.grip >= 0
+            self.point.p[layout.grip[friction]] -= layout.travel.read(self.point.x, self.point.z)[friction]
             layout.travel.write(np.zeros(len(rope)), self.point.x, self.point.z)
             on = layout.held[layout.held >= 0]
             self.point.d[layout.held_travel[layout.held_travel >= 0]] *= 1.0 - self.point.d[on]
@@ -183,7 +184,7 @@ class LineState:
         return find(self.model, self.runs, self.passed, name)
 
     def set(self, values: Mapping[str, float]) -> None:
-        """Gives parameters, inputs, drives' states and masses of loads other values. Raises InputError."""
+        """Sets parameters, inputs, drives' states and masses of loads. Raises InputError."""
         owners: dict[str, list[tuple[int, int]]] = {}  # a load comes round an endless rope more than once
         for r, run in enumerate(self.runs):
             for i, name in enumerate(run.loads.names):
@@ -221,7 +222,7 @@ def declared_point(model: Model) -> Point:
 
 
 def support_points(model: Model, r: int, point: Point) -> np.ndarray:
-    """Places of the supports of a run, shape (supports, 3) [m]: parameters, or variables where ropes hold them."""
+    """Positions of the supports of a run, shape (supports, 3) [m]: parameters, or variables where ropes hold them."""
     return np.concatenate(point.vectors)[_coordinates(model, r)]
 
 

@@ -1,4 +1,4 @@
-"""What a run goes on with beyond the variables of its line: the next ticks of clocks, an emergency stop."""
+"""State of a run besides the variables of its line: the next ticks of clocks, an emergency stop."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ Ticks = Mapping[tuple[float, float], float]
 
 @dataclass(frozen=True)
 class Pending:
-    """`ticks`: time of the next tick of each clock, by its period and phase [s]; `stopping`: inputs that an emergency
-    stop drives in place of their own signals, None where there is none. Times count from the run's start."""
+    """`ticks`: time of the next tick of each clock, by its period and phase [s]; `stopping`: signals of an emergency
+    stop in place of those of the inputs, None without one. Times count from the start of the run."""
 
     ticks: Ticks = field(default_factory=dict)
     stopping: Mapping[str, Schedule] | None = None
 
     def next_tick(self, clock: Clock) -> float:
-        """When a clock ticks next [s]; one that is not known here ticks for the first time."""
+        """Time of the next tick of a clock [s]; by default its first."""
         return self.ticks.get((clock.period, clock.phase), clock.phase)
 
     def after(self, time: float) -> Pending:

@@ -1,4 +1,4 @@
-"""A system whose states are at rest: the rates of those that `equilibrium` does not keep are zero."""
+"""A system at rest: free states become unknowns, and their rates residuals."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def at_rest_model(model: Model) -> Model:
 
 
 def _require_determined(model: Model) -> None:
-    """Raises UnbalancedSystemError that names a state which may take any value at rest."""
+    """Raises UnbalancedSystemError with the states that no equation determines at rest."""
     states = [model.x.index[name] for name in model.free_states]
     rows = [[_pattern(model, 1, 2), _pattern(model, 1, 1)[:, states]]]
     rows.append([_pattern(model, 0, 2)[states], _pattern(model, 0, 1)[np.ix_(states, states)]])
@@ -42,7 +42,7 @@ def _require_determined(model: Model) -> None:
     if rank == count:
         return
     first = count - len(states)
-    # Without its column the rank stays: the other equations are enough for the other unknowns.
+    # The rank is the same without its column: the equations determine the other unknowns only.
     loose = [
         name
         for k, name in enumerate(model.free_states, first)
@@ -55,7 +55,7 @@ def _require_determined(model: Model) -> None:
 
 
 def _pattern(model: Model, result: int, argument: int) -> np.ndarray:
-    """Which entries of a result of the model's equations depend on which of an argument."""
+    """Sparsity of a result of the model's equations by one of their arguments."""
     pattern = model.dae.jac_sparsity(result, argument)
     found = np.zeros(pattern.shape, dtype=bool)
     found[pattern.row(), pattern.get_col()] = True
@@ -63,8 +63,7 @@ def _pattern(model: Model, result: int, argument: int) -> np.ndarray:
 
 
 def on_model(state: LineState, model: Model) -> LineState:
-    """A state of a model as one of its `at_rest_model`, or the other way round; what it has no value for stays as
-    declared."""
+    """A state of a model on its `at_rest_model`, or the other way round; variables without a value stay as declared."""
     counts = [layout.slots.count.tolist() for layout in state.model.layouts]
     if counts != [layout.slots.count.tolist() for layout in model.layouts]:
         model = assemble(model.system, slots=counts)

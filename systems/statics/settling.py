@@ -1,5 +1,5 @@
-"""A state brought to rest: every load in its span, the ropes in balance over their idlers, and the root the one that a
-taut rope comes to."""
+"""A line at rest: each load in its span, the ropes in balance over their idlers, and of several roots the one that a
+taut rope leads to."""
 
 from __future__ import annotations
 
@@ -18,18 +18,19 @@ from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.stability import slack
 
 _STEP = 1.0 / 40.0
-"""Share of a taut rope's way to its length in one step."""
+"""Largest step, as a share of the rope that is let out."""
 _FIRST_SHARE, _LEAST_SHARE = 1.0 / 16.0, 1.0 / 256.0
-"""Share of the loads' masses that a line begins with, and the smallest step to more of them."""
+"""Share of the loads' masses to begin with, and the smallest step of it."""
 _GROWS, _GROWS_NEARBY = 5, 1
-"""How many times a line that settles may need room for more loads in its spans: then its rope runs away."""
+"""How often a line may need more load slots in its spans: beyond that its rope runs away."""
 _LIGHT = 0.25
-"""Weight of the loads in one span, over the highest tension, below which loads are not the reason of a failure: they
-turn the rope by less than this angle [rad], far from where a rope kept at a tension gives way."""
+"""Weight of the loads in one span, over the highest tension, below which loads are not the cause of a failure: they
+turn the rope by less than this angle [rad], far less than where a rope at a set tension runs out."""
 
 
 def solve(state: LineState, *, quick: bool = False) -> None:
-    """Brings a state to rest, certified; quick: by Newton's method alone, from nearby. Raises EquilibriumError."""
+    """Solves a state for rest, and certifies it; quick: by Newton's method alone, from nearby. Raises
+    EquilibriumError."""
     settle(state, quick=quick)
     certified(state).require(state.model)
 
@@ -40,7 +41,7 @@ def certified(state: LineState) -> Certificate:
 
 
 def settle(state: LineState, *, quick: bool = False) -> None:
-    """Solves a state and moves its loads until each is in its span; quick: by Newton's method alone. Raises
+    """Solves a state and assigns its loads until each is in its span; quick: by Newton's method alone. Raises
     EquilibriumError."""
     seen: set[bytes] = set()
     models = [state.model]
@@ -57,11 +58,11 @@ def settle(state: LineState, *, quick: bool = False) -> None:
             models.append(state.model)
             if len(models) - 1 > (_GROWS_NEARBY if quick else _GROWS):
                 raise EquilibriumError(
-                    f"Ever more loads of system {state.model.name!r} run into one span",
+                    f"More and more loads of system {state.model.name!r} run into one span",
                     "Take lighter or fewer loads, or more tension",
                 )
         key = b"".join(p.tobytes() for p in state.passed)
-        if key in seen:  # a load that neither of two spans keeps stands on the support between them
+        if key in seen:  # a load that can hang in neither of two spans stands on the support between them
             for r, (was, now) in enumerate(zip(before, state.passed, strict=True)):
                 for k in np.flatnonzero(was != now):
                     state.hold(r, int(k), int(min(was[k], now[k])))
@@ -73,8 +74,8 @@ def settle(state: LineState, *, quick: bool = False) -> None:
 
 
 def share_lengths(state: LineState, names: Iterable[str]) -> None:
-    """Where the length of a span over idlers is among the names: gives all spans those they have at rest, as the
-    user knows them, instead of those of the first guess."""
+    """Where the length of a span over idlers is among the names: gives all spans their lengths at rest, which the user
+    knows, instead of those of the initial guess."""
     spans = {name.rpartition(".length")[0] for name in names}
     runs = [run for run in state.model.runs if any(node.balance is not None for node in run.nodes)]
     if spans.isdisjoint(span.name for run in runs for span in run.spans):
@@ -87,9 +88,9 @@ def share_lengths(state: LineState, names: Iterable[str]) -> None:
 
 
 def keep_taut_root(state: LineState) -> None:
-    """Makes sure that a slack line with loads is the one that a taut line becomes as rope is let out.
+    """Replaces the equilibrium of a slack line with loads by the one that a taut line leads to as rope is let out.
 
-    Where that cannot be followed, the equilibrium found stays.
+    Where that path cannot be followed, the equilibrium stays.
     """
     if not any(len(run.loads.place) for run in state.runs) or not slack(state) or state.standing():
         return
@@ -104,8 +105,9 @@ def keep_taut_root(state: LineState) -> None:
 def let_out(
     state: LineState, least_step: float = _STEP / 16.0, advance: Callable[[float], None] = lambda share: None
 ) -> LineState:
-    """The state to which a taut rope comes as it is let out to its length, loads keeping their part of it; in steps of
-    at least a share `least_step` of the way. `advance` takes the share that is done. Raises EquilibriumError."""
+    """The state that a taut rope leads to as it is let out to its length, loads at the same share of it; in steps of at
+    least `least_step` of the rope let out. `advance` takes the share that is done. Raises EquilibriumError.
+    """
     trial = _afresh(state)
     lengths = [state.point.p[layout.length_start].copy() for layout in state.model.layouts]
     runs, chords = tuple(state.runs), [np.diff(trial.points(r), axis=0) for r in range(len(state.runs))]
@@ -123,7 +125,7 @@ def let_out(
 
     if any(node.set_tension is not None for run in runs for node in run.nodes):
         raise EquilibriumError(
-            f"A drum of system {state.model.name!r} keeps its tension at any length", "Look at its tension"
+            f"A drum of system {state.model.name!r} sets the tension at any length of rope", "Check its tension"
         )
     longer(0.0)
     trial.restart()
@@ -148,7 +150,7 @@ def let_out(
 
 
 def _afresh(state: LineState) -> LineState:
-    """A state from geometry with the parameters, inputs, drives and loads of another, nothing standing on an idler."""
+    """A state from geometry with the parameters, inputs, drives and loads of another; no load stands on an idler."""
     trial = LineState.cold(state.model)
     for vector in ("x", "u", "p"):
         getattr(trial.point, vector)[:] = getattr(state.point, vector)
@@ -161,7 +163,7 @@ def _afresh(state: LineState) -> LineState:
 
 
 def _bends(state: LineState, r: int) -> float:
-    """Weight of the loads in the span of a run that has most, over the run's highest tension."""
+    """Weight of the loads in the heaviest loaded span of a run, over the highest tension of the run."""
     run, passed, y, index = state.runs[r], state.passed[r], state.outputs(), state.model.y.index
     total = np.concatenate([[0.0], np.cumsum(run.loads.mass)])
     counts = np.clip(passed, 0, len(run.loads.mass))
@@ -170,12 +172,13 @@ def _bends(state: LineState, r: int) -> float:
 
 
 class TooHeavyError(EquilibriumError):
-    """Loads are the reason why a line has no equilibrium."""
+    """A line has no equilibrium because of its loads."""
 
 
 def loaded(state: LineState, advance: Callable[[float], None] = lambda share: None) -> LineState:
-    """The state to which a line comes as its loads grow from a small part of their masses to all. `advance` takes the
-    share that is reached. Raises TooHeavyError; EquilibriumError where loads are not the reason."""
+    """The state that a line leads to as its loads grow from a small share of their masses to all. `advance` takes the
+    share that is reached. Raises TooHeavyError; EquilibriumError where loads are not the cause.
+    """
     share = _FIRST_SHARE
     try:
         near = _lightly_loaded(state, share)
@@ -209,7 +212,7 @@ def _lightly_loaded(state: LineState, share: float) -> LineState:
 
 
 def _scaled(run: Run, factor: float) -> Run:
-    """A run with all its loads' masses multiplied, also of those that are still to come."""
+    """A run with the masses of all its loads multiplied, also of those of its feed."""
     loads, feed = replace(run.loads, mass=factor * run.loads.mass), run.feed
     if feed is not None:
         feed = replace(feed, masses=tuple(factor * mass for mass in feed.masses))
@@ -217,8 +220,8 @@ def _scaled(run: Run, factor: float) -> Run:
 
 
 def _not_loaded(near: LineState, share: float) -> EquilibriumError:
-    """The error for a line that is found to hold a `share` of its loads, in the state `near`, and no more. A rope of
-    fixed length holds any load until it breaks: there loads are not the reason."""
+    """The error for a line that holds a `share` of its loads, in the state `near`, and hardly more. A rope of fixed
+    length holds any load until it breaks: there loads are not the cause."""
     cause = f"The loads of system {near.model.name!r} are too heavy for its rope"
     part, strongest = f"{100.0 * share:.2g} %", certified(near).utilisation
     if strongest is not None and not strongest.holds:
@@ -237,8 +240,7 @@ def _not_loaded(near: LineState, share: float) -> EquilibriumError:
 
 
 def _gives_way(run: Run) -> bool:
-    """Whether a drum or a wheel on a slide lets rope run at a constant force, so that no rope is short enough to hold
-    any load."""
+    """Whether a drum or a wheel on a slide lets rope out at a set force, so that too heavy loads pull it out."""
     return any(
         node.set_tension is not None or any(place not in {"x", "y", "z"} for place, _ in node.free)
         for node in run.nodes

@@ -1,5 +1,4 @@
-"""Whether a balance is stable, by the pivots of a condensed stiffness, and whether a line that moves still follows
-it."""
+"""Stability of a balance, by the pivots of its condensed stiffness; and the check that a moving line follows it."""
 
 from __future__ import annotations
 
@@ -15,13 +14,14 @@ from ropeway.systems.statics.condensed_stiffness import CondensedStiffness
 from ropeway.systems.statics.line_state import LineState
 
 SLACK = 1.02
-"""Rope over chord (a sag of 9 %) beyond which a rope on idlers can have several stable places."""
+"""Ratio of rope to chord (a sag of 9 %) above which a rope on idlers can have several stable equilibria."""
 _FOLLOWED = 0.02
-"""Part of a span by which the rope on an idler may be elsewhere than its rate led to: beyond is another balance."""
+"""Largest deviation of the travel of an idler from its prediction, relative to nominal: beyond it the solution is
+another equilibrium."""
 
 
 def slack(state: LineState) -> bool:
-    """Whether a rope on idlers is so slack that it could lie otherwise too."""
+    """Whether a rope on idlers is so slack that it can have other stable equilibria."""
     for r, run in enumerate(state.runs):
         if any(node.balance is not None for node in run.nodes):
             chord = np.linalg.norm(np.diff(state.points(r), axis=0), axis=1)
@@ -41,13 +41,13 @@ def require_stable(state: LineState) -> None:
 
 
 def free_balances(model: Model, point: Point, held: Collection[str] = ()) -> tuple[Balance, ...]:
-    """The balances that something else does not keep: a load that stands on an idler, or what is named in `held`."""
+    """The balances that are free: no load stands on the idler, and their variable is not in `held`."""
     kept = {model.z.index[name] for name in held if name in model.z.index}
     for layout in model.layouts:
         can = np.flatnonzero(layout.held >= 0)
         kept.update(layout.travel.algebraic[can[point.d[layout.held[can]] > 0.0]].tolist())
-        # Of the rope on a shoe each side counts what lies from the shoe's middle on: where all of it lies on one side,
-        # the other gives way by less than nothing. Its tensions are taken as equal there.
+        # The rope on a shoe is counted from the shoe's middle: where all of it lies on one side, the stiffness of the
+        # other side is negative. The tensions of such a shoe are taken as equal.
         (leaves, arrives), z = layout.aside, point.z
         shod = np.flatnonzero((leaves[1:] >= 0) & (arrives[:-1] >= 0))
         one_sided = shod[(z[leaves[1:][shod]] > 0.0) | (z[arrives[:-1][shod]] < 0.0)]
@@ -56,8 +56,8 @@ def free_balances(model: Model, point: Point, held: Collection[str] = ()) -> tup
 
 
 def least_pivot(model: Model, point: Point, free: tuple[Balance, ...]) -> tuple[float, Balance]:
-    """The least pivot of the condensed stiffness of some balances over the largest one, and whose it is: above 0
-    where the stiffness is positive definite, not a number where the equations are singular."""
+    """The least pivot of the condensed stiffness of some balances, relative to the largest one, and its balance: above
+    0 where the stiffness is positive definite, NaN where the equations are singular."""
     condensed = _condensed(model, free)
     try:
         pivots = condensed.pivots(newton_of(model).jacobian_values(point))
@@ -67,11 +67,11 @@ def least_pivot(model: Model, point: Point, free: tuple[Balance, ...]) -> tuple[
     return float(pivots[k] / np.abs(pivots).max()), free[k]
 
 
-def require_followed(state: LineState, led: np.ndarray) -> None:
-    """Raises EquilibriumError where the rope on an idler is elsewhere than its rates led to, `led` (nz,): beyond the
-    end of a stable balance Newton's method finds another one, far away."""
+def require_followed(state: LineState, predicted: np.ndarray) -> None:
+    """Raises EquilibriumError where the travel of an idler is far from its prediction (nz,): where a stable balance
+    ends, Newton's method finds another one, far away."""
     travels = _travels(state.model)
-    away = np.abs(state.point.z[travels] - led[travels]) / state.model.z.nominals[travels]
+    away = np.abs(state.point.z[travels] - predicted[travels]) / state.model.z.nominals[travels]
     if np.any(away > _FOLLOWED):
         raise unstable(component_of(state.model.z.names[travels[int(np.argmax(away))]]))
 
@@ -87,7 +87,7 @@ def unstable(name: str) -> EquilibriumError:
 
 @kept_with_model
 def _travels(model: Model) -> np.ndarray:
-    """Places of the travels on idlers in the algebraic variables; none where ropes hold a node, which moves far."""
+    """Places of the travels of idlers in the algebraic variables; none where ropes hold a node, which moves far."""
     if has_free_nodes(model):
         return np.zeros(0, dtype=int)
     travels = {place for layout in model.layouts for place in layout.travel.algebraic.tolist()}
@@ -96,7 +96,7 @@ def _travels(model: Model) -> np.ndarray:
 
 @kept_with_model
 def has_free_nodes(model: Model) -> bool:
-    """Whether ropes alone hold a node in its place, as a carriage; a wheel on a slide is guided."""
+    """Whether ropes alone determine the position of a node, as of a carriage; a wheel on a slide is guided."""
     nodes = [c for c in model.system.components.values() if isinstance(c, Node)]
     return any(place in {"x", "y", "z"} for node in nodes for place, _ in node.free)
 

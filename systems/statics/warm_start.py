@@ -1,4 +1,4 @@
-"""A line at some time as the start of another run or equilibrium: the same line, driven otherwise."""
+"""Start values from another solution of the same line, whose drives may differ."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ropeway.systems.statics.equilibrium import Equilibrium
 
 _DRIVEN = ("response", "speed")
-"""What may differ between two declarations of one line: how its supports are driven."""
+"""Fields that may differ between two declarations of one line: those of its drives."""
 
 _DECLARED = {
     "gravity": "gravity",
@@ -34,12 +34,13 @@ _DECLARED = {
     "hung": "loads",
     "feeds": "loads that come in",
 }
-"""What else a system declares, and what a user calls it."""
+"""Other declarations of a system, and what messages call them."""
 
 
 def declared_alike(start: Equilibrium, system: System) -> bool:
-    """Whether a start is of the same declarations; not, where supports are driven otherwise. Raises InputError where
-    more differs: it would say nothing about this system."""
+    """Whether a start has the same declarations; False where drives differ. Raises InputError where other declarations
+    differ.
+    """
     old = start.model.system
     if old is system:
         return True
@@ -48,7 +49,7 @@ def declared_alike(start: Equilibrium, system: System) -> bool:
         one, other = old.components.get(name), system.components.get(name)
         if one is other or one == other:
             continue
-        if type(one) is not type(other) or _undriven(one) != _undriven(other):
+        if type(one) is not type(other) or _other_fields(one) != _other_fields(other):
             _refuse(system, f"another {name!r}")
         alike = False
     for what, words in _DECLARED.items():
@@ -57,7 +58,7 @@ def declared_alike(start: Equilibrium, system: System) -> bool:
     return alike
 
 
-def _undriven(component: Component | None) -> dict[str, Any]:
+def _other_fields(component: Component | None) -> dict[str, Any]:
     if component is None:
         return {}
     return {f.name: getattr(component, f.name) for f in fields(component) if f.name not in _DRIVEN}
@@ -71,19 +72,20 @@ def _refuse(system: System, words: str) -> None:
 
 
 def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
-    """The same place and loads, at time 0, on a declaration of the line that is driven otherwise. A response goes on
-    where it is the same here, else it begins; so does an input after an emergency stop. Raises InputError."""
+    """A start on another declaration of the line, with other drives: the same positions and loads, at time 0. A
+    response continues where it is the same here, otherwise it begins; so does an input after an emergency stop. Raises
+    InputError."""
     model = system if isinstance(system, Model) else assemble(system)
     declared_alike(start, model.system)
-    point, going_on = declared_point(model), _going_on(start.model.system, model.system)
+    point, continuing = declared_point(model), _continuing(start.model.system, model.system)
     for kind in VECTORS:
         table, values = start.model.tables[kind], start.point.vector(kind)
         for i, name in enumerate(model.tables[kind].names):
             k = table.index.get(name)
-            # What the start has not changed is as declared here: parameters, as those of a response, and speeds.
+            # Parameters and states that the start has not changed are as declared here: those of a response, speeds.
             if k is None or (kind in (Kind.PARAMETER, Kind.STATE) and values[k] == table.values[k]):
                 continue
-            if kind is Kind.DISCRETE and _of_response(name) and component_of(name) not in going_on:
+            if kind is Kind.DISCRETE and _of_response(name) and component_of(name) not in continuing:
                 continue
             if kind is not Kind.INPUT or start.model.signals[k] == model.signals[i]:
                 point.vector(kind)[i] = values[k]
@@ -95,12 +97,12 @@ def carried_over(start: Equilibrium, system: System | Model) -> Equilibrium:
         point=state.point,
         runs=tuple(state.runs),
         passed=tuple(state.passed),
-        pending=_pending(start, model, going_on),
+        pending=_pending(start, model, continuing),
     )
 
 
 def undriven(state: LineState) -> None:
-    """Takes from a state what a run has left to its drives: corrections of responses, brakes, losses of pressure."""
+    """Resets corrections of responses, brakes and losses of pressure, which a run has left in a state."""
     entries = _driven(state.model)
     state.point.d[entries] = state.model.d.values[entries]
 
@@ -119,8 +121,8 @@ def _of_response(name: str) -> bool:
     return variable == "correction" or variable.startswith("response_")
 
 
-def _going_on(old: System, new: System) -> dict[str, Response]:
-    """Responses that go on in a run of the new system: of the same kind, period and delay."""
+def _continuing(old: System, new: System) -> dict[str, Response]:
+    """Responses that continue in a run of the new system: those of the same kind, period and delay."""
     found = {}
     for name, component in new.components.items():
         before, after = getattr(old.components.get(name), "response", None), getattr(component, "response", None)
@@ -133,9 +135,9 @@ def _rhythm(response: Response) -> tuple[type, float, float]:
     return (type(response), response.period, response.delay)
 
 
-def _pending(start: Equilibrium, model: Model, going_on: Mapping[str, Response]) -> Pending:
-    """What of the start's goes on in a model."""
-    kept = {(r.period, phase) for r in going_on.values() for phase in (r.period, r.period + r.phase)}
+def _pending(start: Equilibrium, model: Model, continuing: Mapping[str, Response]) -> Pending:
+    """What is pending of a start in a run of a model."""
+    kept = {(r.period, phase) for r in continuing.values() for phase in (r.period, r.period + r.phase)}
     stopping, old = start.pending.stopping, start.model
     if stopping is not None:
         alike = {name for name in stopping if old.signals[old.u.index[name]] == model.signals[model.u.index[name]]}

@@ -19,7 +19,7 @@ from ropeway.systems.studies.control.scheduling.plan_data import Gap, PlanHistor
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.tune_response import TunedResponse
-from ropeway.systems.studies.skyline.inhaul import Inhaul, inhaul
+from ropeway.systems.studies.skyline.inhaul.study import Inhaul, inhaul
 from ropeway.systems.studies.skyline.load_path import load_path
 from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 from ropeway.systems.studies.skyline.pretension import SetUp, set_up

@@ -76,6 +76,7 @@ MAY_BE_NAN = {
     "fmu.CoSimulation.add",
     "fmu.component",
     "Equilibrium",
+    "places",
     "Result",
     "fmu.FmuComponent",
     "Profile.elevations",

@@ -13,6 +13,9 @@ from support.call_objects import (
     CARRIAGE,
     GROUND,
     HEAD,
+    LOW_GROUND,
+    MAP,
+    POSITIONS,
     ROPE,
     STATIONS,
     TAIL,
@@ -77,6 +80,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
         "Log": log,
+        "MapFrame": lambda: MAP,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
         "Project": lambda: rw.Project(title="slope", place="valley"),
@@ -113,9 +117,9 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
     optional = {"target": 3e4, "settle": 1.0, "start": None, "progress": False}
     ends = {"headspar": HEAD, "tailspar": TAIL, "mainline": THIN, "carriage": CARRIAGE, "name": "rig", "gravity": 9.81}
     return {
-        "Profile": lambda: {"station": [0.0, 50.0, 120.0], "elevation": [3.0, 5.0, -4.0]},
+        "Profile": lambda: {"station": [0.0, 50.0, 120.0], "elevation": [3.0, 5.0, -4.0], "map_frame": MAP},
         "Schedule": lambda: {"times": [0.0, 4.0], "speeds": [0.5, 1.0]},
-        "System": lambda: {"name": "line", "gravity": 9.8, "precedence": "worst first"},
+        "System": lambda: {"name": "line", "gravity": 9.8, "precedence": "worst first", "terrain": GROUND},
         "assemble": lambda: {"system": one_span(), "slots": None},
         "balanced": lambda: {"line": line()},
         "catenary_for_horizontal": lambda: {**CURVE, "horizontal": 30e3, "weight": 30.0},
@@ -131,6 +135,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "endless": lambda: {
             "rope": ROPE, "supports": endless_supports(), "tension": 22e3, "speed": 0.9, "load_mass": 90.0,
             "load_spacing": 40.0, "take_up": None, "drive": None, "name": "ring", "gravity": 9.8,
+            "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
@@ -164,7 +169,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "monocable": lambda: {
             "rope": ROPE, "supports": supports(), "tension": 22e3, "speed": 0.8, "load_mass": [90.0, 0.0],
             "load_spacing": 33.0, "name": "line", "drive": drive(), "response": {"c": response()},
-            "precedence": "all at once", "gravity": 9.8,
+            "precedence": "all at once", "gravity": 9.8, "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
         },
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
@@ -192,6 +197,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "carriage_mass": 140.0, "gravity": 9.8,
         },
         "carriages": dict,
+        "places": lambda: {"of": rig()},
+        "export_gis": lambda: {
+            "what": rig(), "path": folder() / "rig.kml", "stations": pd.DataFrame(POSITIONS), "view": "plan"
+        },
         "ropes": dict,
         "yarders": dict,
         "run_study": lambda: {"inputs": rw.StudyInputs("equilibrium", one_span())},

@@ -10,6 +10,7 @@ import numpy as np
 import ropeway as rw
 from support.call_objects import (
     GROUND,
+    MAP,
     ROPE,
     THIN,
     corridor,
@@ -17,6 +18,7 @@ from support.call_objects import (
     exported_line,
     fmu,
     folder,
+    grounded,
     guyed,
     log,
     plan,
@@ -89,6 +91,21 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Equilibrium.profile": lambda: Call(rest().profile, {"span": "a_c", "stations": [0.0, 20.0]}),
         "GuyedSpar.block": lambda: Call(guyed().block, {"rope": "mainline"}),
         "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
+        "Equilibrium.heights_over_ground": lambda: Call(grounded().heights_over_ground, {"points": 21}),
+        "MapFrame.straight": lambda: Call(
+            rw.MapFrame.straight,
+            {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},
+        ),
+        "MapFrame.through": lambda: Call(
+            rw.MapFrame.through,
+            {
+                "crs": "EPSG:2056", "easting": np.array([2.6e6, 2.6001e6]), "northing": np.array([1.2e6, 1.2e6]),
+                "heights": "",
+            },
+        ),
+        "MapFrame.to_map": lambda: Call(MAP.to_map, {"x": 40.0, "y": 3.0}),
+        "MapFrame.to_local": lambda: Call(MAP.to_local, {"easting": 2600140.0, "northing": 1200210.0}),
+        "MapFrame.to_degrees": lambda: Call(MAP.to_degrees, {"x": 40.0, "y": 3.0}),
         "Profile.chord_slope": lambda: Call(GROUND.chord_slope, {"start": 0.0, "end": 90.0}),
         "Profile.clearance_of_line": lambda: Call(GROUND.clearance_of_line, {"points": [(0.0, 30.0), (90.0, 20.0)]}),
         "Profile.elevation_at": lambda: Call(GROUND.elevation_at, {"station": 40.0}),
@@ -98,8 +115,12 @@ def methods() -> dict[str, Callable[[], Call]]:
             rw.Profile.from_dem,
             {
                 "path": folder() / "none.tif", "start": (0.0, 0.0), "end": (90.0, 0.0), "spacing": 5.0,
-                "band": 1, "unit": "m", "nodata": None, "largest_jump": 3.0,
+                "band": 1, "unit": "m", "nodata": None, "largest_jump": 3.0, "crs": "EPSG:2056",
             },
+        ),
+        "Profile.from_points": lambda: Call(
+            rw.Profile.from_points,
+            {"points": [[2.6e6, 1.2e6, 800.0], [2.6001e6, 1.2e6, 790.0]], "crs": "EPSG:2056", "straight": False},
         ),
         "Profile.resampled": lambda: Call(GROUND.resampled, {"spacing": 10.0}),
         "Profile.slope_at": lambda: Call(GROUND.slope_at, {"station": 40.0}),

@@ -15,11 +15,15 @@ from support.drives import hydraulic_drive
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3, diameter=0.0254)
 THIN = rw.Rope(mass_per_length=0.9, axial_stiffness=9e6, breaking_load=140e3)
-GROUND = rw.Profile([-20.0, 60.0, 130.0, 260.0], [14.0, 0.0, -6.0, -34.0])
+MAP = rw.MapFrame.straight("EPSG:2056", (2600100.0, 1200200.0), (2600260.0, 1200320.0))
+GROUND = rw.Profile([-20.0, 60.0, 130.0, 260.0], [14.0, 0.0, -6.0, -34.0], MAP)
 HEAD = rw.HeadSpar("head", station=0.0, height=14.0)
 TAIL = rw.TailSpar("tail", station=240.0, height=9.0)
 CARRIAGE = rw.Carriage("carriage", mass=320.0)
 STATIONS = [70.0, 150.0]
+LOW_GROUND = rw.Profile([-20.0, 260.0], [-9.0, -6.0], MAP)
+POSITIONS = {"carriage_x": [70.0, 150.0], "carriage_y": [0.0, 0.0], "carriage_z": [9.0, -2.0], "clearance": [8.0, 7.0]}
+"""Of a rig's carriage."""
 
 
 def supports() -> pd.DataFrame:
@@ -106,6 +110,12 @@ def new_rig() -> rw.SkylineRig:
 @cache
 def rest() -> rw.Equilibrium:
     return rw.equilibrium(line())
+
+
+@cache
+def grounded() -> rw.Equilibrium:
+    """A line over its ground."""
+    return rw.equilibrium(rw.monocable(ROPE, supports(), tension=22e3, terrain=LOW_GROUND))
 
 
 @cache

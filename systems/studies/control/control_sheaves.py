@@ -1,4 +1,4 @@
-"""The control sheaves of a line, and the same line with other responses."""
+"""The control sheaves of a line, and copies of the line with other responses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run of a line is judged by: the smaller the better."""
+"""Objectives of a run of a line: the smaller the better."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ropeway.systems.studies.control.control_sheaves import control_sheaves
 
 OBJECTIVES = ("peak tension", "tension deviation", "energy")
 """Highest tension of all spans [N]; root mean square of the control sheaves' tensions, on both sides, from a target
-[N]; energy that the control sheaves' drives give, not less what they recover [J], always over the whole run: what a
-drive puts into the rope before the tensions count would be free otherwise."""
+[N]; energy that the control sheaves' drives supply, without what they recover [J], always over the whole run: otherwise
+the energy supplied before the tensions count would be free."""
 
 
 @checked
@@ -40,6 +40,10 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> rw.objectives(rw.simulate(line, 60.0), settle=10.0)["peak tension"]
     """
     check.not_negative(settle, "objectives", "settle", "s")
     frame, names = result.full_frame, control_sheaves(result.model.system)

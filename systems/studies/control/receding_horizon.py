@@ -118,6 +118,10 @@ def receding_horizon(
     Raises
     ------
     InputError, ScheduleError
+
+    Examples
+    --------
+    >>> rw.receding_horizon(line, 600.0, horizon=60.0, every=20.0).result.summary()
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")

@@ -124,6 +124,11 @@ def tune_response(
     InputError, UnknownNameError
     SimulationError
         Where every run fails.
+
+    Examples
+    --------
+    >>> over = {"increment": (0.002, 0.05), "period": (0.5, 4.0)}
+    >>> rw.tune_response(line, response, over=over, minimise="energy", until=120.0).response
     """
     check.positive(until, "tune_response", "until", "s")
     if not 0.0 <= settle < until:

@@ -22,8 +22,8 @@ from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import alike, finite, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, finite, require
 
 StretchMethod = Literal["average tension", "elastic", "elastic and construction"]
 """Lyons' methods: eq. 3, eq. 11, eq. 19."""

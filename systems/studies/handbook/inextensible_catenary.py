@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.optimize import minimize_scalar
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import alike, finite, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 
 
@@ -384,31 +384,6 @@ def too_little(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers, 
         f"and {h:.6g} m up: that needs {minimum_tension(d, h, w):.6g}",
         "Raise the tension, or put a support between",
     )
-
-
-def require(value: ArrayLike, what: str, test: Any, words: str) -> None:
-    """Raises InputError unless all values are finite and pass a test."""
-    array = np.asarray(value, dtype=float)
-    bad = ~(np.isfinite(array) & test(array))
-    if bad.any():
-        raise InputError(f"{what} is {float(array[bad].flat[0])!r}", f"It must be {words}")
-
-
-def alike(*values: ArrayLike) -> None:
-    """Raises InputError unless arrays stand side by side: of one shape, or shapes that broadcast."""
-    try:
-        np.broadcast_shapes(*(np.shape(v) for v in values))
-    except ValueError:
-        shapes = " and ".join(dict.fromkeys(str(np.shape(v)) for v in values if np.ndim(v)))
-        raise InputError(f"Arrays of shapes {shapes} do not stand side by side", "Give arrays of one length") from None
-
-
-def finite(value: ArrayLike, what: str) -> Array:
-    """A result as an array. Raises InputError where it is none."""
-    array = np.asarray(value, dtype=float)
-    if not np.isfinite(array).all():
-        raise InputError(f"The {what} is beyond all numbers", "Check the units: a value is far too large or too small")
-    return array
 
 
 def _start_tension(u: Any, span: Numbers, drop: Numbers) -> Any:

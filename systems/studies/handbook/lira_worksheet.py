@@ -15,9 +15,10 @@ from ropeway.components.annotation_checks import PositiveNumbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import SlackRopeError
+from ropeway.systems.studies.handbook.array_checks import alike
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, catenary_for_length
+from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_length
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import elastic_state
 from ropeway.systems.studies.handbook.payload_methods import cable_factor, load_factor

@@ -8,8 +8,8 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.handbook.array_checks import alike, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, require
 
 
 @checked

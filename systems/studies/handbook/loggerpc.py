@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.components.terrain import Profile
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 
 POUND_FORCE = 4.4482216152605
 """[N]."""

@@ -16,8 +16,9 @@ from scipy.optimize import brentq
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
 from ropeway.components.terrain import Profile
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array
-from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces, require
+from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve, EndForces
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -18,8 +18,8 @@ from ropeway.components.catenary import Strain
 from ropeway.components.rope import ConstructionStretch
 from ropeway.components.rope_catalogue import MODULUS
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 
 DENSITY = 9300.0
 """Of the metal of a 6x19 IWRC rope [kg/m3] (Lyons, p. 32)."""

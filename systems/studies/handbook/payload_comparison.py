@@ -13,9 +13,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.harvey_as_printed import SLOPES, TABLE_2
-from ropeway.systems.studies.handbook.inextensible_catenary import require
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import Joint, catenary_clamped, catenary_rolling, elastic_state
 from ropeway.systems.studies.handbook.payload_methods import METHODS, Method, payload_for_tension

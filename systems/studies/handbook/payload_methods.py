@@ -23,8 +23,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import SlackRopeError
 from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.studies.handbook.array_checks import alike, require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, rising
-from ropeway.systems.studies.handbook.inextensible_catenary import alike, catenary_for_sag, minimum_tension, require
+from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_sag, minimum_tension
 from ropeway.systems.studies.handbook.kendrick import Weighed, kendrick_iteration, weighed
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import catenary_clamped, catenary_rolling

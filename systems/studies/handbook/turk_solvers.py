@@ -22,8 +22,8 @@ from ropeway.components import catenary, check, parabola
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
+from ropeway.systems.studies.handbook.array_checks import finite
 from ropeway.systems.studies.handbook.array_roots import Array
-from ropeway.systems.studies.handbook.inextensible_catenary import finite
 
 SpanMethod = Literal["successive substitution", "Newton-Raphson", "Brown"]
 """Turk's three methods."""

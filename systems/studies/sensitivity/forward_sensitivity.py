@@ -1,8 +1,8 @@
 """Derivatives along a simulation, from record to record.
 
-Between events those of the states obey the linearised equations. A crossing moves them by the change of the
-rates times the derivative of its time: q_k = X_k - c has d(time) = -d(q_k - X_k + c) / (dq_k/dt). A sample of a
-response is a function of the point like any other. The order of events stays as it was.
+Between events the derivatives of the states satisfy the linearised equations. At a crossing they change by the jump of
+the rates times the derivative of its time: q_k = X_k - c has d(time) = -d(q_k - X_k + c) / (dq_k/dt). A sample of a
+response is a function of the point like any other. The order of events is fixed.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _ACCURACY = 1e-9
 """Relative accuracy of the integration."""
 
 
-class Follower:
+class ForwardSensitivity:
     """Derivatives along a simulation, from record to record."""
 
     def __init__(self, result: Result, varied: Varied) -> None:
@@ -48,7 +48,7 @@ class Follower:
         self.before: tuple[Equilibrium, Directions] | None = None
 
     def step(self, i: int) -> tuple[Equilibrium, Directions]:
-        """On to a record; returns the line there with all its directions."""
+        """Advances to a record; returns the line there with all its directions."""
         line = self.result.record(i)
         if self.before is None:
             self._hang(line)
@@ -114,7 +114,7 @@ class Follower:
         return self.tangent.solve(point, x, self.varied.u, self.varied.p, d)
 
     def _move(self, a: Equilibrium, b: Equilibrium) -> None:
-        """From one record to the next, with nothing between them but ticks of clocks."""
+        """From one record to the next, between which only clocks tick."""
         point = a.point.copy()
         while point.t < b.point.t:
             ticks = [c.phase + n * c.period for c, n in zip(self.model.clocks, self.ticks, strict=True)]
@@ -125,7 +125,7 @@ class Follower:
                 self._tick(int(j), a, point)
 
     def _tick(self, j: int, line: Equilibrium, point: Point) -> None:
-        """What a clock does to the discrete variables and their directions."""
+        """Updates the discrete variables and their directions at the tick of a clock."""
         self.ticks[j] += 1
         clock = self.model.clocks[j]
         newton_of(self.model).solve(point)
@@ -135,7 +135,7 @@ class Follower:
         point.d[clock.entries] = update_of(self.model, clock)(*point.arguments)[0]
 
     def _integrated(self, a: Equilibrium, b: Equilibrium, point: Point, stop: float) -> Point:
-        """The states and their directions taken on to `stop`. Raises SimulationError."""
+        """Integrates the states and their directions to `stop`. Raises SimulationError."""
         m, k, nominal = self.model, self.x.shape[1], self.model.x.nominals
         n = len(nominal)
         slope = (b.point.u - a.point.u) / (b.point.t - a.point.t)
@@ -150,7 +150,7 @@ class Follower:
 
         def directions(now: Point, values: np.ndarray) -> Directions:
             x = values[n:].reshape(n, k) * nominal[:, None] * weights
-            if alone and drives.decoupled(now):  # a limit can bind between two records
+            if alone and drives.decoupled(now):  # a limit can become active between two records
                 return replace(moving, x=x)
             newton_of(m).solve(now)
             return self._directions(a, now, x)
@@ -162,15 +162,17 @@ class Follower:
             return np.concatenate([x, (self.tangent.rates(now, moves) / nominal[:, None] / weights).ravel()])
 
         start = np.concatenate([point.x / nominal, (self.x / nominal[:, None] / weights).ravel()])
-        found = solve_ivp(rates, (point.t, stop), start, method="LSODA", rtol=_ACCURACY, atol=_ACCURACY)
-        if not found.success:
-            raise SimulationError(f"The derivatives cannot be followed: {found.message}", "Shorten the run", point.t)
-        end = found.y[:, -1]
+        solution = solve_ivp(rates, (point.t, stop), start, method="LSODA", rtol=_ACCURACY, atol=_ACCURACY)
+        if not solution.success:
+            raise SimulationError(
+                f"The derivatives cannot be integrated: {solution.message}", "Shorten the run", point.t
+            )
+        end = solution.y[:, -1]
         self.x = end[n:].reshape(n, k) * nominal[:, None] * weights
         return at(stop, end)
 
     def _jump(self, a: Equilibrium, b: Equilibrium, directions: Directions) -> None:
-        """Over a crossing: a change of the states' rates moves them by as much as its time moves."""
+        """At a crossing: adds the change of the rates of the states times the derivative of its time."""
         change = rates_of(self.model)(*a.point.arguments)[0].copy()
         change -= rates_of(self.model)(*b.point.arguments)[0]
         nearest, time = np.inf, np.zeros(self.x.shape[1])
@@ -180,7 +182,7 @@ class Follower:
             self.x = self.x + np.outer(change, time)
 
     def _time_of_crossing(self, a: Equilibrium, b: Equilibrium, directions: Directions) -> tuple[float, np.ndarray]:
-        """How near the load that crosses is to its support [m], and the directions of the time (k,)."""
+        """Distance of the load that crosses from its support [m], and the directions of the time (k,)."""
         m, point = self.model, a.point.copy()
         z = newton_of(m).solve(point, slope=np.zeros(len(m.u)))
         rates = m.travels(rates_of(m)(*point.arguments)[0], np.zeros(0) if z is None else z)

@@ -79,7 +79,7 @@ class Tangent:
 
 @kept_with_model
 def tangent_of(model: Model) -> Tangent:
-    """The derivatives of a model: made once, as their functions take a while to build."""
+    """The derivatives of a model, made once."""
     return Tangent(model)
 
 

@@ -1,4 +1,4 @@
-"""What a derivative is taken by: which parameters, inputs, states and loads change together, and how."""
+"""Perturbations: the parameters, inputs, states and loads that change with each quantity of a derivative."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from ropeway.systems.statics.line_state import find
 
 @dataclass(frozen=True)
 class Varied:
-    """What is varied, one column each: states at the start, inputs, parameters, and for each run the rope at
-    each support, the masses and the places of the loads; `nominal` (k,): how much of it is a usual change."""
+    """Derivatives by each quantity, one column each: states at the start, inputs, parameters, and for each run the rope
+    at each support, the masses and the places of the loads; `nominal` (k,): size of a usual change."""
 
     x: np.ndarray
     u: np.ndarray
@@ -81,24 +81,24 @@ class Varied:
 
 
 def _pretension(line: Equilibrium, support: str) -> np.ndarray:
-    """Rates of the parameters with the tension of the empty rope at its first support, shape (np,)."""
+    """Derivatives of the parameters by the tension of the empty rope at its first support, shape (np,)."""
     m, rates = line.model, np.zeros(len(line.model.p))
     for r, (run, layout) in enumerate(zip(line.runs, m.layouts, strict=True)):
         if run.nodes[0].name != support:
             continue
-        # A carriage has no place of its own: the empty rope passes it by.
+        # A carriage has no fixed place: the empty rope does not touch it.
         fixed = [i for i, node in enumerate(run.nodes) if all(f"{node.name}.{axis}" in m.p.index for axis in "xyz")]
-        keeping = [i for i in fixed if run.nodes[i].set_tension is not None]
-        # A drum that keeps its tension has paid out rope under the loads: the empty rope is the declared one.
+        drums = [i for i in fixed if run.nodes[i].set_tension is not None]
+        # A drum with a set tension has paid out rope under the loads: the empty rope is the declared one.
         declared = m.tables[Kind.PARAMETER].values
-        lengths = (declared if keeping else line.point.p)[layout.length_start]
+        lengths = (declared if drums else line.point.p)[layout.length_start]
         weight = run.rope.mass_per_length * float(line.point.p[0])
         at = line.points(r)[fixed]
         names = [run.spans[i].name for i in fixed[:-1]]
         found = pretension(at.tolist(), weight, run.rope.strain, float(lengths.sum()), names)
         for i, rate in zip(fixed[:-1], found.length, strict=True):
             rates[layout.length_start[i]] = rate
-        for i in keeping:
+        for i in drums:
             rates[m.p.index[f"{run.nodes[i].name}.tension"]] = found.support[fixed.index(i)]
         return rates
     known = ", ".join(dict.fromkeys(f"{run.nodes[0].name}.pretension" for run in line.runs))

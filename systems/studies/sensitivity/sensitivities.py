@@ -1,4 +1,4 @@
-"""Exact derivatives of results: newtons per kilogram, per metre of support height, per newton of pretension.
+"""Exact derivatives of results, as newtons per kilogram, per metre of support height, per newton of pretension.
 
 At rest they follow from the equations by implicit differentiation; along a simulation from the linearised
 equations (`forward_sensitivity`)."""
@@ -20,7 +20,7 @@ from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import still
 from ropeway.systems.statics.line_state import find
-from ropeway.systems.studies.sensitivity.forward_sensitivity import Follower
+from ropeway.systems.studies.sensitivity.forward_sensitivity import ForwardSensitivity
 from ropeway.systems.studies.sensitivity.linearisation import tangent_of
 from ropeway.systems.studies.sensitivity.perturbations import Varied
 
@@ -37,6 +37,7 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
     Parameters
     ----------
     solution : Equilibrium or Result
+        Where to differentiate.
     of : str or sequence of str
         Outputs, variables or quantities of loads ("l1.z").
     to : str or sequence of str
@@ -87,13 +88,13 @@ def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) ->
 def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
     happened = {event.event for event in result.noted}
     if found := happened & {"load held", "emergency stop"}:
-        raise InputError(f"There is {' and '.join(sorted(found))} in the run", "Stop the run before it")
-    follower = Follower(result, Varied.of(result.record(0), varied))
+        raise InputError(f"The run has the event {' and '.join(sorted(found))}", "End the run before it")
+    forward = ForwardSensitivity(result, Varied.of(result.record(0), varied))
     rows = []
     for i in range(len(result.records)):
-        line = follower.step(i)
+        line = forward.step(i)
         if result.on_grid[i]:
-            rows.append(follower.read(line, wanted))
+            rows.append(forward.read(line, wanted))
     columns = pd.MultiIndex.from_product([wanted, varied], names=["of", "to"])
     index = pd.Index(result.times[result.on_grid], name="time")
     return pd.DataFrame(np.array(rows).reshape(len(rows), -1), index=index, columns=columns)

@@ -1,4 +1,4 @@
-"""The places that a carriage comes through on its way: spans and shoes, and where each ends."""
+"""The places that a carriage passes: spans and shoes, and where each ends."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EDGE = 1e-3
 """A carriage leaves a shoe where this much rope [m] would come off it."""
 
 TOUCH = 0.5 * EDGE
-"""A carriage comes on to a shoe where so much rope [m] is left between them: less than is there when it has left, so
+"""A carriage rolls onto a shoe where so much rope [m] is left between them: less than after it has left the shoe, so
 that it does not alternate."""
 
 
@@ -68,9 +68,9 @@ class Places:
             near = off_shoe(at, self.on_shoe(k, x))
         return meant(at, Question(x, self.payload), [] if near is None else [near])
 
-    def first(self, at: SpanModel, x: float, way: int, paid: float) -> Point:
+    def first(self, at: SpanModel, x: float, direction: int, paid: float) -> Point:
         """The equilibrium beyond a point saddle, at station x; where the mainline would have to push there, the first
-        one further on, `way`, that the mainline holds: nearest to where its `paid` length [m] leads the carriage.
+        one further on, `direction`, that the mainline holds: nearest to where its `paid` length [m] leads the carriage.
         Raises EquilibriumError."""
         try:
             return self.solve(at, x)
@@ -80,7 +80,7 @@ class Places:
         best: Point | None = None
         for ahead in np.geomspace(2.0 * SIDE, 0.5 * (high - low), 16):
             try:
-                point = self.solve(at, x + way * float(ahead), best)
+                point = self.solve(at, x + direction * float(ahead), best)
             except EquilibriumError:
                 if best is not None:
                     break
@@ -97,7 +97,7 @@ class Places:
         return _edge(self, k, side)
 
     def touch(self, at: SpanModel, k: int) -> float:
-        """Where the carriage comes on to the shoe of support k out of a span [m]."""
+        """Station at which the carriage rolls onto the shoe of support k out of a span [m]."""
         side = -1 if at.span == k else 1
         edge, free = self.edge(k, side), at.model.y.index[f"{at.free_span(k)}.length"]
 
@@ -107,20 +107,20 @@ class Places:
         return float(newton(left, edge, x1=edge + 0.1 * side * EDGE, tol=1e-11))
 
     def laid(self, at: SpanModel) -> bool:
-        """Whether a place is one that the carriage comes through: the mainline lies on a roller before the carriage
+        """Whether the carriage passes a place: the mainline lies on a roller before the carriage
         only where it sags enough."""
         k = at.span
         if at.place.rollers is None:
             return True
         return self.on_shoe(k, self.edge(k, -1))[f"{self.rig.carriage.name}.mainline_rope"] > 0.0
 
-    def border(self, at: SpanModel, beyond: SpanModel, way: int) -> float:
-        """The station at which the carriage goes over from one place to the next [m]."""
+    def border(self, at: SpanModel, beyond: SpanModel, direction: int) -> float:
+        """The station at which the carriage changes from one place to the next [m]."""
         k = min(at.span, beyond.span)
         if self.rig.supports[k].radius <= 0.0:
-            return float(self.rig.points[k + 1, 0] - way * SIDE)
+            return float(self.rig.points[k + 1, 0] - direction * SIDE)
         if at.on is not None:
-            return self.edge(k, way)
+            return self.edge(k, direction)
         if beyond.on is not None or at.span != beyond.span:
             return self.touch(at, k)
         rolled = at if at.place.rollers is not None else beyond

@@ -7,8 +7,9 @@ from operator import itemgetter
 
 import numpy as np
 
+from ropeway.components.clearance import above_tangents, least_height
 from ropeway.components.rope_piece import Piece
-from ropeway.components.terrain import Profile, above_tangents, least_height
+from ropeway.components.terrain import Profile
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 

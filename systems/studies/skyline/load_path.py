@@ -47,8 +47,8 @@ def load_path(
     DataFrame
         One row a station; units in `attrs["units"]`. Columns, lengths in m and forces in N:
 
-        - carriage_x, carriage_y, carriage_z; sag below the chord of its span, deflection [% of the span], span
-          (from 1)
+        - carriage_x, carriage_y, carriage_z, on a map carriage_easting and carriage_northing in its unit; sag below
+          the chord of its span, deflection [% of the span], span (from 1)
         - skyline_tension at the carriage, highest_tension anywhere, headspar_tension, tailspar_tension,
           anchor_tension where the skyline is tied
         - mainline_pull at the carriage (or the ideal holding force, positive towards the headspar), mainline_tension

@@ -57,18 +57,18 @@ class LogCheck:
         where, swung out from below the front, it comes out of the ground first."""
         log, front = self.turn.log, point.z[self._log[:2]]
         x, z = float(front[0]), float(front[1])
-        way = -log.moving or (-1.0 if self.elevation(x + 0.1) > self.elevation(x - 0.1) else 1.0)
+        side = -log.moving or (-1.0 if self.elevation(x + 0.1) > self.elevation(x - 0.1) else 1.0)
 
         def over(turn: float) -> float:
-            return z - log.length * float(np.cos(turn)) - self.elevation(x + way * log.length * float(np.sin(turn)))
+            return z - log.length * float(np.cos(turn)) - self.elevation(x + side * log.length * float(np.sin(turn)))
 
         turns = np.linspace(0.0, 0.9 * np.pi, 55)
         k = next((k for k, turn in enumerate(turns) if over(float(turn)) > 0.0), len(turns) - 1)
         turn = float(brentq(over, turns[k - 1], turns[k])) if k > 0 and over(float(turns[k])) > 0.0 else 0.5 * np.pi
         out, down = log.length * np.sin(turn), log.length * np.cos(turn)
         normal = log.centre * out * weight / max(out + log.friction * down, 0.1 * log.length)
-        point.z[self._log[2:]] = x + way * out, z - down, normal
-        point.z[self._line] += (-way * log.friction * abs(log.moving) * normal, 0.0, normal)
+        point.z[self._log[2:]] = x + side * out, z - down, normal
+        point.z[self._line] += (-side * log.friction * abs(log.moving) * normal, 0.0, normal)
 
     def elevation(self, x: float) -> float:
         """The ground [m] that the log knows, its vertices rounded."""

@@ -101,7 +101,7 @@ class RigCheck:
         """The stiffness of all free places and travels, forces in balance, must be positive definite.
 
         A carriage at its station on a shoe or beside one is held there: where it would run over at once its own
-        balance along its way is the unstable one, and its drum has that length all the same. Tensions on both sides of
+        balance along its path is the unstable one, and its drum has that length all the same. Tensions on both sides of
         that shoe are equal: of the rope between them each side has a part that counts from the shoe's middle only."""
         near = self._on
         if near is None and self._x is not None:
@@ -139,7 +139,7 @@ class RigCheck:
         return self._jacobian(*arguments._replace(target=np.zeros(self.newton.jacobian.size1_in("target"))))[0]
 
     def _tops(self) -> dict[str, list[Balance]]:
-        """Which way the top of each guyed spar can go."""
+        """The balances of the top of each guyed spar."""
         names = self.model.z.names
         return {
             spar.name: [b for b in self._free.balances if names[b.travel] in (f"{spar.name}.x", f"{spar.name}.y")]
@@ -157,7 +157,7 @@ def _pivots(free: CondensedStiffness, jacobian: np.ndarray) -> np.ndarray:
 
 
 def _free_places(rig: SkylineRig, model: Model, on: int | None) -> tuple[list[Balance], list[Balance]]:
-    """How the carriage can go along its way, and what else can move."""
+    """The balances of the carriage along its path, and all others."""
     name, z, r = rig.carriage.name, model.z.index, model.r.index
     free = list(model.balances)
     if rig.ideal:

@@ -36,15 +36,15 @@ DEEP = 1e3
 
 class Effort(IntEnum):
     """Starts that are tried: NEAR, solved points and one that belongs to the question; QUICK, and directly from
-    geometry; FULL, and all ways along which a state can be followed."""
+    geometry; FULL, and all continuations of a state."""
 
     NEAR = 0
     QUICK = 1
     FULL = 2
 
 
-Way = Callable[[SpanModel, Question], tuple[Point, bool]]
-"""A way to a point; and whether there can be no other."""
+Continuation = Callable[[SpanModel, Question], tuple[Point, bool]]
+"""How a point is found, and whether it is the only one."""
 
 
 def meant(
@@ -82,13 +82,15 @@ def meant(
         direct = found if direct is None else direct
     if direct is not None and at.log is not None:
         return direct
-    # Where more than one state is possible, that by payload is meant; the others are ways to a state.
-    ways: tuple[Way, ...] = (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
+    # Where more than one state is possible, that by payload is meant; the others only find a state.
+    continuations: tuple[Continuation, ...] = (
+        (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
+    )
     if direct is None and asked.payload > 0.0:
-        ways = (_by_payload, *ways)
-    for way in () if effort < Effort.FULL and direct is None else ways:
+        continuations = (_by_payload, *continuations)
+    for continuation in () if effort < Effort.FULL and direct is None else continuations:
         try:
-            return way(at, asked)[0]
+            return continuation(at, asked)[0]
         except EquilibriumError as error:
             refusals.append(error)
     if direct is not None:
@@ -152,11 +154,11 @@ def _from_beside(at: SpanModel, asked: Question) -> tuple[Point, bool]:
         if not low < station < high:
             continue
         beside, alone = asked._replace(station=station), False
-        for way in (_from_geometry, _by_payload, _lightened):
+        for start in (_from_geometry, _by_payload, _lightened):
             if alone:  # there is no other state to start from
                 break
             try:
-                point, alone = way(at, beside)
+                point, alone = start(at, beside)
                 return follow(at, point, _towards(at, station, asked))
             except EquilibriumError as error:
                 last = error
@@ -178,8 +180,8 @@ def _towards(at: SpanModel, start: float, asked: Question) -> Callable[[float], 
     first, last = start - end, asked.station - end
 
     def ask(share: float) -> Question:
-        way = first * (last / first) ** share if first * last > 0.0 else first + share * (last - first)
-        return asked._replace(station=end + way)
+        offset = first * (last / first) ** share if first * last > 0.0 else first + share * (last - first)
+        return asked._replace(station=end + offset)
 
     return ask
 
@@ -219,14 +221,14 @@ def _ahead(before: Point, last: Point, share: float) -> Point:
 
 
 def _moved(at: SpanModel, before: Point, after: Point) -> float:
-    """How far the carriage [and its log] went across its way [m]."""
+    """How far the carriage, and its log, moved across its path [m]."""
     return max(abs(at.read(after, slot) - at.read(before, slot)) for slot in at.places)
 
 
 def _refusal(
     at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError], before: EquilibriumError | None
 ) -> EquilibriumError:
-    """The most telling refusal: a limit that has a name, else that of the direct way."""
+    """The refusal to report: a limit that has a name, else that of the direct start."""
     for error in refusals:
         if isinstance(error, OutOfReachError):
             return error

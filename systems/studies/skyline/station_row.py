@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from ropeway.components.clearance import deflection
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.terrain import deflection
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.clearances import drags, front_clearance, load_clearance, rope_clearance
 from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, end_tensions, highest_tension
@@ -52,8 +52,13 @@ def station_row(solved: Solved, station: float) -> StationRow:
 
 
 def _carriage(solved: Solved) -> StationRow:
-    name = solved.at.rig.carriage.name
-    return {f"carriage_{axis}": solved[f"{name}.{axis}"] for axis in "xyz"}
+    """Where the carriage is, and on a map its easting and northing."""
+    name, frame = solved.at.rig.carriage.name, solved.at.rig.map_frame
+    place: StationRow = {f"carriage_{axis}": solved[f"{name}.{axis}"] for axis in "xyz"}
+    if frame is not None:
+        easting, northing = frame.to_map(solved[f"{name}.x"], solved[f"{name}.y"])
+        place |= {"carriage_easting": float(easting), "carriage_northing": float(northing)}
+    return place
 
 
 def _skyline(solved: Solved) -> StationRow:

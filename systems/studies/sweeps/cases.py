@@ -1,4 +1,4 @@
-"""Cases of a sweep: a grid, a Latin hypercube, or a table of one's own."""
+"""Cases of a sweep: a grid, a Latin hypercube, or a table of the user."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, 
     (4, 2)
     """
     if not bounds or samples < 1:
-        raise InputError("latin_hypercube has nothing to spread", "Give bounds and at least one sample")
+        raise InputError("latin_hypercube has no bounds or no samples", "Give bounds and at least one sample")
     for name, ends_of in bounds.items():
         low, high = ends_of
         if low >= high:

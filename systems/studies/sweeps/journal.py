@@ -1,4 +1,4 @@
-"""A sweep on disk: its finished table as Parquet, and until then a journal of the rows there are."""
+"""A sweep on disk: its table as Parquet when it is finished, and a journal of the rows before."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from ropeway.components.errors import InputError, WriteError
 from ropeway.components.whole_files import whole
 
 JournalRow = dict[str, float | str | bool | None]
-"""What a case came to, by name."""
+"""The results of a case, by name."""
 
 
 class Journal:
-    """Rows written down as they come in, beside the table that they will make: `NAME.parquet.journal`, one line
-    of JSON for each chunk. A line that was cut off when the program was killed does not count. While the `with` block
-    runs the file is locked: no other sweep can write to it."""
+    """Rows of finished cases beside the table: `NAME.parquet.journal`, one line of JSON for each chunk. An incomplete
+    last line, of a program that was killed, is ignored. In the `with` block the file is locked: no other sweep can
+    write to it."""
 
     def __init__(self, path: str | Path, study: bytes, cases: pd.DataFrame) -> None:
-        """study: what tells this study from others. Raises InputError when the files are those of another."""
+        """study: identifies the study. Raises InputError when the files are those of another."""
         if find_spec("pyarrow") is None:
             raise InputError("Parquet files need pyarrow", 'Install it: pip install "ropeway[parquet]"')
         self.path = Path(path)
         if self.path.is_dir() or not self.path.parent.is_dir():
-            raise InputError(f"{self.path} cannot be written", "Name a file in a folder that is there")
+            raise InputError(f"{self.path} cannot be written", "Name a file in a folder that exists")
         self._lines = self.path.with_name(f"{self.path.name}.journal")
         try:
             values = json.dumps(cases.to_dict("split")).encode()
@@ -49,7 +49,7 @@ class Journal:
             self._file = self._locked()
         except BlockingIOError as error:
             raise InputError(
-                f"Another sweep writes to {self.path} now", "Wait for its end, or give another path"
+                f"Another sweep writes to {self.path}", "Wait until it ends, or give another path"
             ) from error
         except OSError as error:
             raise _not_written(self._lines, error) from error
@@ -70,7 +70,7 @@ class Journal:
             file = self._lines.open("ab+", buffering=0)
             try:
                 _lock(file)
-                # The one that had it may have removed it in the meantime.
+                # The sweep that had the lock may have removed the file.
                 if self._lines.exists() and os.path.samestat(os.fstat(file.fileno()), self._lines.stat()):
                     return file
             except BlockingIOError:
@@ -79,7 +79,7 @@ class Journal:
             file.close()
 
     def finished(self) -> pd.DataFrame | None:
-        """The table, if it is there. Raises InputError."""
+        """The table, if it is finished. Raises InputError."""
         if not self.path.exists():
             return None
         try:
@@ -94,7 +94,7 @@ class Journal:
         return table
 
     def rows(self) -> dict[int, JournalRow]:
-        """The rows there are, by the number of their case; begins a journal if there is none. Raises InputError."""
+        """The rows of the journal, by the number of their case; begins one if there is none. Raises InputError."""
         self._file.seek(0)
         text = self._file.read()
         complete = text[: text.rfind(b"\n") + 1]
@@ -124,11 +124,11 @@ class Journal:
         )
 
     def add(self, rows: Mapping[int, JournalRow]) -> None:
-        """Writes the rows of some cases down. Raises WriteError."""
+        """Writes the rows of some cases. Raises WriteError."""
         self._write(list(rows.items()))
 
     def finish(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Writes the whole table in place of the journal; returns it as it can be read again. Raises InputError,
+        """Writes the whole table in place of the journal; returns it as read from the file. Raises InputError,
         WriteError."""
         for name, column in table.items():
             if column.dtype == object and len({isinstance(value, str) for value in column.dropna()}) > 1:
@@ -165,7 +165,7 @@ def _lock(file: IO[bytes]) -> None:
             fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise
-    except PermissionError as error:  # as Windows says it
+    except PermissionError as error:  # on Windows
         raise BlockingIOError(*error.args) from error
     except OSError:
         return

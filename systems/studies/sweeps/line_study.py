@@ -1,4 +1,4 @@
-"""The equilibrium of a line as a function of its parameters, fast enough for thousands of variants."""
+"""The equilibrium of a line as a function of its parameters, for thousands of variants."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from ropeway.systems.statics.stability import slack
 
 @dataclass(frozen=True)
 class LineStudy:
-    """Called with parameters of a line by name, returns `outputs` of its equilibrium. `declared` is the line as
-    bytes: what workers are sent, and by which they know a model that they have assembled already."""
+    """Called with parameters of a line by name, returns `outputs` of its equilibrium. `declared`: the line as bytes,
+    which workers receive, and by which they find a model that they have assembled before."""
 
     declared: bytes
     outputs: tuple[str, ...]
@@ -62,7 +62,7 @@ def line_unit(model: Model, name: str) -> str:
 
 
 def line_mark(model: Model, study: LineStudy) -> bytes:
-    """What tells the study of a line from others: names and values of all that it is made of, and the outputs."""
+    """Identifies the study of a line: names and values of its variables, and the outputs."""
     tables = [(kind.value, table.names, table.values.tolist()) for kind, table in model.tables.items()]
     loads = [(run.loads.names, run.loads.mass.tolist(), run.loads.place.tolist()) for run in model.runs]
     return repr((tables, loads, study.outputs)).encode()
@@ -70,8 +70,8 @@ def line_mark(model: Model, study: LineStudy) -> bytes:
 
 @lru_cache(maxsize=4)
 def _prepared(declared: bytes) -> tuple[Model, Equilibrium | None]:
-    """The assembled line, and where its variants start from: its own rest, if it has one. The travels there
-    count from the lengths that were declared, as those of the variants must."""
+    """The assembled line, and the start of its variants: its own equilibrium, if it has one. Its travels count from the
+    lengths that were declared, as those of the variants must."""
     state = LineState.cold(assemble(pickle.loads(declared)))
     try:
         solve(state)
@@ -81,8 +81,8 @@ def _prepared(declared: bytes) -> tuple[Model, Equilibrium | None]:
 
 
 def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float]) -> Equilibrium:
-    """The equilibrium with other parameters, which does not depend on the start: where it could, the line is
-    solved from geometry. Raises InputError, EquilibriumError."""
+    """The equilibrium with other parameters. It does not depend on the start: where it could, the line is solved from
+    geometry. Raises InputError, EquilibriumError."""
     if start is not None:
         with suppress(EquilibriumError):
             found = equilibrium(model, start=start, parameters=parameters)

@@ -1,4 +1,4 @@
-"""Any study over many cases, on as many workers as there are."""
+"""Any study over many cases, on several workers."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ def _cases(
     """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
     cases = table_of(parameters, unit_of)
     if taken := set(cases.columns) & set(_FAILURE):
-        raise InputError(f"A parameter is named {taken.pop()!r}, as what failed is", "Give it another name")
+        raise InputError(f"A parameter is named {taken.pop()!r}, as a column of failures", "Give it another name")
     return cases
 
 

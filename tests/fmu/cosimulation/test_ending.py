@@ -67,7 +67,7 @@ def test_discarded_and_failed_steps_keep_the_rows(kinds: Path, kind: Kind) -> No
 def test_a_smaller_step_is_advised_where_it_can_help(tmp_path: Path, kinds: Path) -> None:
     with pytest.raises(FmuRunError, match=r"rejected a step of 0\.1 s at t = 0\.3 s.*no step from there") as varied:
         run(kinds, "CoSimulation", discard_at=0.35)
-    assert varied.value.remedy == "Make the step smaller"
+    assert varied.value.remedy == "Use a smaller step"
     assert varied.value.result is not None
     assert len(varied.value.result) == 4
     fmi: Literal["2.0", "3.0"] = "2.0" if "2" in kinds.name else "3.0"

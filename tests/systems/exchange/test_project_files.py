@@ -15,7 +15,7 @@ import pytest
 import ropeway as rw
 from ropeway.systems.exchange import project_file
 from ropeway.systems.exchange.project_text import line_of
-from support import call_objects as objects
+from support import call_objects as objects, maps
 
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
 
@@ -80,6 +80,7 @@ def ring() -> rw.System:
 
 
 THINGS: dict[str, Callable[[], Any]] = {
+    "rig on a map": maps.rig, "line on a map": maps.line,
     "standing": objects.rig, "shoe": objects.shod_rig, "new rope": objects.new_rig, "heavy": heavy_rig,
     "running": running, "one span": objects.one_span, "powered": powered, "yard": yard, "ring": ring,
     "schedule": lambda: rw.Schedule([0, 4], [0.1, 1 / 3]), "rope": lambda: objects.ROPE,

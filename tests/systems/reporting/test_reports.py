@@ -12,7 +12,7 @@ import pytest
 import ropeway as rw
 from ropeway.systems.reporting import browser as printing
 from ropeway.systems.reporting.blocks import Section, Text
-from support import call_objects as objects
+from support import call_objects as objects, maps
 from support.pages import Page
 
 
@@ -170,3 +170,21 @@ def test_what_is_missing_is_named(study: rw.PayloadStudy, tmp_path: Path, monkey
     with pytest.raises(rw.InputError, match=r"pip install ropeway\[report\]"):
         study.report(tmp_path / "report.html")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_rig_on_a_map_is_staked_out_by_its_coordinates(tmp_path: Path) -> None:
+    rig = maps.rig()
+    page = Page(rw.load_path_report(rig, 1200.0, maps.path(), tmp_path / "path.html"))
+    shown = {row["Name"]: row for row in page.rows("Staking out")}
+    for _, own in rw.places(rig).iterrows():
+        row = shown[own["label"]]
+        assert (float(row["Easting"]), float(row["Northing"])) == pytest.approx(
+            (own["easting"], own["northing"]), abs=0.006
+        )
+        if not pd.isna(own["azimuth"]):
+            assert float(row["Azimuth [°]"]) == pytest.approx(own["azimuth"], abs=0.006)
+    assert page.charts["map"]["data"][1]["x"] == pytest.approx(rw.places(rig)["easting"].tolist(), abs=0.5)
+    result = rw.simulate(maps.line(), 2.0)
+    supports = {row["Support"]: row for row in Page(result.report(tmp_path / "line.html")).rows("Supports")}
+    for name, own in rw.places(maps.line()).iterrows():
+        assert float(supports[str(name)]["Easting"]) == pytest.approx(own["easting"], abs=0.006)

@@ -74,7 +74,7 @@ def test_a_line_at_rest_has_a_certificate() -> None:
         ({"s__z": 1e-5}, checks.SPANS_END, "rough_s"),
         ({"rough_s__slot_at[1]": 1e-3}, checks.ON_ROPE, "rough_s"),
         ({"rough_s__slot_mass[1]": 1.0}, checks.ON_ROPE, "rough_s"),
-        ({"d__tension": 0.1}, "Drum: the drum keeps its tension", "d"),
+        ({"d__tension": 0.1}, "Drum: the drum holds its tension", "d"),
         ({"rough__friction": 1e-4}, "Sheave: tensions on both sides", "rough"),
         ({"e__stiffness": 1.0}, "SpringAnchor: forces, x", "e"),
     ],
@@ -158,7 +158,7 @@ def test_a_guyed_spar_and_a_carriage_are_checked() -> None:
         ({"carriage__payload": 0.01}, "Carriage: forces on the carriage, z"),
         ({"head__axial": 1.0}, "GuyedSpar: forces at the top, z"),
         ({"head__mass": 0.1}, "GuyedSpar: forces at the top, z"),
-        ({"head__height": 1e-5}, "GuyedSpar: the mast keeps its length"),
+        ({"head__height": 1e-5}, "GuyedSpar: length of the mast"),
     ):
         assert text in [c.name for c in again(eq, **change).checks if not c.holds], change
 

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import quad
 
 import ropeway as rw
-from ropeway.systems.solvers.newton import damped
+from ropeway.systems.solvers.damped_newton import damped
 from ropeway.systems.statics import settling
 from ropeway.systems.statics.line_state import LineState
 from support.oracle import Material, by_quadrature
@@ -219,7 +219,10 @@ def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) 
     """Where the way from geometry fails, loads are brought on by degrees, also those that a feed still has."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
     line = rw.assemble(rw.monocable(ROPE, table, tension=48e3, load_mass=[700.0, 250.0], load_spacing=37.0))
-    state = settling.loaded(LineState.cold(line))
+    shares: list[float] = []
+    state = settling.loaded(LineState.cold(line), shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
     plain = rw.equilibrium(line)
     assert np.concatenate([run.loads.mass for run in state.runs])[:4] == pytest.approx([700.0, 250.0, 700.0, 250.0])
     assert state.runs[0].feed is not None

@@ -1,4 +1,4 @@
-"""Lines and runs that schedules begin from."""
+"""Starts and initial schedules of an optimisation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.studies.control.control_sheaves import control_sheaves
 
 _TRIALS, _BALANCE = 20, 1.0
-"""Trials for an even share, and how near to it is near enough [N]."""
+"""Largest number of iterations for equal differences, and their tolerance [N]."""
 
 
 @checked
@@ -63,7 +63,7 @@ def balanced(line: System) -> Equilibrium:
         rest, left = excess(share)
         step *= left / (before - left)
     raise EquilibriumError(
-        f"The control sheaves of {line.name!r} do not come into balance", "Start from rw.equilibrium(line) instead"
+        f"The control sheaves of {line.name!r} cannot be balanced", "Start from rw.equilibrium(line) instead"
     )
 
 

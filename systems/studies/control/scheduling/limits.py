@@ -1,4 +1,4 @@
-"""The limits that a schedule keeps."""
+"""Limits of a schedule."""
 
 from __future__ import annotations
 

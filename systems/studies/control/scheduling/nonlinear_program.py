@@ -90,7 +90,7 @@ class Linear:
 
 @dataclass(frozen=True)
 class Solution:
-    """What IPOPT leaves. variables; values and multipliers of the rows (those of each `Uses` in order, place by
+    """The result of IPOPT: variables; values and multipliers of the rows (those of each `Uses` in order, place by
     place, then the linear ones); objective; whether it `converged`, its `status`, iterations and time [s]."""
 
     variables: np.ndarray
@@ -156,7 +156,7 @@ def solve(
 
 
 class _Stop(ca.Callback):  # type: ignore[misc]  # CasADi has no types
-    """Asked by IPOPT after each iteration whether to stop: after a Ctrl-C."""
+    """Called by IPOPT after each iteration: stops it after a Ctrl-C."""
 
     def __init__(self, problem: dict[str, ca.MX]) -> None:
         super().__init__()
@@ -165,11 +165,11 @@ class _Stop(ca.Callback):  # type: ignore[misc]  # CasADi has no types
         self.construct("stop", {})
 
     def get_n_in(self) -> int:
-        """What IPOPT tells: as many as a solver has results."""
+        """Arguments: as many as a solver has results."""
         return int(ca.nlpsol_n_out())
 
     def get_n_out(self) -> int:
-        """One: 1 to stop, 0 to go on."""
+        """One: 1 to stop, 0 to continue."""
         return 1
 
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
@@ -177,13 +177,13 @@ class _Stop(ca.Callback):  # type: ignore[misc]  # CasADi has no types
         return ca.Sparsity.dense(self._sizes.get(ca.nlpsol_out(i), 0), 1)
 
     def eval(self, arguments: Sequence[ca.DM]) -> list[bool]:
-        """The answer."""
+        """Whether to stop."""
         return [interrupted()]
 
 
 @contextmanager
 def _alone() -> Iterator[None]:
-    """IPOPT's linear solver MUMPS is not made for several threads at a time. Raises Interrupted."""
+    """One solver at a time: IPOPT's linear solver MUMPS is not thread-safe. Raises Interrupted."""
     while not _IN_USE.acquire(timeout=WAIT):
         stop_if_interrupted()
     try:

@@ -1,4 +1,4 @@
-"""Whether a plan and its simulation are one, and where they are not."""
+"""Differences between a plan and its simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ropeway.systems.studies.control.scheduling.solution import Planned
 from ropeway.systems.studies.control.scheduling.terms import Task
 
 LEAST_DEVIATION = 1.0
-"""Deviation [N] below which the root of the mean square is no longer followed: its slope would have no end."""
+"""Deviation [N] below which the root of the mean square is not linearised: its slope tends to infinity."""
 
 CROSSING_GAP, PEAK_GAP = 5e-3, 20.0
 """A plan and its simulation agree when times of crossings [s] and the highest tension [N] differ by less."""
@@ -27,7 +27,7 @@ _OBJECTIVE_GAP, _DEVIATION_GAP = 0.01, 0.05
 slope of its root: that is also the error of what limits cost."""
 
 SPARE = 5e-3
-"""Share of a limit by which a simulation may pass it between the moments that the plan looks at."""
+"""Share of a limit by which a simulation may exceed it between two samples of the plan."""
 
 
 @dataclass(frozen=True)

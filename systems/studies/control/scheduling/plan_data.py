@@ -1,4 +1,4 @@
-"""A plan: schedules, what they are to bring, and what the simulation says they bring."""
+"""Data of a plan: schedules, and their results by plan and by simulation."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Gap:
 
 @dataclass(frozen=True)
 class Round:
-    """A plan made and simulated: what the solver says, its iterations and time [s], time of the simulation [s], the
+    """A plan and its simulation: status, iterations and time of the solver [s], time of the simulation [s], the
     objective by plan and by simulation, and the gap."""
 
     status: str
@@ -48,7 +48,7 @@ class Round:
 
 @dataclass(frozen=True)
 class PlanHistory:
-    """How a plan came about: its rounds, size of the problem, and time in all [s]."""
+    """The rounds of a plan, size of the problem, and computing time [s]."""
 
     rounds: tuple[Round, ...]
     variables: int

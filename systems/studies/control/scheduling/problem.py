@@ -19,7 +19,8 @@ from ropeway.systems.studies.control.scheduling.terms import MOTION, SMOOTH, Par
 from ropeway.systems.studies.control.scheduling.variable_index import Label, Numbers, Sample
 
 STEADINESS = 0.02
-"""Weight of the squared changes of speed [s2/m2] in an objective of about one: it decides where nothing else does."""
+"""Weight of the squared changes of speed [s2/m2] in an objective of about one: it selects one of several schedules that
+are equally good."""
 
 
 class ScheduleProblem:
@@ -172,7 +173,7 @@ class ScheduleProblem:
         for section in self.sections:
             own = [m for m, moment in enumerate(self.moments) if moment.touches(section)]
             for a, b in pairwise(own):
-                # A little the other way round is left to the next simulation, which then has them so.
+                # A little overlap is allowed: the next simulation then has them in the other order.
                 self._row([self.tau[b], self.tau[a]], [1.0, -1.0], -h / 4.0, np.inf)
 
     def _integral(self, speeds: np.ndarray, i: int, j: int, share: float) -> float:
@@ -325,7 +326,7 @@ class ScheduleProblem:
         return np.array(term.value.map(variables.shape[1])(start[variables], parameters)[1])
 
     def speeds_at(self, m: int) -> np.ndarray:
-        """Speeds of the driven supports at a moment, at the start of the problem; zero where they play no part."""
+        """Speeds of the driven supports at a moment, by the initial guess; zero for those without a sample."""
         found = np.zeros(len(self.equations.driven))
         for i in range(len(found)):
             try:
@@ -380,7 +381,7 @@ class ScheduleProblem:
         self.labels.append(Label((), ()))
 
     def solve(self, iterations: int, tolerance: float) -> Solution:
-        """The best schedule around the run."""
+        """Solves the problem. Raises Interrupted."""
         numbers = self.numbers
         return solve(
             np.array(numbers.start),

@@ -1,4 +1,4 @@
-"""What a plan is worth when the line is not as planned: open loop, and as feed-forward with a tension trim."""
+"""A plan under disturbances of the line: open loop, and as feed-forward with a tension trim."""
 
 from __future__ import annotations
 
@@ -105,6 +105,7 @@ class Disturbance:
         Parameters
         ----------
         planned : Equilibrium
+            The start of the plan.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""When a schedule's problem looks at a line: at grid times, and on both sides of each crossing."""
+"""Sample times of a schedule's problem: grid times, and both sides of each crossing."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class SupportCrossing:
 @dataclass(frozen=True)
 class SampleTime:
     """A time [s], with the places of a run's records `before` and `after` it, the same unless there are
-    `crossings`: then the time is free, and all else follows it. `grid`: the number of its grid time, or -1."""
+    `crossings`: then the time is a variable. `grid`: the number of its grid time, or -1."""
 
     time: float
     before: int

@@ -1,4 +1,4 @@
-"""A schedule plan, ready to ask: its data, its robustness, its picture and files."""
+"""A schedule plan: its data, robustness, picture and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a solved schedule problem says: speeds, what the line then does, limits that bind, relaxations."""
+"""The solution of a schedule problem: speeds, the state of the line, active limits, relaxations."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ _REACHED, _MULTIPLIER = 1e-3, 1e-7
 
 @dataclass(frozen=True)
 class Active:
-    """A limit that binds: how it is named, of which component, when [s], its bound and size, and what the objective
-    would change per unit of it."""
+    """An active limit: its name, component, time [s], bound and size, and the change of the objective per unit."""
 
     limit: str
     component: str
@@ -31,8 +30,8 @@ class Active:
 
 @dataclass(frozen=True)
 class Planned:
-    """A solved problem: speeds (driven, grid) [m/s], times of the moments [s], what the line then does as a frame,
-    active limits, relaxations by limit, and the solver's word."""
+    """A solved problem: speeds (driven, grid) [m/s], times of the moments [s], the state of the line as a frame,
+    active limits, relaxations by limit, and the result of IPOPT."""
 
     speeds: np.ndarray
     times: np.ndarray
@@ -58,7 +57,7 @@ def planned(problem: ScheduleProblem, iterations: int, tolerance: float) -> Plan
 
 
 def planned_frame(problem: ScheduleProblem, w: np.ndarray, times: np.ndarray) -> pd.DataFrame:
-    """What the line does at the moments, on both sides, as `Result.full_frame` has it; NaN where a section has
+    """The state of the line at the moments, on both sides, as `Result.full_frame` has it; NaN where a section has
     no sample."""
     equations, known = problem.equations, problem.result.full_frame
     model, rows, index = equations.model, [], []

@@ -1,4 +1,4 @@
-"""What a schedule's problem asks for, and the terms that say so."""
+"""The task of a schedule's problem, and its terms."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOTION = ("speed", "acceleration")
 """Limits of a schedule's own speeds."""
 
 SMOOTH = ("force", "power")
-"""Limits of a control sheave on outputs that bend nowhere."""
+"""Limits of a control sheave on smooth outputs."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Task:
-    """What is asked: grid times [s]; weights of the objectives, each per its own unit over the objective's size;
+    """The task: grid times [s]; weights of the objectives, each per its own unit over the objective's size;
     bounds on tensions and drives from `settle` [s] on, from when the objectives of tension count, and `early` ones
     before; for each driven support whether its speed is `fixed`, and its speed range [m/s]; acceleration [m/s2];
     target of tensions [N] and their present deviation [N]."""
@@ -71,7 +71,7 @@ class Parts:
         return self._made[key]
 
     def sheave(self, i: int, counts: bool) -> SectionTerm:
-        """Costs of control sheave i, and its limits on force and power, which bend nowhere."""
+        """Costs of control sheave i, and its limits on force and power, which are smooth."""
         key = ("sheave", i, counts)
         if key not in self._made:
             weights = {} if self.task.relaxed else self.task.weights
@@ -83,7 +83,7 @@ class Parts:
         return self._made[key]
 
     def bent(self, i: int, row: Constraint, counts: bool) -> SectionTerm:
-        """A limit of control sheave i whose output bends, as a size does at zero: for use near the limit only."""
+        """A limit of control sheave i whose output is not smooth, as an absolute value: for use near the limit only."""
         key = (row.output, i, counts)
         if key not in self._made:
             self._made[key] = self.equations.sheave(i, (row,), None, energy=False, relaxed=self.task.relaxed)

@@ -1,4 +1,4 @@
-"""Which variable of a schedule's problem is which."""
+"""Numbers of the variables of a schedule's problem."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Picture of a skyline's payloads: the corridor to scale, payloads and tensions below. matplotlib comes when drawn."""
+"""Picture of a skyline's payloads: corridor to scale, payloads and tensions. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.skyline.payload.data import PayloadData
 
 
-class Way(NamedTuple):
+class CarriagePath(NamedTuple):
     """A load path to draw."""
 
     path: pd.DataFrame
@@ -39,9 +39,9 @@ _COLOURS = ("tab:blue", "tab:orange", "tab:purple", "tab:olive", "tab:pink", "ta
 _ROPES = {"mainline": "tab:red", "haulback": "tab:blue", "dropline": "tab:green"}
 
 
-def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | None = None) -> None:
-    """The corridor to scale: ground, spars, ways of the carriage, and the ropes with the carriage at one place."""
-    (x0, x1), (low, high) = _extent(rig, ways)
+def corridor(axis: Axes, rig: SkylineRig, paths: Sequence[CarriagePath], shown: Solved | None = None) -> None:
+    """The corridor to scale: ground, spars, paths of the carriage, and the ropes with the carriage at one place."""
+    (x0, x1), (low, high) = _extent(rig, paths)
     if rig.terrain is not None:
         ground = rig.terrain
         axis.fill_between(ground.station, ground.elevation, low, color="0.86", lw=0)
@@ -51,15 +51,15 @@ def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | N
         foot = rig.terrain.elevation_at(x) if rig.terrain is not None else z - 0.03 * (x1 - x0)
         axis.plot([x, x], [foot, z], color="tab:brown", lw=2.6, solid_capstyle="butt")
         axis.annotate(node.name, (x, z), xytext=(0, 5), textcoords="offset points", ha="center", fontsize="small")
-    for way in ways:
-        for _, part in way.path.dropna(subset=["carriage_z"]).groupby("span"):
-            axis.plot(part["carriage_x"], part["carriage_z"], color=way.colour, lw=1.1, ls="--", zorder=2)
-            if rig.carriage.depth > 0.0 and way is ways[-1]:
+    for drawn in paths:
+        for _, part in drawn.path.dropna(subset=["carriage_z"]).groupby("span"):
+            axis.plot(part["carriage_x"], part["carriage_z"], color=drawn.colour, lw=1.1, ls="--", zorder=2)
+            if rig.carriage.depth > 0.0 and drawn is paths[-1]:
                 lowest = part["carriage_z"] - rig.carriage.depth
-                axis.plot(part["carriage_x"], lowest, color=way.colour, lw=0.8, ls=":", zorder=2)
-        axis.plot([], [], color=way.colour, lw=1.1, ls="--", label=way.label)
-    if rig.carriage.depth > 0.0 and ways:
-        axis.plot([], [], color=ways[-1].colour, lw=0.8, ls=":", label="lowest point of the load")
+                axis.plot(part["carriage_x"], lowest, color=drawn.colour, lw=0.8, ls=":", zorder=2)
+        axis.plot([], [], color=drawn.colour, lw=1.1, ls="--", label=drawn.label)
+    if rig.carriage.depth > 0.0 and paths:
+        axis.plot([], [], color=paths[-1].colour, lw=0.8, ls=":", label="lowest point of the load")
     if shown is not None:
         _ropes(axis, shown)
     axis.set_xlim(x0, x1)
@@ -71,11 +71,11 @@ def corridor(axis: Axes, rig: SkylineRig, ways: Sequence[Way], shown: Solved | N
         axis.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=6, fontsize="small", frameon=False)
 
 
-def _extent(rig: SkylineRig, ways: Sequence[Way]) -> tuple[tuple[float, float], tuple[float, float]]:
+def _extent(rig: SkylineRig, paths: Sequence[CarriagePath]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits of the picture of a corridor: (x, x), (z, z)."""
     x = rig.points[:, 0]
     width = float(x.max() - x.min())
-    heights = [*rig.points[:, 2], *(float(z) for way in ways for z in way.path["carriage_z"].dropna())]
+    heights = [*rig.points[:, 2], *(float(z) for drawn in paths for z in drawn.path["carriage_z"].dropna())]
     if rig.terrain is not None:
         near = (rig.terrain.station > x.min() - 0.03 * width) & (rig.terrain.station < x.max() + 0.03 * width)
         heights += list(rig.terrain.elevation[near])
@@ -117,16 +117,16 @@ def payload_figure(study: PayloadData) -> Figure:
     from matplotlib.figure import Figure
 
     rig = study.rig
-    ways = _ways(study)
-    (x0, x1), (low, high) = _extent(rig, ways)
+    paths = _paths(study)
+    (x0, x1), (low, high) = _extent(rig, paths)
     needed = 10.7 * (high - low) / (x1 - x0)
     figure = Figure(figsize=(11.0, needed + 7.2), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
-    corridor(top, rig, ways, _shown(study))
+    corridor(top, rig, paths, _shown(study))
     figure.suptitle(_headline(study))
     top.set_title("\n".join([_given(study), *_remarks(study)]), fontsize="small")
     _payloads(middle, study)
-    _tensions(bottom, study, ways[-1].path if ways else study.frame)
+    _tensions(bottom, study, paths[-1].path if paths else study.frame)
     for axis in (middle, bottom):
         axis.set_xlim(x0, x1)
     bottom.set_xlabel("station [m]")
@@ -161,19 +161,19 @@ def _remarks(study: PayloadData) -> list[str]:
     return [line for remark in study.remarks for line in wrap(remark, 165)]
 
 
-def _ways(study: PayloadData) -> list[Way]:
-    """The carriage's way empty and with the corridor's payload, where there are such."""
+def _paths(study: PayloadData) -> list[CarriagePath]:
+    """Paths of the carriage, empty and with the corridor's payload, where there are such."""
     found = []
     masses = [] if study.lowered else [(0.0, "tab:cyan", "path of the empty carriage")]
     if study.payload > 0.0 or study.lowered:
-        masses.append((study.payload, "tab:blue", f"way of the carriage with {at_most(study.payload)} kg"))
+        masses.append((study.payload, "tab:blue", f"path of the carriage with {at_most(study.payload)} kg"))
     for mass, colour, label in masses:
         try:
             path = _path(study, mass)
         except EquilibriumError:
             continue
         if len(path):
-            found.append(Way(path, colour, label))
+            found.append(CarriagePath(path, colour, label))
     return found
 
 

@@ -33,6 +33,7 @@ def sections_of(study: PayloadData, style: Style) -> list[Section]:
         Section(style.text("payload_by_station"), (_payloads(study, style), tensions(study, style))),
         rig_sections.supports(rig, frame, style),
         rig_sections.anchors(rig, frame, style),
+        *rig_sections.staking(rig, style),
         rig_sections.set_up(rig, style),
         Section(style.text("stations"), (rig_sections.stations_table(frame, _COLUMNS, style),)),
     ]

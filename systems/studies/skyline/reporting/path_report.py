@@ -119,6 +119,7 @@ def _common(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> list[Section]
     return [
         rig_sections.supports(rig, frame, style),
         rig_sections.anchors(rig, frame, style),
+        *rig_sections.staking(rig, style),
         rig_sections.set_up(rig, style),
     ]
 

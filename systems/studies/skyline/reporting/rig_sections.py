@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
 
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.components.map_frame import MapFrame
 from ropeway.components.rope import Rope
-from ropeway.systems.reporting.blocks import Section, Table
+from ropeway.systems.exchange.places import places
+from ropeway.systems.reporting.blocks import Chart, Section, Table, axis, curve, dots
 from ropeway.systems.reporting.document import values_of
 from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import ropes_table
@@ -157,6 +159,49 @@ def set_up(rig: SkylineRig, style: Style) -> Section:
     if rig.haulback is not None or not rig.kind.keeps_length:
         rows.append((style.text("haulback_needed"), style.value(2.0 * reach, "length", "up")))
     return Section(style.text("set_up"), (values_of(rows, style),))
+
+
+def staking(rig: SkylineRig, style: Style) -> list[Section]:
+    """Where everything stands: map coordinates where they are known, directions and distances to stake out by."""
+    table = places(rig)
+    columns: list[tuple[str, str, str | None, Any]] = [
+        ("label", "name", None, None), ("kind", "kind", None, None), ("easting", "easting", "map", "near"),
+        ("northing", "northing", "map", "near"), ("elevation", "elevation", "short_length", "near"),
+        ("seen_from", "from", None, None), ("azimuth", "azimuth", "degrees", "near"),
+        ("distance", "distance", "short_length", "near"), ("slope_distance", "slope_distance", "short_length", "near"),
+    ]  # fmt: skip
+    known = [c for c in columns if c[0] in table]
+    rows = [tuple(_cell(row[name], quantity, style) for name, _, quantity, _ in known) for _, row in table.iterrows()]
+    heads = [style.head(label, None if quantity == "map" else quantity) for _, label, quantity, _ in known]
+    list_section = Section(style.text("staking"), (Table(tuple(heads), rows, style.text("azimuth_note"), texts=2),))
+    return [list_section] if rig.map_frame is None else [_map(rig, table, style), list_section]
+
+
+def _cell(value: Any, quantity: str | None, style: Style) -> str:
+    if value is None or (not isinstance(value, str) and pd.isna(value)):
+        return "-"
+    if quantity is None:
+        return str(value)
+    return f"{float(value):.2f}" if quantity == "map" else style.number(value, quantity)
+
+
+def _map(rig: SkylineRig, table: pd.DataFrame, style: Style) -> Section:
+    """The corridor in map coordinates, to scale."""
+    frame, x = cast(MapFrame, rig.map_frame), rig.points[:, 0]
+    line = curve(
+        *frame.to_map(np.linspace(x.min(), x.max(), 60)), style.text("line"), "#111", width=2.0, hoverinfo="skip"
+    )
+    names = [str(label) for label in table["label"]]
+    marks = dots(
+        table["easting"], table["northing"], style.text("supports"), "#7a5230", text=names, mode="markers+text",
+        textposition="top center", hoverinfo="text+x+y",
+    )  # fmt: skip
+    axes = {
+        "height": 460, "hovermode": "closest",
+        "xaxis": axis(style.text("easting"), tickformat=".0f"),
+        "yaxis": axis(style.text("northing"), tickformat=".0f", scaleanchor="x", scaleratio=1.0),
+    }  # fmt: skip
+    return Section(style.text("map"), (Chart("map", [line, marks], axes, frame.crs[:80]),))
 
 
 def stations_table(

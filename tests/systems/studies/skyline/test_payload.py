@@ -310,7 +310,7 @@ def test_bad_questions_are_refused() -> None:
         rw.payload(rig, safety_factor=0.0)
     with pytest.raises(rw.InputError, match="stands 2 m below"):
         rw.TailSpar("tail", station=1.0, height=-2.0)
-    with pytest.raises(rw.InputError, match="no place"):
+    with pytest.raises(rw.InputError, match="no position"):
         rw.TailSpar("tail")
 
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.components.terrain import least_height
+from ropeway.components.clearance import least_height
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.studies.skyline.clearances import _pieces, least_rope_clearance, rope_clearance
 from ropeway.systems.studies.skyline.station_solver import Stations

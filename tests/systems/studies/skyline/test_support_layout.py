@@ -1,13 +1,17 @@
 """The search for supports against the payload study of every possibility."""
 
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import ropeway as rw
 from ropeway.systems.rigs.rig_builder import with_supports
+from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.station_solver import Stations
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 STATIONS = np.arange(20.0, 480.0, 20.0)
@@ -64,6 +68,25 @@ def test_two_supports_where_one_does_not_do() -> None:
         assert plan.height == min(pairs)
     else:
         assert not plan.feasible or len(plan.supports) == 3
+
+
+def test_a_state_without_its_certificate_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The carriage 0.3 m too low at one station, where its margins would all hold."""
+    right = Stations.solve
+
+    def spoiled(self: Stations, station: float, payload: float, height: float | None = None, **how: Any) -> Solved:
+        solved = right(self, station, payload, height, **how)
+        if station != 240.0:
+            return solved
+        point = solved.point.copy()
+        point.z[solved.at.model.z.index["carriage.z"]] -= 0.3
+        return replace(solved, point=point, asked=None)
+
+    support = rw.Candidate("fir", station=260.0, heights=(10.0,))
+    assert rw.optimise_supports(rig(), [support], payload=1000.0, clearance=0.5, stations=STATIONS).feasible
+    monkeypatch.setattr(Stations, "solve", spoiled)
+    plan = rw.optimise_supports(rig(), [support], payload=1000.0, clearance=0.5, stations=STATIONS)
+    assert (plan.feasible, plan.limited_by, plan.station) == (False, "no equilibrium", 240.0)
 
 
 def test_an_infeasible_corridor_is_an_answer() -> None:

@@ -29,7 +29,7 @@ def test_two_sweeps_on_one_path(tmp_path: Path) -> None:
     )
     first.start()
     assert begun.wait(60.0)
-    with pytest.raises(rw.InputError, match=r"Another sweep writes to .*a\.parquet now\. Wait for its end"):
+    with pytest.raises(rw.InputError, match=r"Another sweep writes to .*a\.parquet\. Wait until it ends"):
         rw.sweep(slow, {"width": [1.0, 2.0]}, workers=1, path=path)
     go_on.set()
     first.join()

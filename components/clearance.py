@@ -1,0 +1,86 @@
+"""Heights of ropes and lines above a terrain profile."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ropeway.components.catenary import segment
+from ropeway.components.rope_piece import Piece
+
+
+class GroundLine(Protocol):
+    """Ground that is straight between stations: a `Profile`."""
+
+    @property
+    def station(self) -> np.ndarray:
+        """Stations [m], increasing."""
+
+    @property
+    def elevation(self) -> np.ndarray:
+        """Elevations there [m]."""
+
+    def elevations(self, stations: float | np.ndarray) -> np.ndarray:
+        """Elevations at stations [m], NaN outside."""
+
+
+class Clearance(NamedTuple):
+    """Smallest height above the ground [m], and its station [m]."""
+
+    height: float
+    station: float
+
+
+def under_line(ground: GroundLine, line: np.ndarray) -> Clearance:
+    """`Profile.clearance_of_line` without its check of arguments: of a line through points (n, 2)."""
+    line = line[np.argsort(line[:, 0], kind="stable")]
+    x = np.union1d(line[:, 0], ground.station[(ground.station > line[0, 0]) & (ground.station < line[-1, 0])])
+    height = np.interp(x, line[:, 0], line[:, 1]) - ground.elevations(x)
+    if np.all(np.isnan(height)):
+        return Clearance(math.inf, math.nan)
+    k = int(np.nanargmin(height))
+    return Clearance(float(height[k]), float(x[k]))
+
+
+def least_height(ground: GroundLine, piece: Piece) -> Clearance:
+    """`Profile.clearance` without its check of arguments, for repeated calls."""
+    fx, fy, v0 = piece.force
+    total, _, _ = segment(piece.force, piece.weight, piece.length, piece.strain).reach
+    x0, z0 = piece.start
+    low, high = max(x0, ground.station[0]), min(x0 + total, ground.station[-1])
+    if not low <= high:
+        return Clearance(math.inf, math.nan)
+    slopes = np.diff(ground.elevation) / np.diff(ground.station)
+    parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
+    inside = ground.station[(ground.station > low) & (ground.station < high)]
+    along = np.concatenate([parallel, piece.distances(np.array([low, *inside, high]), float(total))])
+    reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
+    x = x0 + reach[0]
+    height = z0 + reach[2] - np.interp(x, ground.station, ground.elevation)
+    height[: len(parallel)][(x[: len(parallel)] < low) | (x[: len(parallel)] > high)] = np.inf
+    k = int(np.argmin(height))
+    return Clearance(float(height[k]), float(x[k]))
+
+
+def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -> float:
+    """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
+
+    The rope is above both tangents. inf if there is no ground below.
+    """
+    (x0, z0), (x1, z1), force = piece.start, end, piece.force
+    low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
+    if not low <= high:
+        return math.inf
+    a, b = force[2] / force[0], (force[2] + piece.weight * piece.length) / force[0]
+    crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
+    inside = ground.station[(ground.station > low) & (ground.station < high)]
+    x = np.array([low, min(max(crossing, low), high), high, *inside])
+    line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
+    return float((line - np.interp(x, ground.station, ground.elevation)).min())
+
+
+def deflection(sag: float, span: float) -> float:
+    """Deflection in percent of the horizontal span."""
+    return 100.0 * sag / span

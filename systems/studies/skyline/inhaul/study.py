@@ -1,0 +1,204 @@
+"""A skyline rig in time: the carriage pulled by the mainline's drum, over its supports, with payloads picked up,
+hoisted on or lost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ropeway.components import check
+from ropeway.components.argument_checks import checked
+from ropeway.components.check import Range
+from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.table_writer import Tabular
+from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.studies.skyline.carriage_route import require_pulled
+from ropeway.systems.studies.skyline.inhaul.carriage_run import CarriageRun
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+FASTEST = Range(0.0, 100.0, above=True)
+"""Speeds of a carriage [m/s]; more is a mistake of units."""
+
+
+@checked
+@dataclass(frozen=True, eq=False)
+class Inhaul(Tabular):
+    """A run of the carriage, as `rw.inhaul` returns it.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline.
+    frame : DataFrame
+        One row every interval (index time [s]), none while the carriage rests at a saddle: the columns of
+        `rw.load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W,
+        positive: the drum drives, negative: it brakes].
+    events : DataFrame
+        Columns time, event, station: supports reached and left, changes of the payload, and at the rows "beyond" a
+        limit of `rw.payload`: a tension its safe working load, a spar or support its capacity, lift-off.
+    """
+
+    rig: SkylineRig
+    frame: pd.DataFrame
+    events: pd.DataFrame
+
+    def __repr__(self) -> str:
+        return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
+
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the run: the moving carriage, tensions, powers and events.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
+        """
+        from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
+
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
+
+    def plot(self) -> Figure:
+        """Station of the carriage, tensions and powers over time.
+
+        Returns
+        -------
+        Figure
+            The tensions against the safe working loads.
+        """
+        from ropeway.systems.studies.skyline.inhaul.plot import inhaul_figure
+
+        return inhaul_figure(self.rig, self.frame, self.events)
+
+
+@checked
+@interruptible
+def inhaul(
+    rig: SkylineRig,
+    *,
+    payload: float,
+    start: float,
+    end: float,
+    speed: float = 3.0,
+    every: float = 1.0,
+    changes: Sequence[tuple[float, float]] = (),
+    tolerance: float = 1e-8,
+) -> Inhaul:
+    """The carriage pulled from one station to another by the mainline's drum.
+
+    The rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops,
+    as the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
+    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long mainline
+    changes by more than the length of the shoe: then it runs over the shoe at once.
+
+    Parameters
+    ----------
+    rig : SkylineRig
+        The skyline, with a mainline.
+    payload : float
+        At the start [kg].
+    start, end : float
+        Stations of the carriage [m].
+    speed : float, default 3.0
+        Of the mainline at its drum, above zero [m/s of unstretched rope].
+    every : float, default 1.0
+        Interval of the rows [s].
+    changes : sequence of (float, float), default ()
+        Time [s], and payload from then on [kg]: a turn picked up, or lost.
+    tolerance : float, default 1e-8
+        Relative, of the integration.
+
+    Returns
+    -------
+    Inhaul
+        Rows and events.
+
+    Raises
+    ------
+    InputError
+        The rig has no mainline, or a value is out of its range.
+    SimulationError
+        The carriage stops before its end; `result` holds the run up to there.
+
+    Examples
+    --------
+    >>> rig = rw.standing_skyline(
+    ...     None, headspar=rw.HeadSpar("head", at=(0.0, 40.0)), tailspar=rw.TailSpar("tail", at=(200.0, 0.0)),
+    ...     skyline="RHOL-IWRC 29", tension=60e3, mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
+    ... )
+    >>> inhaul(rig, payload=1500.0, start=100.0, end=91.0)
+    <Inhaul of 'standing skyline': 5 rows, 0 events>
+    """
+    check.number(speed, rig.name, "speed", "m/s", FASTEST)
+    check.positive(every, rig.name, "every", "s")
+    check.count(abs(end - start) / speed / every, rig.name, "records")
+    check.not_negative(payload, rig.name, "payload", "kg")
+    _require_run(rig, start, end, changes)
+    run = CarriageRun(rig, float(payload), every, list(changes), tolerance)
+
+    def result() -> Inhaul:
+        return Inhaul(rig, run.frame(), run.event_frame())
+
+    try:
+        with keeping(result):
+            run.go(float(start), float(end), speed if end < start else -speed)
+    except EquilibriumError as error:
+        raise SimulationError(error.cause, error.remedy, run.time, result()) from error
+    except SimulationError as error:
+        raise SimulationError(error.cause, error.remedy, run.time + (error.time or 0.0), result()) from error
+    return result()
+
+
+def _require_run(rig: SkylineRig, start: float, end: float, changes: Sequence[tuple[float, float]]) -> None:
+    """Raises InputError for a rig that cannot haul from one station to another, and for changes that are not in
+    order."""
+    require_pulled(rig)
+    if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
+        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+    last = 0.0
+    for when, mass in changes:
+        check.not_negative(mass, rig.name, "payload", "kg")
+        if not when > last:
+            raise InputError(f"{rig.name}: changes of the payload at {when:g} s after {last:g} s", "Sort them by time")
+        last = when
+    for station in (start, end):
+        rig.span_of(station)
