@@ -13,6 +13,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
@@ -43,7 +44,7 @@ class Event(NamedTuple):
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class RunData:
+class RunData(Tabular):
     """What a run leaves: records, and what follows from them by the model. Its fields: see `rw.Result`."""
 
     model: Model
