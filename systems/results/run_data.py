@@ -180,7 +180,7 @@ class RunData(Tabular):
         blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
-        values = np.hstack([np.reshape(block, (len(records), -1)) for block in blocks])
+        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
         frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
         frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
         frame.attrs["descriptions"] = Labels(
