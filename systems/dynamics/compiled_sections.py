@@ -20,10 +20,11 @@ from ropeway.systems.native.section_library import (
     CROSSING,
     FULL,
     LOADS,
+    PASSED,
     REACHED,
     UNFORESEEN,
 )
-from ropeway.systems.solvers.drive_trajectories import Window
+from ropeway.systems.solvers.drive_trajectories import Drives, Window, drives_of
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend
@@ -37,6 +38,8 @@ class CompiledSections(SectionIntegrator):
 
     def advance(self, motion: LineMotion, stop: float) -> LineMotion | None:
         line = self.line
+        if not line.commanded:
+            return super().advance(motion, stop)
         if line.state.standing():
             return None
         return self.attempt(line.window(stop - line.time, motion, stop), stop, motion, stop)
@@ -46,17 +49,22 @@ class CompiledSections(SectionIntegrator):
     ) -> LineMotion | None:
         if self.line.state.resting:
             return super().through(window, end, motion, stop, strict=strict)
-        crossed = -np.inf
+        crossed, limits = -np.inf, self._limits()
         while True:
-            core = self.core()
-            code = core.move(self.line, window, motion, [end], grid=False, strict=strict, crossed=crossed)
+            core, single = self.core(), limits is not None
+            code = core.move(
+                self.line, window, motion, [end], grid=False, strict=strict, single=single, crossed=crossed
+            )
             crossed = core.motion.crossed
             motion = self._taken_over(core, core.motion.records)
             state = self.line.state
-            if code == REACHED:
-                return motion
             if code == UNFORESEEN:
                 raise UnforeseenError
+            # A crossing can activate a limit that is inactive again before the stop.
+            if limits is not None and not limits.decoupled(state.point):
+                return None
+            if code == REACHED:
+                return motion
             if code == LOADS:
                 _extend(state)
             elif code == CROSSING:
@@ -64,12 +72,21 @@ class CompiledSections(SectionIntegrator):
                 coming = loads.gap_of(state, core.coming, motion.travel)
                 motion = self.events.cross(coming, motion, stop, exact=True)
                 state = self.line.state
+                if limits is not None and not limits.decoupled(state.point):
+                    return None
                 if state.standing():
                     return self.line.solve(stop)
                 if state.resting:
                     return super().through(window, end, motion, stop, strict=strict)
-            elif code != FULL:
+            elif code not in (FULL, PASSED):
                 raise core.line.failure(core.motion.failure, core.solver.point.worst)
+
+    def _limits(self) -> Drives | None:
+        """The drives, where they have limits."""
+        if self.line.commanded:
+            return None
+        drives = drives_of(self.line.state.model, self.line.tolerance)
+        return drives if drives.ties else None
 
     def along(self, motion: LineMotion, stops: Sequence[float]) -> tuple[LineMotion, int]:
         """Advances through as many stops as the core can do alone, each with an entry on the grid; the line is then
@@ -77,7 +94,7 @@ class CompiledSections(SectionIntegrator):
         done = 0
         while done < len(stops):
             line, state = self.line, self.line.state
-            if state.standing() or state.resting or loads.overrun(state, set()):
+            if not line.commanded or state.standing() or state.resting or loads.overrun(state, set()):
                 break
             saved = state.copy()
             window = line.window(stops[-1] - line.time, motion, stops[-1])

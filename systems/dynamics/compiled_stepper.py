@@ -1,4 +1,4 @@
-"""A line whose sections are solved in the compiled core, and whose drives follow their commanded speeds."""
+"""A line whose sections are solved in the compiled core."""
 
 from __future__ import annotations
 
@@ -6,32 +6,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.errors import CompiledError
 from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper
-from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver, compiled_line
 from ropeway.systems.solvers.drive_trajectories import NODES, Window
 from ropeway.systems.solvers.prescribed_states import commanded_of
 from ropeway.systems.statics.stability import require_followed
 
 
-def require_compiled(model: Model) -> CompiledLine:
-    """The compiled core of a model whose drives follow commanded speeds. Raises CompiledError, CompilerError,
-    WriteError."""
-    line = compiled_line(model)
-    others = [name for i, name in enumerate(model.x.names) if i not in set(commanded_of(model).rows)]
-    if others:
-        raise CompiledError(
-            f"The compiled core cannot integrate {others[0]!r} of {model.name!r}: only drives that follow their "
-            "commanded speed exactly, as IdealDrive does",
-            "Leave out compiled=True",
-        )
-    return line
-
-
 class CompiledStepper(LineStepper):
-    """A line whose sections the core solves."""
+    """A line whose sections the core solves. Drives that follow their commanded speeds are known functions of time;
+    others are integrated by IDAS: by themselves, and with the whole line while one is at a limit."""
+
+    @property
+    def commanded(self) -> bool:
+        """Whether all drives follow their commanded speeds."""
+        return len(commanded_of(self.state.model).rows) == len(self.state.model.x)
 
     @property
     def core(self) -> CompiledLine:
@@ -43,6 +33,8 @@ class CompiledStepper(LineStepper):
         return PointSolver(self.core, self.state.point, self.core.used(self.state.passed), x_rate, self.slope(stop))
 
     def solve(self, stop: float) -> LineMotion:
+        if not self.commanded:  # their rates depend on the solution
+            self.core.solve_point(self.state.point, self.state.passed)
         x_rate = self.rates()
         solver = self.solver(x_rate, stop)
         self.core.solve(solver)
@@ -69,6 +61,8 @@ class CompiledStepper(LineStepper):
         return self.motion_at(self.rates(), z)
 
     def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
+        if not self.commanded:
+            return super().integrate(h, motion, stop)
         point = self.state.point
         predicted = point.z + h * motion.z
         window = self.window(h, motion, stop)

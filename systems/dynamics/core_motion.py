@@ -74,10 +74,11 @@ class CoreMotion:
         *,
         grid: bool,
         strict: bool,
+        single: bool = False,
         crossed: float = -np.inf,
     ) -> int:
         """Moves a line through a window of its drives' states to each of some stops, with an entry there where they
-        are on the grid. Returns why the core has come back. Raises Interrupted."""
+        are on the grid; single: only to the next crossing. Returns why the core has come back. Raises Interrupted."""
         stop_if_interrupted()
         state, m = line.state, self.motion
         values, rates, times = np.ascontiguousarray(window.values), np.ascontiguousarray(window.rates), np.array(stops)
@@ -87,7 +88,7 @@ class CoreMotion:
         m.window, m.window_rates, m.stop = values.ctypes.data, rates.ctypes.data, times.ctypes.data
         m.time, m.begin, m.h, m.crossed = state.point.t, window.start, window.h, crossed
         m.stops, m.reached, m.grid, m.strict = len(stops), 0, int(grid), int(strict)
-        m.short_step, m.records, m.events = line.tiny, 0, 0
+        m.short_step, m.records, m.events, m.single = line.tiny, 0, 0, int(single)
         tables, point = ctypes.byref(self.line.tables), ctypes.byref(self.solver.point)
         return int(self.line.core.rs_move(tables, point, ctypes.byref(m)))
 

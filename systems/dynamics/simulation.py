@@ -12,7 +12,6 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.compiled_stepper import require_compiled
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -25,6 +24,7 @@ from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
+from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -77,8 +77,9 @@ def simulate(
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
-        Whether to run in compiled code, which needs a C compiler at first use: the same result, many times faster. For
-        lines of spans over standing supports whose drives follow their commanded speeds (`IdealDrive`, drums).
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
+        lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
 
     Returns
     -------
@@ -113,7 +114,7 @@ def simulate(
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
     if compiled:
-        require_compiled(model)
+        compiled_line(model)
     if start is None:
         rest = equilibrium(model, compiled=compiled)
     else:

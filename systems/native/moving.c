@@ -370,6 +370,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m)
         m->crossed = m->time;
         failed = cross(l, q, m, &next);
         if (failed) return failed;
+        if (m->single) return RS_PASSED;
     }
     return RS_REACHED;
 }

@@ -6,8 +6,8 @@
 
 /* Why rs_move returns: the last stop is reached; a crossing that takes more than to pass; a load has crossed before the
  * time that rates predict; the list of loads ends; no room for records; Newton's method has failed; a rope is slack or
- * used up at a stop. */
-enum { RS_REACHED, RS_CROSSING, RS_UNFORESEEN, RS_LOADS, RS_FULL, RS_FAILED, RS_SLACK };
+ * used up at a stop; a load has crossed, where it is to stop then. */
+enum { RS_REACHED, RS_CROSSING, RS_UNFORESEEN, RS_LOADS, RS_FULL, RS_FAILED, RS_SLACK, RS_PASSED };
 
 typedef struct {
     int run, support, load, forward, record; /* of what crosses; the record that it leads to */
@@ -17,7 +17,7 @@ typedef struct {
     double time, begin, h; /* now; the window of the drives' trajectories */
     const double *stop;    /* times at which all sections are solved, and written down where `grid` */
     int stops, reached, grid;
-    int strict, failure;
+    int strict, single, failure; /* single: stop after each crossing */
     const double *window;       /* (RS_NODES, nx) states at its Chebyshev points */
     const double *window_rates; /* their rates */
     double crossed;             /* time of the last crossing */

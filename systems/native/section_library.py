@@ -69,7 +69,7 @@ class Motion(ctypes.Structure):
         *((name, ctypes.c_double) for name in ("time", "begin", "h")),
         ("stop", ctypes.c_void_p),
         *((name, ctypes.c_int) for name in ("stops", "reached", "grid")),
-        *((name, ctypes.c_int) for name in ("strict", "failure")),
+        *((name, ctypes.c_int) for name in ("strict", "single", "failure")),
         *((name, ctypes.c_void_p) for name in ("window", "window_rates")),
         *((name, ctypes.c_double) for name in ("crossed", "short_step", "least_step")),
         *((name, ctypes.c_void_p) for name in ("load_first", "place", "mass", "rope", "scale", "passed")),
@@ -84,7 +84,7 @@ class Motion(ctypes.Structure):
     )
 
 
-REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK = range(7)
+REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK, PASSED = range(8)
 """Why `rs_move` returns."""
 
 FAILURES = {

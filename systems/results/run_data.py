@@ -13,6 +13,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
@@ -43,7 +44,7 @@ class Event(NamedTuple):
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class RunData:
+class RunData(Tabular):
     """What a run leaves: records, and what follows from them by the model. Its fields: see `rw.Result`."""
 
     model: Model
@@ -64,22 +65,24 @@ class RunData:
     @interruptible
     def _solved(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and algebraic variables at all records."""
-        y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
-
-        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-            """Evaluates all records, and gives those that no certificate is of yet."""
-            done = 0
-            for points, passed in self._batches(range(len(self.records))):
-                here = slice(done, done + len(points))
-                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
-                exact, done = self.exact[here], here.stop
-                yield from (
-                    state for state, known in zip(zip(points, passed, strict=True), exact, strict=True) if not known
-                )
-
-        others = self._certified(np.flatnonzero(~self.exact), inexact())
+        y, z, others = self._evaluated(np.arange(len(self.records)))
         self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
+
+    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
+        """Outputs and algebraic variables at records `which`, and the certificate of those that a run has not solved
+        itself. Raises SimulationError for a record that fails."""
+        y, z = np.empty((len(which), len(self.model.y))), np.empty((len(which), len(self.model.z)))
+
+        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            done = 0
+            for points, passed in self._batches(which.tolist()):
+                here = slice(done, done + len(points))
+                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
+                states, done = zip(points, passed, self.exact[which[here]], strict=True), here.stop
+                yield from ((point, beyond) for point, beyond, known in states if not known)
+
+        return y, z, self._certified(which[~self.exact[which]], inexact())
 
     @cached_property
     def checks(self) -> Certificate:
@@ -157,30 +160,32 @@ class RunData:
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, at all records: both sides of each event."""
-        m = self.model
-        keep = m.y.shown
+        return self._table(np.arange(len(self.records)), *self._solved)
+
+    @cached_property
+    @interruptible
+    def frame(self) -> pd.DataFrame:
+        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
+        which = np.flatnonzero(self.on_grid)
+        if "_solved" in self.__dict__:
+            return self._table(which, *(values[which] for values in self._solved))
+        y, z, _ = self._evaluated(which)
+        return self._table(which, y, z)
+
+    def _table(self, which: np.ndarray, y: np.ndarray, z: np.ndarray) -> pd.DataFrame:
+        """Records `which` with their outputs and algebraic variables."""
+        m, records = self.model, [self.records[i] for i in which.tolist()]
+        keep = list(m.y.shown)
         moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
-        z = self._solved[1][:, moves]
-        blocks = [
-            self.outputs[:, list(keep)],
-            z,
-            np.array([r.x for r in self.records]),
-            np.array([r.u for r in self.records]),
-        ]
+        blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
-        frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
+        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
+        frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
         frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
         frame.attrs["descriptions"] = Labels(
             {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
         )
-        return frame
-
-    @cached_property
-    def frame(self) -> pd.DataFrame:
-        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
-        frame = self.full_frame[self.on_grid]
-        frame.attrs = dict(self.full_frame.attrs)
         return frame
 
     @cached_property

@@ -91,8 +91,10 @@ class SkylineRig(RigParts):
 
     @property
     def skyline_drum(self) -> str:
-        """Name of the drum that sets the skyline's length, or a running skyline's tension; "" for a standing
-        skyline."""
+        """Name of the drum that sets the skyline's length or tension.
+
+        The tension on a running skyline; "" on a standing skyline.
+        """
         return self.kind.skyline_drum(self)
 
     def span_of(self, station: float) -> int:

@@ -71,13 +71,16 @@ def test_a_load_held_at_a_hold_down(speed: float, at: float) -> None:
     require_alike(*runs)
 
 
-def test_what_the_core_cannot_do_is_refused_before_the_run() -> None:
+@pytest.mark.parametrize("power", [2e5, 3e3])
+def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
     drive = rw.HydraulicDrive(
-        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=0.02, engine_power=2e5,
-        inertia=500.0,
+        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=0.02, engine_power=power,
+        inertia=500.0, drag=200.0,
     )  # fmt: skip
-    with pytest.raises(rw.CompiledError, match=r"'c2\.travel'"):
-        rw.simulate(line(drive), 5.0, compiled=True)
+    require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
+
+
+def test_what_the_core_cannot_do_is_refused_before_the_run() -> None:
     spring = rw.System("spring")
     spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)
     with pytest.raises(rw.CompiledError, match="'b'"):
