@@ -32,8 +32,9 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
-    """An unstretched length with stretch and end forces, as `rw.unstretched_length` returns it. `float()` gives the
-    length.
+    """An unstretched length with stretch and end forces, as `rw.unstretched_length` returns it.
+
+    `float()` gives the length.
 
     Parameters
     ----------
