@@ -176,7 +176,7 @@ def _packed(arrays: Sequence[np.ndarray]) -> str:
 
 def _clean(value: Any) -> Any:
     """Values as JSON: six digits are enough to draw, and what is not finite is null."""
-    if isinstance(value, np.ndarray):
+    if hasattr(value, "tolist") and not isinstance(value, np.generic):  # an array, or a column of a frame
         return _clean(value.tolist())
     if isinstance(value, Mapping):
         return {key: _clean(v) for key, v in value.items()}

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropeway.components.errors import UnknownNameError
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.dae_model import nearest
 from ropeway.systems.results.energy_balance import drive_powers, power
@@ -39,8 +40,6 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
     Above the range of all spans with the limits that it comes near, below each sheave in detail. Raises
     UnknownNameError.
     """
-    from matplotlib.figure import Figure
-
     frame, nodes = result.full_frame, [node for run in result.runs for node in run.nodes]
     if components is None:
         components = list(dict.fromkeys(n.name for n in nodes if n.drive_power is not None))
@@ -51,7 +50,7 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
             raise UnknownNameError(f"{name!r} has no tension_in", nearest(name, list(frame.columns)))
     time = frame.index.to_numpy()
     rows = len(components)
-    figure = Figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
+    figure = new_figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
     axes = figure.subplots(1 + rows, 1, sharex=True, height_ratios=[1.9] + [1.0] * rows, squeeze=False)[:, 0]
     figure.suptitle(f"{result.model.name}: rope tension")
     _all_spans(axes[0], result, time)
@@ -101,13 +100,11 @@ def power_over_time(result: RunData) -> Figure:
 
     Raises UnknownNameError when the line has no control sheave.
     """
-    from matplotlib.figure import Figure
-
     table, powers = power(result), drive_powers(result) / 1e3
     if table.empty:
         raise UnknownNameError(f"{result.model.name!r} has no control sheave", "Only driven sheaves have power")
     sheaves = table.drop(index="line")
-    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    figure = new_figure(figsize=(11.0, 5.0), layout="constrained")
     over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
     # A dashed line with a jump at each crossing looks solid: its width marks the sum.
     over_time.plot(powers.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")
