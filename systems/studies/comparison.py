@@ -107,7 +107,7 @@ def compare(
     """
     if len(variants) < 2:
         raise InputError(f"compare has {len(variants)} variants", "Give two or more")
-    found = tuple(
+    found: tuple[Any, ...] = tuple(
         payload(v, safety_factor=safety_factor, clearance=clearance) if isinstance(v, SkylineRig) else v
         for v in variants
     )
