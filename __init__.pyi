@@ -15,6 +15,7 @@ from .components.drive import (
 )
 from .components.drum import Drum as Drum
 from .components.errors import (
+    CompiledError as CompiledError,
     CompilerError as CompilerError,
     EquilibriumError as EquilibriumError,
     InfeasibleScheduleError as InfeasibleScheduleError,

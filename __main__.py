@@ -36,6 +36,8 @@ app = typer.Typer(
 app.add_typer(fmu_commands, name="fmu")
 app.command()(cli_projects.new)
 app.command()(cli_projects.compare)
+cache_commands = typer.Typer(help="Compiled libraries that are kept.", no_args_is_help=True, rich_markup_mode=None)
+app.add_typer(cache_commands, name="cache")
 
 
 def _show_version(asked: bool) -> None:
@@ -85,13 +87,14 @@ def simulate(
     safety_factor: SafetyFactor = 3.0,
     report: Report = None,
     out: Out = Path("ropeway-out"),
+    compiled: Annotated[bool, typer.Option("--compiled", help="Run in compiled code; needs a C compiler.")] = False,
 ) -> None:
     """Simulate a mono-cable line: tensions, events and pictures."""
     import ropeway as rw
 
     with errors_on_one_line():
         system = line.system(safety_factor)
-        _simulate(lambda: rw.simulate(system, until=until, every=every), out, report)
+        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out, report)
 
 
 @dataclass(frozen=True)
@@ -264,6 +267,24 @@ def ropes(
             for name, r in zip(table.index, table.itertuples(), strict=True)
         ],
     )
+
+
+@cache_commands.command("info")
+def cache_information() -> None:
+    """Show where compiled libraries are kept, how many there are, and their size."""
+    from ropeway.systems.native.binary_cache import cache_info
+
+    found = cache_info()
+    typer.echo(f"{found.libraries} libraries, {found.size / 1e6:.1f} MB, in {found.folder}")
+
+
+@cache_commands.command("clear")
+def clear() -> None:
+    """Remove all compiled libraries that are kept: they are compiled again when they are needed."""
+    from ropeway.systems.native.binary_cache import cache_folder, clear_cache
+
+    with errors_on_one_line():
+        typer.echo(f"{clear_cache()} libraries removed from {cache_folder()}")
 
 
 def _simulate(run: Callable[[], Result], out: Path, report: Path | None = None) -> None:

@@ -137,6 +137,10 @@ class OutOfReachError(EquilibriumError):
         super().__init__(cause, remedy, component)
 
 
+class CompiledError(InputError):
+    """The compiled core does not support this system or question."""
+
+
 class SimulationError(RopewayError):
     """A simulation failed before its end time.
 

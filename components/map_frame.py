@@ -181,7 +181,18 @@ class MapFrame:
         return transformed(self.require_crs(), WGS84, easting, northing)
 
     def require_crs(self) -> str:
-        """The coordinate system. Raises InputError where it is unknown."""
+        """The coordinate system.
+
+        Returns
+        -------
+        str
+            Its name or code.
+
+        Raises
+        ------
+        InputError
+            It is unknown.
+        """
         if not self.crs:
             raise InputError("The coordinate system of the map is unknown", _NO_CRS)
         return self.crs

@@ -151,7 +151,7 @@ def ropes(*own: table.Source) -> pd.DataFrame:
 
     Parameters
     ----------
-    own : str, Path or DataFrame
+    *own : str, Path or DataFrame
         Tables of yours (CSV, Excel, TOML or DataFrame), see `docs/catalogue.md`.
 
     Returns
@@ -183,16 +183,54 @@ _COLUMNS = ("diameter", "mass_per_length", "axial_stiffness", "breaking_load", "
 
 @checked
 def carriages(*own: table.Source) -> pd.DataFrame:
-    """The carriages of the catalogue and of tables of yours: index name; columns mass [kg], payload [kg], source.
+    """The carriages of the catalogue, which have a public data sheet, and of tables of yours.
 
-    Only carriages with a public data sheet are in the catalogue. Raises InputError."""
+    Parameters
+    ----------
+    *own : str, Path or DataFrame
+        Tables of yours (CSV, Excel, TOML or DataFrame), see `docs/catalogue.md`.
+
+    Returns
+    -------
+    DataFrame
+        Index name; columns mass [kg], payload [kg], source.
+
+    Raises
+    ------
+    InputError
+        With file, line and column.
+
+    Examples
+    --------
+    >>> rw.carriages()
+    """
     return _machines("carriages", own)
 
 
 @checked
 def yarders(*own: table.Source) -> pd.DataFrame:
-    """The yarders of the catalogue and of tables of yours: index name; columns tower_height [m], line_pull [N],
-    line_speed [m/s], drum_capacity [m of rope], NaN where the source does not say, and source. Raises InputError."""
+    """The yarders of the catalogue and of tables of yours.
+
+    Parameters
+    ----------
+    *own : str, Path or DataFrame
+        Tables of yours (CSV, Excel, TOML or DataFrame), see `docs/catalogue.md`.
+
+    Returns
+    -------
+    DataFrame
+        Index name; columns tower_height [m], line_pull [N], line_speed [m/s], drum_capacity [m of rope], source; NaN
+        where the source has no value.
+
+    Raises
+    ------
+    InputError
+        With file, line and column.
+
+    Examples
+    --------
+    >>> rw.yarders()
+    """
     return _machines("yarders", own)
 
 

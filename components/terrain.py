@@ -222,7 +222,18 @@ class Profile:
         return np.column_stack([*self.require_map().to_map(self.station), self.elevation])
 
     def require_map(self) -> MapFrame:
-        """Where it lies on a map. Raises InputError where that is unknown."""
+        """The position of the profile on a map.
+
+        Returns
+        -------
+        MapFrame
+            Origin, azimuth and coordinate system.
+
+        Raises
+        ------
+        InputError
+            It is unknown.
+        """
         if self.map_frame is None:
             raise InputError(
                 f"{self!r} has no map coordinates", "Make it with from_dem or from_points, or give it a map_frame"

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
@@ -30,6 +31,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Declares the options of the campaigns."""
     parser.addoption("--campaign-seed", type=int, default=1, help="seed of the random cases of tests/campaigns")
     parser.addoption("--campaign-count", type=int, default=None, help="number of random cases, instead of a file's own")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Compiled libraries are kept in a folder of these tests."""
+    before = os.environ.get("ROPEWAY_CACHE")
+    os.environ["ROPEWAY_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    yield
+    if before is None:
+        del os.environ["ROPEWAY_CACHE"]
+    else:
+        os.environ["ROPEWAY_CACHE"] = before
 
 
 @pytest.fixture

@@ -56,6 +56,15 @@ def test_simulate(tmp_path: Path, command: Command) -> None:
     assert (tmp_path / "o" / "line.png").exists()
 
 
+def test_simulate_compiled(tmp_path: Path, command: Command) -> None:
+    line = str(EXAMPLES / "line.csv")
+    done = command("simulate", line, "--until", "5", "--out", "o", "--compiled")
+    assert done.exit_code == 0, done.stderr
+    assert "libraries" in command("cache", "info").stdout
+    assert "removed" in command("cache", "clear").stdout
+    assert command("cache", "info").stdout.startswith("0 libraries")
+
+
 def test_ropes(command: Command) -> None:
     done = command("ropes")
     assert done.exit_code == 0

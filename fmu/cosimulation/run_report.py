@@ -61,6 +61,10 @@ def run_report(
         The frame has no numbers.
     WriteError
         The file could not be written.
+
+    Examples
+    --------
+    >>> rw.fmu.run_report(master.run(60.0), "run.html")
     """
     options = ReportOptions(project, units, labels, more)
     style = options.style

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
+from ropeway.systems.dynamics.compiled_sections import CompiledSections
+from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
 from ropeway.systems.dynamics.line_integrator import LineIntegrator
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.dynamics.load_events import LoadEvents
@@ -19,13 +21,21 @@ class EventStepper:
     """A line that moves: `line` has its state and signals; `recorder` gets both sides of each event."""
 
     def __init__(
-        self, state: LineState, signals: Sequence[Signal], tolerance: float, recorder: Recorder | None = None
+        self,
+        state: LineState,
+        signals: Sequence[Signal],
+        tolerance: float,
+        recorder: Recorder | None = None,
+        *,
+        compiled: bool = False,
     ) -> None:
-        self.line = LineStepper(state, signals, tolerance)
+        """compiled: sections are solved in the compiled core, which must fit the model (`require_compiled`)."""
+        self.line = (CompiledStepper if compiled else LineStepper)(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
         events = LoadEvents(self.line, self.guard, self.recorder)
-        self._by_sections = SectionIntegrator(self.line, events, self.guard, self.recorder)
+        by_sections = CompiledSections if compiled else SectionIntegrator
+        self._by_sections = by_sections(self.line, events, self.guard, self.recorder)
         self._as_whole = LineIntegrator(self.line, events, self.guard)
         self._motion: LineMotion | None = None
 
@@ -42,6 +52,16 @@ class EventStepper:
     def disturb(self) -> None:
         """Declares that something else than time has changed the line: it is solved before the next step."""
         self._motion = None
+
+    def run_along(self, stops: Sequence[float]) -> int:
+        """Advances through the first of some stops on the grid, as `run_to` and with an entry at each, as far as the
+        compiled core can do it alone; returns how many they are. Inputs do not bend before the last one."""
+        if not isinstance(self._by_sections, CompiledSections) or not stops:
+            return 0
+        if self._motion is None or len(self.line.breaks):
+            self._motion = self.line.solve(stops[-1])
+        self._motion, done = self._by_sections.along(self._motion, stops)
+        return done
 
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises

@@ -108,7 +108,11 @@ class LineStepper:
 
     def motion(self, z: np.ndarray) -> LineMotion:
         """All rates, from those of the algebraic variables."""
-        return self.motion_at(rates_of(self.state.model)(*self.state.point.arguments)[0].copy(), z)
+        return self.motion_at(self.rates(), z)
+
+    def rates(self) -> np.ndarray:
+        """Rates of the states at the present point [per s], shape (nx,)."""
+        return rates_of(self.state.model)(*self.state.point.arguments)[0].copy()
 
     def motion_at(self, x: np.ndarray, z: np.ndarray) -> LineMotion:
         """Rates of the travels, from those of the states and of the algebraic variables."""

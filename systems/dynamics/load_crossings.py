@@ -204,6 +204,13 @@ def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) 
     for end in (0, last) if run.closed and k == 0 else (k,):
         state.passed[crossing.r][end] += 1 if crossing.forward else -1
         state.write_beside(crossing.r, end)
+    return passing_event(state, crossing)
+
+
+def passing_event(state: LineState, crossing: Crossing) -> str:
+    """What happens when a load passes its support."""
+    run, k = state.runs[crossing.r], crossing.k
+    last = len(run.nodes) - 1
     entering = (k == 0 and crossing.forward) or (k == last and not crossing.forward)
     if k in (0, last) and not run.closed:
         return PUT_ON if entering else TAKEN_OFF

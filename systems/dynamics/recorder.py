@@ -49,15 +49,22 @@ class Recorder:
         """Writes a state down."""
         self.entries.append(Entry(recorded(state, self.pending), on_grid, exact))
 
-    def note(self, state: LineState, crossing: Crossing, what: str) -> None:
-        """Writes down what happened to a load; the event's value is the load's number on the rope."""
+    def add(self, record: Record) -> None:
+        """Writes down a state with all sections solved, between two times of the grid."""
+        self.entries.append(Entry(record, on_grid=False, exact=True))
+
+    def note(self, state: LineState, crossing: Crossing, what: str, time: float | None = None) -> None:
+        """Writes down what happened to a load, now or at another time [s]; the event's value is the load's number on
+        the rope."""
         run = state.runs[crossing.r]
         load = crossing.load - run.loads.first
         if run.loads.mass[load] == 0.0:  # a missing load
             return
         name = run.loads.names[load]
         number = int(name[1:]) if run.closed else crossing.load + 1
-        self.events.append(Event(state.point.t, run.nodes[crossing.k].name, what, number, name))
+        self.events.append(
+            Event(state.point.t if time is None else time, run.nodes[crossing.k].name, what, number, name)
+        )
 
     @property
     def on_grid(self) -> np.ndarray:

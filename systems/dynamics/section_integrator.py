@@ -22,7 +22,7 @@ LONGEST_STEP = 1.0
 """Longest step [s] between two checks of the drives' limits, and of whether the rope has turned."""
 
 
-class _UnforeseenError(Exception):
+class UnforeseenError(Exception):
     """A load has crossed a support before the time that rates predict."""
 
 
@@ -42,30 +42,37 @@ class SectionIntegrator:
         drives = drives_of(line.state.model, line.tolerance)
         if line.state.standing() or not drives.decoupled(line.state.point):
             return None
-        saved, checkpoint, slope = line.state.copy(), self.recorder.checkpoint(), line.slope(stop)
-        begin, end = line.time, min(stop, line.time + LONGEST_STEP) if drives.ties else stop
-        window = drives.window(line.state.point, end - begin, motion.x, slope)
+        slope = line.slope(stop)
+        end = min(stop, line.time + LONGEST_STEP) if drives.ties else stop
+        window = drives.window(line.state.point, end - line.time, motion.x, slope)
         if not drives.alone(window, line.state.point, slope):
             return None
+        return self.attempt(window, end, motion, stop)
+
+    def attempt(self, window: Window, end: float, motion: LineMotion, stop: float) -> LineMotion | None:
+        """Advances through a window, or, where loads cross before the time that rates predict, a part of it. None, and
+        the line is unchanged, where a limit of a drive is active."""
+        line, begin = self.line, self.line.time
+        saved, checkpoint = line.state.copy(), self.recorder.checkpoint()
         overrun = bool(loads.overrun(line.state, set()))
         while end > begin:
             try:
-                done = self._through(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
+                done = self.through(window, end, motion, stop, strict=not overrun and end - begin > LEAST_STEP)
                 if done is not None:
                     return done
                 end = begin
-            except _UnforeseenError:  # over a shorter step rates predict it
+            except UnforeseenError:  # over a shorter step rates predict it
                 end = (begin + end) / 2.0
             self.guard.require(begin)
             line.state = saved.copy()
             self.recorder.rewind(checkpoint)
         return None
 
-    def _through(
+    def through(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
     ) -> LineMotion | None:
         """To the `end` of a window, crossing by crossing; None where a limit is active. strict: raises
-        _UnforeseenError."""
+        UnforeseenError."""
         line = self.line
         drives = drives_of(line.state.model, line.tolerance)
         crossed = -np.inf
@@ -87,7 +94,7 @@ class SectionIntegrator:
                     if abs(now.gap) > loads.NEAR * line.state.span_scale[now.r]:
                         continue
             if strict and line.time < crossed - LEAST_STEP:
-                raise _UnforeseenError
+                raise UnforeseenError
             # A crossing can activate a limit that is inactive again before the stop.
             alone = drives.decoupled(line.state.point)
             motion, crossed = self.events.cross(now, motion, stop, exact=False), line.time
@@ -97,7 +104,7 @@ class SectionIntegrator:
                 return line.solve(stop)
         motion = line.correct(self._follow(window, end, motion), stop)
         if strict and loads.overrun(line.state, set()):
-            raise _UnforeseenError
+            raise UnforeseenError
         return motion if drives.decoupled(line.state.point) else None
 
     def _follow(self, window: Window, time: float, motion: LineMotion) -> LineMotion:

@@ -24,6 +24,7 @@ from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
+from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -31,6 +32,9 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
+
+_TOGETHER = 100
+"""Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
 
 
 @checked
@@ -46,6 +50,7 @@ def simulate(
     interventions: Sequence[Intervention] = (),
     stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> Result:
     """Simulate a system in time.
 
@@ -71,6 +76,10 @@ def simulate(
         Names of events at which the run stops: those of limits, and "load held".
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
+        lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
 
     Returns
     -------
@@ -80,6 +89,8 @@ def simulate(
     ------
     InputError, UnknownNameError
         Before the run.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core cannot simulate this system, has no compiler, or its cache cannot be written.
     EquilibriumError
         Where the system has no equilibrium to start from.
     SimulationError
@@ -102,14 +113,16 @@ def simulate(
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
+    if compiled:
+        compiled_line(model)
     if start is None:
-        rest = equilibrium(model)
+        rest = equilibrium(model, compiled=compiled)
     else:
         rest = start if declared_alike(start, model.system) else carried_over(start, model)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops))
+    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops, compiled))
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -179,6 +192,7 @@ class _Settings:
     interventions: Sequence[Intervention]
     tolerance: float
     stop_at: tuple[str, ...]
+    compiled: bool
 
 
 class _Simulation:
@@ -188,9 +202,11 @@ class _Simulation:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         self.recorder = Recorder()
-        self.stepper = EventStepper(state, settings.signals, settings.tolerance, self.recorder)
+        self.stepper = EventStepper(
+            state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
+        )
         self.line = self.stepper.line
-        self.stop_at = settings.stop_at
+        self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
         self.ticks = [0] * len(start.model.clocks)
@@ -231,7 +247,16 @@ class _Simulation:
             self.last_stop = self.recorder.checkpoint()
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
-            stop = min(grid, self.next_act(), bend)
+            quiet = min(self.next_act(), bend)
+            if self.settings.compiled and not self.stop_at:
+                stops = _grid(count, every, until, quiet)
+                if done := self.stepper.run_along(stops):
+                    advance(stops[done - 1])
+                    count, grid = count + done, min((count + done) * every, until)
+                    if stops[done - 1] >= until:
+                        return
+                    continue
+            stop = min(grid, quiet)
             self.stepper.run_to(stop)
             if stop == bend:  # inputs are linear between records
                 self.record()
@@ -336,6 +361,17 @@ class _Simulation:
             return False
         self.record()
         return True
+
+
+def _grid(count: int, every: float, until: float, before: float) -> list[float]:
+    """Some times of the grid [s] from its number `count` on, all earlier than `before`."""
+    found = list[float]()
+    while len(found) < _TOGETHER and (not found or found[-1] < until):
+        time = min((count + len(found)) * every, until)
+        if time >= before - 1e-9:
+            break
+        found.append(time)
+    return found
 
 
 @kept_with_model

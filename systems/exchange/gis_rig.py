@@ -122,7 +122,7 @@ def _load_lows(rig: SkylineRig, frame: pd.DataFrame | None) -> Iterator[Feature]
     known = frame[frame["clearance"].notna()]
     for span, rows in known.groupby(known["span"] if "span" in known else np.ones(len(known), dtype=int)):
         row = rows.loc[rows["clearance"].idxmin()]
-        point = row[list(_CARRIAGE)].to_numpy(dtype=float)
+        point = row[list(_CARRIAGE)].to_numpy(dtype=float).copy()
         point[2] -= rig.carriage.depth
         about = attributes(row[[c for c in ("station", "clearance", "rope_clearance", "payload") if c in row]])
         yield Feature("clearance", f"load_low_{span}", point[None], {"span": f"load in span {span}", **about})

@@ -64,6 +64,10 @@ def places(of: SkylineRig | System | Equilibrium | RunData | OfRig) -> pd.DataFr
     ------
     InputError
         A system without a rope.
+
+    Examples
+    --------
+    >>> rw.places(rig)[["station", "azimuth", "distance"]]
     """
     if not isinstance(of, SkylineRig | System | Equilibrium | RunData):
         of = of.rig

@@ -114,7 +114,8 @@ def _place(seat: Seat, read: Callable[[str], Numbers]) -> np.ndarray:
     name = seat.owner.name
     place = np.array([read(f"{name}.{axis}") for axis in "xyz"])
     if seat.offset is not None:
-        place += (read(f"{name}.{seat.offset}_x"), 0.0, read(f"{name}.{seat.offset}_z"))
+        place[0] += read(f"{name}.{seat.offset}_x")
+        place[2] += read(f"{name}.{seat.offset}_z")
     return place
 
 

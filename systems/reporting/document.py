@@ -22,7 +22,13 @@ from ropeway.systems.reporting.style import Style, Units
 @checked
 @dataclass(frozen=True)
 class Project:
-    """What a report says of its project: title, place, client, author and a remark, any texts."""
+    """The project of a report; all values are any text.
+
+    Parameters
+    ----------
+    title, place, client, author, remark : str, optional
+        Texts in the head of the report.
+    """
 
     title: str = ""
     place: str = ""

@@ -19,7 +19,9 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.solvers.array_outputs import outputs_at
+from ropeway.systems.solvers.condensed_newton import solve_points
+from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import Record, restored, restored_points
@@ -63,23 +65,36 @@ class RunData(Tabular):
     @interruptible
     def _solved(self) -> tuple[np.ndarray, np.ndarray]:
         """Outputs and algebraic variables at all records."""
-        y, z = np.empty((len(self.records), len(self.model.y))), np.empty((len(self.records), len(self.model.z)))
-
-        which = range(len(self.records))
-
-        def states() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-            for i, (point, passed) in enumerate(self._points(which)):
-                y[i], z[i] = outputs_of(self.model)(*point.arguments)[0], point.z
-                yield point, passed
-
-        self.__dict__["checks"] = self._certified(which, states())
+        y, z, others = self._evaluated(np.arange(len(self.records)))
+        self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
+
+    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
+        """Outputs and algebraic variables at records `which`, and the certificate of those that a run has not solved
+        itself. Raises SimulationError for a record that fails."""
+        y, z = np.empty((len(which), len(self.model.y))), np.empty((len(which), len(self.model.z)))
+
+        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+            done = 0
+            for points, passed in self._batches(which.tolist()):
+                here = slice(done, done + len(points))
+                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
+                states, done = zip(points, passed, self.exact[which[here]], strict=True), here.stop
+                yield from ((point, beyond) for point, beyond, known in states if not known)
+
+        return y, z, self._certified(which[~self.exact[which]], inexact())
 
     @cached_property
     def checks(self) -> Certificate:
         """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
-        which = range(len(self.records))
-        return self._certified(which, self._points(which))
+        others = np.flatnonzero(~self.exact)
+        return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
+
+    @cached_property
+    def _exact_checks(self) -> Certificate:
+        """The certificate of the records that a run has solved itself."""
+        solved = np.flatnonzero(self.exact)
+        return self._certified(solved, self._points(solved.tolist()))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -90,24 +105,26 @@ class RunData(Tabular):
     def require_certified(self) -> None:
         """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
         that fails."""
-        solved: list[int] = np.flatnonzero(self.exact).tolist()
-        self._certified(solved, self._points(solved))
+        _ = self._exact_checks
 
     def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
         """The solved points of records `which`, and the loads passed."""
+        for points, passed in self._batches(which):
+            yield from zip(points, passed, strict=True)
+
+    def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
+        """As `_points`, some records together."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part]
-            solved = restored_points(self.model, self.runs, self.parameters, records)
-            for i, point, passed in zip(part, *solved, strict=True):
-                if not self.exact[i]:
-                    newton_of(self.model).solve(point)
-                yield point, passed
+            points, passed = restored_points(self.model, self.runs, self.parameters, records)
+            solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
+            yield points, passed
 
-    def _certified(self, which: Sequence[int], states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
+    def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
         """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, states)
-        self._require(found, int(which[found.failed.record]) if found.failed else 0)
+        found = certify_records(self.model, self.runs, states).numbered(which.tolist())
+        self._require(found, found.failed.record if found.failed else 0)
         return found
 
     def _require(self, certificate: Certificate, i: int) -> None:
@@ -143,30 +160,32 @@ class RunData(Tabular):
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, at all records: both sides of each event."""
-        m = self.model
-        keep = m.y.shown
+        return self._table(np.arange(len(self.records)), *self._solved)
+
+    @cached_property
+    @interruptible
+    def frame(self) -> pd.DataFrame:
+        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
+        which = np.flatnonzero(self.on_grid)
+        if "_solved" in self.__dict__:
+            return self._table(which, *(values[which] for values in self._solved))
+        y, z, _ = self._evaluated(which)
+        return self._table(which, y, z)
+
+    def _table(self, which: np.ndarray, y: np.ndarray, z: np.ndarray) -> pd.DataFrame:
+        """Records `which` with their outputs and algebraic variables."""
+        m, records = self.model, [self.records[i] for i in which.tolist()]
+        keep = list(m.y.shown)
         moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
-        z = self._solved[1][:, moves]
-        blocks = [
-            self.outputs[:, list(keep)],
-            z,
-            np.array([r.x for r in self.records]),
-            np.array([r.u for r in self.records]),
-        ]
+        blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
-        frame = pd.DataFrame(np.hstack(blocks), index=pd.Index(self.times, name="time"), columns=names)
+        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
+        frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
         frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
         frame.attrs["descriptions"] = Labels(
             {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
         )
-        return frame
-
-    @cached_property
-    def frame(self) -> pd.DataFrame:
-        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
-        frame = self.full_frame[self.on_grid]
-        frame.attrs = dict(self.full_frame.attrs)
         return frame
 
     @cached_property

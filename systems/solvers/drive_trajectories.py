@@ -20,7 +20,7 @@ from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded
 from ropeway.systems.solvers.prescribed_states import commanded_of
 
-_NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
+NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
 _WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
 
@@ -31,7 +31,7 @@ _CHECKED = slice(3, None, 3)
 def _derivative() -> np.ndarray:
     """Matrix of the derivatives, at the points, of the polynomial through values there."""
     with np.errstate(divide="ignore"):
-        matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (_NODES[:, None] - _NODES[None, :])
+        matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (NODES[:, None] - NODES[None, :])
     np.fill_diagonal(matrix, 0.0)
     np.fill_diagonal(matrix, -matrix.sum(axis=1))
     return matrix
@@ -55,7 +55,7 @@ class Window:
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """States and their rates at a time, by the polynomials through all points, shapes (nx,)."""
-        distance = (time - self.start) / self.h - _NODES
+        distance = (time - self.start) / self.h - NODES
         near = int(np.argmin(np.abs(distance)))
         if abs(distance[near]) < 1e-14:
             return self.values[near].copy(), self.rates[near].copy()
@@ -107,7 +107,7 @@ class Drives:
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             }
-            self._f = Buffered(ca.integrator("drives", "idas", dae, 0.0, _NODES[1:].tolist(), options))
+            self._f = Buffered(ca.integrator("drives", "idas", dae, 0.0, NODES[1:].tolist(), options))
 
     def decoupled(self, point: Point) -> bool:
         """Whether the rates of the states do not depend on the algebraic variables here."""
@@ -117,7 +117,7 @@ class Drives:
         """Whether no limit is active along a window from a point, for the algebraic variables of that point."""
         if not self.ties:
             return True
-        for share, x in zip(_NODES[_CHECKED], window.values[_CHECKED], strict=True):
+        for share, x in zip(NODES[_CHECKED], window.values[_CHECKED], strict=True):
             passed = share * window.h
             if not self.decoupled(replace(point, t=point.t + passed, x=x, u=point.u + passed * slope)):
                 return False
@@ -129,7 +129,7 @@ class Drives:
         Raises SimulationError.
         """
         nominal = self.model.x.nominals
-        line = point.x + np.outer(_NODES * h, rate)
+        line = point.x + np.outer(NODES * h, rate)
         if self._f is None:
             return Window(point.t, h, line)
         knowns = np.concatenate([[point.t, h], point.x, rate, slope, point.z, point.u, point.p, point.d])
@@ -141,8 +141,8 @@ class Drives:
                 "Check the drives in the last result",
                 point.t,
             ) from error
-        line[1:] += deviations.reshape(len(_NODES) - 1, len(nominal)) * nominal
-        self._commanded.put(line[1:], point, _NODES[1:] * h, slope)
+        line[1:] += deviations.reshape(len(NODES) - 1, len(nominal)) * nominal
+        self._commanded.put(line[1:], point, NODES[1:] * h, slope)
         return Window(point.t, h, line)
 
 

@@ -126,6 +126,17 @@ class Certificate:
             check.component,
         )
 
+    def numbered(self, records: Sequence[int]) -> Certificate:
+        """The same, with other numbers for the records."""
+        checks = tuple(check._replace(record=records[check.record]) for check in self.checks)
+        used = self.utilisation
+        return Certificate(checks, None if used is None else used._replace(record=records[used.record]))
+
+    def and_also(self, other: Certificate) -> Certificate:
+        """The worst of each check of two certificates."""
+        every = (*self.checks, *other.checks, *(c for c in (self.utilisation, other.utilisation) if c is not None))
+        return Certificate.worst(every)
+
     @classmethod
     def worst(cls, checks: Iterable[Check]) -> Certificate:
         """Of the checks of each name the worst, or the first that failed."""
@@ -216,6 +227,29 @@ def certify_records(
     return Certificate.worst(found)
 
 
+def certified_variants(
+    model: Model,
+    runs: Sequence[Run],
+    points: Sequence[Point],
+    passed: Sequence[np.ndarray],
+    masses: Sequence[np.ndarray],
+) -> np.ndarray:
+    """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
+    also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
+    values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+    good, left = np.zeros(len(points), dtype=bool), [np.arange(len(points))] if points else []
+    while left:
+        which = left.pop()
+        beyond = [np.repeat(p[None], len(which), axis=0) for p in passed]
+        own = [mass[which] for mass in masses]
+        checks = _checks(model, values[which], [points[i] for i in which.tolist()], runs, beyond, (), (), own)
+        if all(check.holds for check in checks):
+            good[which] = True
+        elif len(which) > 1:
+            left += np.array_split(which, 2)
+    return good
+
+
 def _stacked(*vectors: np.ndarray) -> np.ndarray:
     """All vectors, and the zero behind them that a layout counts on."""
     return np.concatenate((*vectors, (0.0,)))
@@ -229,6 +263,7 @@ def _checks(
     passed: Sequence[np.ndarray],
     rope: Sequence[float],
     held: Collection[str] | None,
+    masses: Sequence[np.ndarray] | None = None,
 ) -> list[Check]:
     layout, checks = layout_of(model), []
     places = layout.spans
@@ -236,7 +271,7 @@ def _checks(
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
             spans = read_spans(places, values, gravity)
-            loads = hung(places, values, spans, runs, passed)
+            loads = hung(places, values, spans, runs, passed, masses)
             found = shape(spans, loads, gravity)
             checks += _span_checks(layout, values, spans, loads, found, rope)
             pull = pulls(spans, found)

@@ -98,9 +98,11 @@ def hung(
     spans: Spans,
     runs: Sequence[Run],
     passed: Sequence[np.ndarray],
+    masses: Sequence[np.ndarray] | None = None,
 ) -> LoadsInSpans | None:
     """Loads of `runs` where their own places on the rope put them; `passed`: for each run the loads beyond each
-    support, (records, supports). As many slots as the fullest span needs; None where there is no load."""
+    support, (records, supports); `masses`: for each run other masses in each record (records, loads). As many slots as
+    the fullest span needs; None where there is no load."""
     counts = [beyond[:, :-1] - beyond[:, 1:] for beyond in passed]
     most = max((int(count.max()) for count in counts), default=0)
     if most == 0:
@@ -126,7 +128,11 @@ def hung(
             at = np.where(pinned >= 0, loads.at.take(load), at)
             lost[:, own] |= (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
         np.copyto(distance[:, :, own], at, where=full)
-        np.multiply(loads.mass.take(load), full, out=mass[:, :, own])
+        if masses is None:
+            np.multiply(loads.mass.take(load), full, out=mass[:, :, own])
+        else:
+            record = np.arange(len(values))[:, None, None]
+            np.multiply(masses[r][record, load], full, out=mass[:, :, own])
     return LoadsInSpans(distance, mass, there, lost)
 
 

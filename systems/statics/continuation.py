@@ -5,20 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError
+from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Newton, newton_of
 from ropeway.systems.statics.line_state import LineState
 
 
-def solve_algebraic(state: LineState) -> None:
-    """Newton's method, then continuation in the damping of the idlers and in the rope's stiffness. Raises
-    EquilibriumError."""
-    newton = newton_of(state.model)
+def solve_algebraic(state: LineState, *, compiled: bool = False) -> None:
+    """Newton's method, `compiled` or not, then continuation in the damping of the idlers and in the rope's stiffness.
+    Raises EquilibriumError."""
     start = state.point.copy()
     try:
-        newton.solve(state.point)
+        if compiled:
+            compiled_line(state.model).solve_point(state.point, state.passed)
+        else:
+            newton_of(state.model).solve(state.point)
         return
     except EquilibriumError as error:
         first = error
+    newton = newton_of(state.model)
     for method in (_release_idlers, _stiffen) if state.model.layouts else ():
         for scale in (1.0, 0.3, 3.0):
             state.point.z[:] = start.z

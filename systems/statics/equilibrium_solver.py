@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
+from ropeway.components.errors import CompiledError, EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import assemble
@@ -17,6 +17,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.modelling.user_code import caller
 from ropeway.systems.progress_bar import bar
+from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.given_values import solve_swapped
@@ -35,6 +36,7 @@ def equilibrium(
     solve_for: str | Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
     start: Equilibrium | None = None,
+    compiled: bool = False,
 ) -> Equilibrium:
     """Solve for the stable, taut equilibrium of a system at rest.
 
@@ -56,6 +58,9 @@ def equilibrium(
     start : Equilibrium, optional
         A nearby equilibrium of the same declarations, for a warm start; or `result.at(t)`, without its brakes and
         responses.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use; for lines of spans over standing
+        supports, without `given`.
 
     Returns
     -------
@@ -66,6 +71,8 @@ def equilibrium(
     ------
     InputError, UnknownNameError, UnbalancedSystemError
         Before the solve.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this, has no compiler, or its cache cannot be written.
     EquilibriumError
         After a failed solve, with the component of the worst residual.
 
@@ -87,6 +94,8 @@ def equilibrium(
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
+    if compiled:
+        require_compiled(model, wanted)
     freed = [model.swaps.get(name, name) for name in freed]
     solved_on = at_rest_model(model) if model.free_states else model
     first: EquilibriumError | None = None
@@ -97,7 +106,7 @@ def equilibrium(
         try:
             if way == "near" and solved_on is not model:
                 state = on_model(state, solved_on)
-            found, certificate = _at_rest(state, wanted, freed, way)
+            found, certificate = _at_rest(state, wanted, freed, way, compiled=compiled)
         except TooHeavyError as error:
             raise error from first
         except EquilibriumError as error:
@@ -106,6 +115,15 @@ def equilibrium(
         _warn(certificate)
         return found if solved_on is model else _of(model, found)
     raise first or EquilibriumError(f"{model.name!r} has no equilibrium")
+
+
+def require_compiled(model: Model, wanted: Collection[str] = ()) -> None:
+    """Raises CompiledError where the compiled core cannot solve a model with values `wanted`, CompilerError,
+    WriteError."""
+    if wanted or model.free_states:
+        what = "solve for given values" if wanted else f"bring {model.free_states[0]!r} to rest"
+        raise CompiledError(f"The compiled core cannot {what}", "Leave out compiled=True")
+    compiled_line(model)
 
 
 def _cold(model: Model, parameters: Mapping[str, float] | None) -> LineState:
@@ -132,7 +150,7 @@ def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | No
 
 
 def _at_rest(
-    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str
+    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str, *, compiled: bool
 ) -> tuple[Equilibrium, Certificate]:
     """The equilibrium of a state with values `wanted` and others `freed` in exchange, and its certificate. The way
     "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
@@ -146,7 +164,7 @@ def _at_rest(
     if wanted:
         solve_swapped(state, wanted, freed, from_chord=way != "let out")
     elif way in ("near", "from geometry"):
-        settle(state)
+        settle(state, compiled=compiled)
         if way == "from geometry":
             keep_taut_root(state)
     for name in freed:

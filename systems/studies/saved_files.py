@@ -42,8 +42,10 @@ STUDIES: Mapping[str, Callable[..., Any]] = {
 
 @checked
 def save(value: Any, path: str | Path) -> Path:
-    """Save a system, a rig, a schedule or inputs of a study as a readable project file, a result or a finished study
-    as an archive.
+    """Save a system, rig, schedule, result or study.
+
+    A system, a rig, a schedule and inputs of a study are saved as a readable project file; a result and a finished
+    study as an archive.
 
     Parameters
     ----------
@@ -81,6 +83,7 @@ def load(path: str | Path, *, components: Sequence[type] = ()) -> Any:
     Parameters
     ----------
     path : str or Path
+        The file.
     components : sequence of type, optional
         Classes of your own that the file names. A file never makes Python import anything.
 
@@ -93,6 +96,10 @@ def load(path: str | Path, *, components: Sequence[type] = ()) -> Any:
     InputError
         With file, line and field: what is no project file, one of a newer version, a value that is not valid, or a
         component of your own that is not supplied.
+
+    Examples
+    --------
+    >>> rw.load("line.json")
     """
     return load_file(path, _CLASSES, components)
 
@@ -104,6 +111,7 @@ def run_study(inputs: StudyInputs) -> Any:
     Parameters
     ----------
     inputs : StudyInputs
+        The study, its subject and its arguments.
 
     Returns
     -------
@@ -114,6 +122,10 @@ def run_study(inputs: StudyInputs) -> Any:
     ------
     UnknownNameError
         There is no such study.
+
+    Examples
+    --------
+    >>> rw.run_study(rw.load("study.json"))
     """
     if inputs.study not in STUDIES:
         raise UnknownNameError(f"No study {inputs.study!r}", f"Studies are {', '.join(STUDIES)}")

@@ -135,6 +135,12 @@ def test_rasters_in_degrees_have_a_frame_in_utm(tmp_path: Path) -> None:
     np.testing.assert_allclose(degrees, [(16.402, 48.118), (16.410, 48.110)], atol=1e-9)
 
 
+def test_a_compound_system_gives_the_datum_of_heights(tmp_path: Path) -> None:
+    dem = raster(tmp_path / "dem.tif", "EPSG:2056+5728", (2600000.0, 1200700.0), 5.0)
+    frame = rw.Profile.from_dem(dem, START, END).map_frame
+    assert (frame.crs, frame.heights) == ("EPSG:2056", "LN02 height")
+
+
 def test_rasters_that_do_not_say_their_system(tmp_path: Path) -> None:
     dem = raster(tmp_path / "dem.tif", None, (2600000.0, 1200700.0), 5.0)
     ground = rw.Profile.from_dem(dem, START, END)

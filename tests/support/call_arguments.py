@@ -140,7 +140,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
-            "parameters": {"a_b.mass_per_length": 2.5}, "start": None,
+            "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False,
         },
         "exact_load": lambda: {**LOADED, "joint": "clamped", "pull_slope": 0.0},
         "fit_construction_stretch": lambda: {"safety_factors": [8.0, 5.0, 3.0], "elongations": [0.001, 0.002, 0.005]},
@@ -213,7 +213,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "simulate": lambda: {
             "system": line(), "until": 2.0, "every": 1.0, "inputs": {"c.speed": 0.6}, "start": None,
             "tolerance": 1e-5, "interventions": [rw.Intervention(1.0, "brake", "c")], "stop_at": (),
-            "progress": False,
+            "progress": False, "compiled": False,
         },
         "solve_span": lambda: {
             "problem": rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7), "method": "Newton-Raphson",
@@ -225,12 +225,12 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "support_range": lambda: {"start": 40.0, "end": 90.0, "spacing": 25.0, "heights": (6.0, 8.0)},
         "sweep": lambda: {
             "study": one_span(), "parameters": {"turn.mass": [500.0, 600.0]}, "outputs": ["a_b.tension_a"],
-            "workers": 1, "path": None, "progress": False,
+            "workers": 1, "path": None, "progress": False, "compiled": False,
         },
         "tune_response": lambda: {
             "line": line(), "response": response(), "over": {"gain": (1e-6, 1e-5)}, "minimise": "energy",
             "until": 3.0, "every": 1.0, "sheaves": ["c"], "generations": 1, "population": 4, "seed": 0,
-            "workers": 1, **optional,
+            "workers": 1, "compiled": False, **optional,
         },
         "twelve_cases": lambda: {"phi": [0.1, 0.2]},
         "write_table": lambda: {"table": pd.DataFrame({"x": [1.0]}), "path": folder() / "table.csv"},

@@ -16,6 +16,7 @@ import ropeway as rw
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.interrupts import interruptible, keeping, stop_if_interrupted, users_code
 from ropeway.systems.native import compiler
+from ropeway.systems.solvers.condensed_newton import CondensedNewton
 from ropeway.systems.solvers.newton import Buffered
 from ropeway.systems.studies.control.scheduling import nonlinear_program
 from ropeway.systems.studies.skyline.station_solver import Stations
@@ -150,7 +151,7 @@ def test_a_sweep_keeps_its_rows_and_ends_a_function_at_once() -> None:
 def test_a_sweep_goes_on_after_an_interrupt(tmp_path: Path, monkeypatch: Patch) -> None:
     path, masses = tmp_path / "m.parquet", {"l1.mass": np.linspace(100.0, 200.0, 6)}
     whole = rw.sweep(line(6, 3), masses, outputs="c1.tension_in", workers=1)
-    ctrl_c_at(monkeypatch, Buffered, "__call__", 24)
+    ctrl_c_at(monkeypatch, CondensedNewton, "solve", 3)
     with pytest.raises(rw.Interrupted) as caught:
         rw.sweep(line(6, 3), masses, outputs="c1.tension_in", workers=1, path=path)
     monkeypatch.undo()

@@ -76,6 +76,7 @@ def tune_response(
     seed: int = 0,
     workers: Workers = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> TunedResponse:
     """Tune a response by simulations of the line, by differential evolution: repeatable for a seed.
 
@@ -114,6 +115,8 @@ def tune_response(
         As for `sweep`.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether the runs are in compiled code, as in `simulate`.
 
     Returns
     -------
@@ -121,7 +124,7 @@ def tune_response(
 
     Raises
     ------
-    InputError, UnknownNameError
+    InputError, UnknownNameError, CompiledError
     SimulationError
         Where every run fails.
 
@@ -145,7 +148,7 @@ def tune_response(
         require_sheave(name, known)
     # Without responses: the start's own are not those that are tuned.
     bare = None if start is None else carried_over(start, with_responses(line, dict.fromkeys(known)))
-    trial = _Trial(line, response, chosen, weights, until, settle, target, every, bare)
+    trial = _Trial(line, response, chosen, weights, until, settle, target, every, bare, compiled)
     space = _Space(over)
     space.check(response)
     search = _Search(trial, space, generations, population)
@@ -285,11 +288,14 @@ class _Trial:
     target: float | None
     every: float
     start: Equilibrium | None
+    compiled: bool
 
     def __call__(self, **changes: Any) -> dict[str, float]:
         line = self.line_with(*self.variant(changes))
         start = None if self.start is None else carried_over(self.start, line)
-        result = simulate(line if start is None else start.model, self.until, every=self.every, start=start)
+        result = simulate(
+            line if start is None else start.model, self.until, every=self.every, start=start, compiled=self.compiled
+        )
         found = objectives(result, settle=self.settle, target=self.target)
         return {"objective": sum(weight * found[name] for name, weight in self.weights.items())}
 

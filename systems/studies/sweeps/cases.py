@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats.qmc import LatinHypercube
 
 from ropeway.components import check, table
 from ropeway.components.argument_checks import checked
@@ -56,6 +55,8 @@ def latin_hypercube(bounds: Mapping[str, tuple[float, float]], samples: int, *, 
     check.not_negative(seed, "latin_hypercube", "seed")
     check.count(samples * len(bounds), "latin_hypercube", "values", 1_000_000)
     ends = np.array(list(bounds.values()), dtype=float)
+    from scipy.stats.qmc import LatinHypercube  # a second's import in itself
+
     share = LatinHypercube(len(bounds), rng=np.random.default_rng(seed)).random(samples)
     return pd.DataFrame(ends[:, 0] + share * (ends[:, 1] - ends[:, 0]), columns=list(bounds))
 

@@ -1,4 +1,7 @@
-"""The equilibrium of a line as a function of its parameters, for thousands of variants."""
+"""The equilibrium of a line as a function of its parameters, for thousands of variants.
+
+Variants whose loads stay in their spans are solved in batches (`statics.variants`), the others one by one.
+"""
 
 from __future__ import annotations
 
@@ -8,33 +11,66 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
+
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.variable import Kind
+from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.equilibrium_solver import equilibrium
+from ropeway.systems.statics.equilibrium_solver import equilibrium, require_compiled
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.stability import slack
+from ropeway.systems.statics.variants import LineVariants, line_variants
+from ropeway.systems.studies.sweeps.found_rows import NumberRows
 
 
 @dataclass(frozen=True)
 class LineStudy:
     """Called with parameters of a line by name, returns `outputs` of its equilibrium. `declared`: the line as bytes,
-    which workers receive, and by which they find a model that they have assembled before."""
+    which workers receive, and by which they find a model that they have assembled before; `compiled`: solved in the
+    compiled core."""
 
     declared: bytes
     outputs: tuple[str, ...]
+    compiled: bool = False
 
     def __call__(self, **parameters: float) -> dict[str, float]:
         """Outputs by name. Raises InputError, EquilibriumError."""
         model, start = _prepared(self.declared)
-        found = _variant(model, start, parameters)
+        found = _variant(model, start, parameters, compiled=self.compiled)
         place, values = found.model.y.index, found.outputs.tolist()
         return {name: values[place[name]] if name in place else found[name] for name in self.outputs}
 
+    def rows(self, names: Sequence[str], values: np.ndarray) -> NumberRows:
+        """Outputs of many variants, for values (cases, parameters) of the parameters `names`."""
+        found, failures = np.full((len(values), len(self.outputs)), np.nan), dict[int, tuple[str, str]]()
+        left = list(range(len(values)))
+        model, start = _prepared(self.declared)
+        many = _many(self.declared, tuple(names), self.compiled)
+        if many is not None and start is not None:
+            good, cases = many.solve(values)
+            y, rest = outputs_of_columns(model, cases), LineState(model, start.point, start.runs, start.passed)
+            for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
+                found[:, i] = y[k] if kind is Kind.OUTPUT else cases.vector(kind)[k]
+            left = np.flatnonzero(~good).tolist()
+        for i in left:
+            stop_if_interrupted()
+            try:
+                one = self(**dict(zip(names, values[i].tolist(), strict=True)))
+                found[i] = [one[name] for name in self.outputs]
+            except Exception as error:  # noqa: BLE001  # a case that fails is a row
+                found[i] = np.nan
+                failures[i] = (type(error).__name__, str(error))
+        return NumberRows(self.outputs, found, failures)
 
-def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] | None) -> LineStudy:
+
+def line_study(
+    model: Model, parameters: Sequence[str], outputs: Sequence[str] | None, *, compiled: bool = False
+) -> LineStudy:
     """The study of a line; `outputs` by default all but those of the load slots, and the parameters. Raises
     UnknownNameError, InputError for a parameter or an output that it does not have."""
     state = LineState.cold(model)
@@ -45,7 +81,9 @@ def line_study(model: Model, parameters: Sequence[str], outputs: Sequence[str] |
             raise InputError(f"{name} is a parameter and an output", "Leave it out of the outputs")
         state.find(name)
     state.set(dict.fromkeys(parameters, 1.0))  # only the names count here: any quantity can be 1
-    return LineStudy(pickle.dumps(model.system), tuple(names))
+    if compiled:
+        require_compiled(model)
+    return LineStudy(pickle.dumps(model.system), tuple(names), compiled)
 
 
 def line_units(model: Model, names: Sequence[str]) -> dict[str, str]:
@@ -80,12 +118,21 @@ def _prepared(declared: bytes) -> tuple[Model, Equilibrium | None]:
     return state.model, Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
 
 
-def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float]) -> Equilibrium:
+@lru_cache(maxsize=4)
+def _many(declared: bytes, names: tuple[str, ...], compiled: bool) -> LineVariants | None:
+    """The solver of many variants; None where they are solved one by one."""
+    model, start = _prepared(declared)
+    if start is None:
+        return None
+    return line_variants(LineState(model, start.point, start.runs, start.passed), names, compiled=compiled)
+
+
+def _variant(model: Model, start: Equilibrium | None, parameters: dict[str, float], *, compiled: bool) -> Equilibrium:
     """The equilibrium with other parameters. It does not depend on the start: where it could, the line is solved from
     geometry. Raises InputError, EquilibriumError."""
     if start is not None:
         with suppress(EquilibriumError):
-            found = equilibrium(model, start=start, parameters=parameters)
+            found = equilibrium(model, start=start, parameters=parameters, compiled=compiled)
             if not slack(LineState(found.model, found.point, found.runs, found.passed)):
                 return found
-    return equilibrium(model, parameters=parameters)
+    return equilibrium(model, parameters=parameters, compiled=compiled)

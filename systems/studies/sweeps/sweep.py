@@ -15,22 +15,20 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import InputError, WorkerError
+from ropeway.components.errors import CompiledError, InputError, WorkerError
 from ropeway.systems.interrupts import interruptible, keeping, users_code
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
-from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.studies.sweeps.cases import Units, any_unit, table_of
+from ropeway.systems.studies.sweeps.found_rows import FAILURE, FoundRows, NumberRows, Rows
 from ropeway.systems.studies.sweeps.journal import Journal, JournalRow
-from ropeway.systems.studies.sweeps.line_study import line_mark, line_study, line_unit, line_units
+from ropeway.systems.studies.sweeps.line_study import LineStudy, line_mark, line_study, line_unit, line_units
 from ropeway.systems.studies.sweeps.workers import Workers, worker_pool
 
 Study = Callable[..., Mapping[str, Any] | float]
 """A function of the parameters of a case, by name."""
-
-_FAILURE = ("error", "message")
 
 
 @checked
@@ -43,6 +41,7 @@ def sweep(
     workers: Workers = None,
     path: str | Path | None = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> pd.DataFrame:
     """Run a study over many cases; the result does not depend on the workers.
 
@@ -65,6 +64,8 @@ def sweep(
         A Parquet file for the table; an interrupted sweep continues from the rows there are.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Of a line: whether to solve in compiled code, as in `equilibrium`.
 
     Returns
     -------
@@ -90,9 +91,11 @@ def sweep(
         cases = _cases(parameters, partial(line_unit, model))
         names = list(cases.columns)
         _require_numbers(cases)
-        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs)
+        variants = line_study(model, names, [outputs] if isinstance(outputs, str) else outputs, compiled=compiled)
         task: Study = variants
         units, mark = line_units(model, [*names, *variants.outputs]), line_mark(model, variants)
+    elif compiled:
+        raise CompiledError("A function is not compiled", "Leave out compiled=True, or sweep a line")
     elif outputs is not None:
         raise InputError("outputs are read from a line, not from a function", "Let the function return them")
     else:
@@ -103,10 +106,10 @@ def sweep(
         task, mark = _UsersStudy(study), _mark(study)
     if path is not None and Path(path).suffix != ".parquet":
         raise InputError(f"path is {str(path)!r}", "The table is written as Parquet: end it in .parquet")
-    rows: dict[int, JournalRow] = {}
+    rows = FoundRows()
 
     def so_far() -> pd.DataFrame:
-        return _table(cases, rows, units)
+        return rows.table(cases, units)
 
     with ExitStack() as stack:
         stack.enter_context(keeping(so_far))
@@ -127,43 +130,41 @@ def _cases(
 ) -> pd.DataFrame:
     """One row a case. Raises InputError, also where a parameter has the name of a column of failures."""
     cases = table_of(parameters, unit_of)
-    if taken := set(cases.columns) & set(_FAILURE):
+    if taken := set(cases.columns) & set(FAILURE):
         raise InputError(f"A parameter is named {taken.pop()!r}, as a column of failures", "Give it another name")
     return cases
-
-
-def _table(cases: pd.DataFrame, rows: Mapping[int, JournalRow], units: Mapping[str, str]) -> pd.DataFrame:
-    """The cases that are done, with their results."""
-    there = [i for i in cases.index if i in rows]
-    found = pd.DataFrame([rows[i] for i in there], index=pd.Index(there), columns=None if there else list(_FAILURE))
-    table = pd.concat([cases.loc[there], found], axis=1)
-    table = table[[c for c in table.columns if c not in _FAILURE] + list(_FAILURE)]
-    table.attrs["units"] = Labels(units)
-    return table
 
 
 def _run(
     study: Study,
     cases: pd.DataFrame,
-    rows: dict[int, JournalRow],
+    rows: FoundRows,
     workers: Workers,
     journal: Journal | None,
     progress: bool | None,
 ) -> None:
     """Adds the rows of all cases, by number."""
     if journal is not None:
-        rows.update(journal.rows())
-    every = cases.to_dict("records")
-    left = [i for i in range(len(every)) if i not in rows]
-    size = max(1, min(50, len(every) // 200))
+        known = journal.rows()
+        rows.add(list(known), list(known.values()))
+    left = [i for i in range(len(cases)) if i not in rows]
+    whole = isinstance(study, LineStudy)
+    size = max(1, min(1000, len(cases) // 8)) if whole else max(1, min(50, len(cases) // 200))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with bar("sweep", len(every), progress) as advance, worker_pool(workers) as pool:
+    if isinstance(study, LineStudy):
+        values = cases.to_numpy(dtype=float)
+        tasks: Iterable[Any] = (values[chunk] for chunk in chunks)
+        work: Callable[[Any], Rows] = partial(study.rows, tuple(cases.columns))
+    else:
+        every = cases.to_dict("records")
+        tasks, work = ([every[i] for i in chunk] for chunk in chunks), partial(rows_of, study)
+    with bar("sweep", len(cases), progress) as advance, worker_pool(workers) as pool:
         advance(len(rows))
-        for k, found in pool(partial(rows_of, study), ([every[i] for i in chunk] for chunk in chunks)):
-            new = dict(zip(chunks[k], found, strict=True))
-            rows.update(new)
+        for k, found in pool(work, tasks):
+            rows.add(chunks[k], found)
             if journal is not None:
-                journal.add(new)
+                named = found.named() if isinstance(found, NumberRows) else found
+                journal.add(dict(zip(chunks[k], named, strict=True)))
             advance(len(rows))
 
 
@@ -186,9 +187,9 @@ def rows_of(study: Study, cases: Sequence[dict[str, Any]]) -> list[JournalRow]:
 def _row(study: Study, case: dict[str, Any]) -> JournalRow:
     """The result of a case, or its error: whatever a user's function raises is a result here."""
     try:
-        return {**_plain(study(**case), case), **dict.fromkeys(_FAILURE, "")}
+        return {**_plain(study(**case), case), **dict.fromkeys(FAILURE, "")}
     except Exception as error:  # noqa: BLE001
-        return dict(zip(_FAILURE, (type(error).__name__, str(error)), strict=True))
+        return dict(zip(FAILURE, (type(error).__name__, str(error)), strict=True))
 
 
 def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
@@ -199,7 +200,7 @@ def _plain(found: object, case: Mapping[str, Any]) -> JournalRow:
         value = each.item() if isinstance(each, np.generic) else each
         if not isinstance(value, (bool, int, float, str, type(None))):
             raise InputError(f"{name} of the study is a {type(value).__name__}", "Return numbers and text by name")
-        if name in case or name in _FAILURE:
+        if name in case or name in FAILURE:
             raise InputError(f"{name} of the study is the name of another column", "Give it another name")
         row[str(name)] = value
     return row

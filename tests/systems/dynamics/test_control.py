@@ -150,7 +150,7 @@ def test_a_power_unit_shares_flow_and_power() -> None:
     speeds = frame[[f"c{i}.rope_speed" for i in range(1, 5)]].iloc[-1]
     assert speeds.max() - speeds.min() < 0.02
     assert speeds.mean() < 0.99
-    with pytest.raises(rw.InputError, match="joined twice"):
+    with pytest.raises(rw.InputError, match="connected twice"):
         system.connect(system.components["c1"].supply, unit.outlet)
     plain = line()
     other = plain.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3))

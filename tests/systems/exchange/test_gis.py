@@ -239,6 +239,9 @@ def test_studies_systems_and_results_are_exported(tmp_path: Path) -> None:
     study = rw.Inhaul(maps.rig(), maps.path().rename_axis("time"), pd.DataFrame({"time": [0.0]}))
     carriage = layer_of(rw.export_gis(study, tmp_path / "study.geojson"), "carriage")
     assert carriage["time"].tolist() == [0.0, 1.0, 2.0]
+    few = maps.path()[["carriage_x", "carriage_y", "carriage_z", "clearance"]]
+    low = layer_of(rw.export_gis(maps.rig(), tmp_path / "few.geojson", stations=few), "clearance")
+    assert low["clearance"].min() == few["clearance"].min()
     plan = rw.SupportPlan(maps.rig(), (), True, "", np.nan, 1)
     file = rw.export_gis(plan, tmp_path / "plan.geojson")
     assert (len(layer_of(file, "carriage")), len(layer_of(file, "rope"))) == (0, 3)

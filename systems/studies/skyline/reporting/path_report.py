@@ -53,6 +53,7 @@ def load_path_report(
     Parameters
     ----------
     rig : SkylineRig
+        The rig.
     payload : float
         With which the load path was made [kg].
     frame : DataFrame
@@ -62,6 +63,7 @@ def load_path_report(
     project : Project, optional
         Title, place, client, author and a remark.
     units : {"metric", "imperial"}, default "metric"
+        System of units.
     labels : mapping, optional
         Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
     more : sequence of Section, optional
@@ -77,6 +79,10 @@ def load_path_report(
         The frame is no load path.
     WriteError
         The file could not be written.
+
+    Examples
+    --------
+    >>> rw.load_path_report(rig, 2500.0, rw.load_path(rig, 2500.0), "path.html")
     """
     if not {"station", "carriage_z", "highest_tension"} <= set(frame.columns):
         raise InputError("The frame is no load path", "Give what rw.load_path(rig, payload) returns")

@@ -1,0 +1,147 @@
+"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, and a bare
+loop over the spans' kernels, which is the limit.
+
+    python benchmarks/compiled.py
+    python benchmarks/compiled.py --spans 20 --until 600
+
+Processor times of this process, the least of several tries. A simulation counts from the assembled model and its
+equilibrium to the result's frame; `loop` is the time of as many kernels in C, one after the other, as the spans had
+residuals in the run: every section at each record and stop, twice.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import lines
+import numpy as np
+import typer
+
+import ropeway as rw
+from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.kernel_source import kernel_source
+from ropeway.systems.solvers.line_sections import line_sections
+
+CASES = 10_000
+
+
+def least(run: Callable[[], object], tries: int = 3) -> float:
+    """The least processor time of several tries [s]."""
+    found = np.inf
+    for _ in range(tries):
+        before = time.process_time()
+        run()
+        found = min(found, time.process_time() - before)
+    return found
+
+
+def bare_loop(model: rw.Model, kernels: int) -> float:
+    """Time [s] of so many kernels of a span with two loads, in C alone."""
+    sections = line_sections(model)
+    if isinstance(sections, str):
+        raise TypeError(sections)
+    kernel = sections.forms[0].kernel(2)
+    loop = (
+        'void kernel(const double *v, double *r);\n__attribute__((visibility("default"))) '
+        "void loop(double *v, double *r, int n) { for (int i = 0; i < n; i++) { v[1] += 1e-6; kernel(v, r); } }\n"
+    )
+    found = library({"kernel.c": kernel_source(kernel, "kernel"), "loop.c": loop})
+    own = model.p.values[sections.parameters[0] : sections.parameters[0] + sections.forms[0].parameters]
+    place = [0.0, 0.0, 0.0, 0.0, 99.0, 5.0, 3.0, 0.0]
+    v, r = np.array([9.81, 4e4, 100.0, -800.0, *own, 300.0, 350.0, 30.0, 70.0, 1.0, 1.0, *place]), np.zeros(24)
+    call = found.loop
+    call.argtypes, call.restype = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int], None
+    return least(lambda: call(v.ctypes.data, r.ctypes.data, kernels))
+
+
+def fmu_time(line: rw.System, until: float) -> float:
+    """Time [s] of an exported FMU's steps of a second."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "line.fmu"
+        rw.fmu.export(line, path)
+        with rw.fmu.Slave(rw.fmu.load(path)) as slave:
+            slave.enter(0.0, {})
+            slave.leave()
+            before = time.process_time()
+            for _ in range(int(until)):
+                slave.step(1.0, {}, {})
+            return time.process_time() - before
+
+
+def simulations(spans: int, until: float, fmu: bool) -> None:
+    """One line in time."""
+    line = lines.driven(spans)
+    model = rw.assemble(line)
+    start = rw.equilibrium(model)
+    before = time.perf_counter()
+    rw.simulate(model, 1.0, start=start, compiled=True, progress=False)
+    first = time.perf_counter() - before
+    run, whole = {}, {}
+    for compiled in (False, True):
+        simulate = lambda compiled=compiled: rw.simulate(  # noqa: E731
+            model, until, start=start, compiled=compiled, progress=False
+        )
+        run[compiled] = least(simulate)
+        whole[compiled] = least(lambda simulate=simulate: simulate().frame)
+    result = rw.simulate(model, until, start=start, compiled=True, progress=False)
+    loop = bare_loop(model, 2 * spans * len(result.records))
+    print(
+        f"driven({spans}), {until:g} s: {whole[False] / whole[True]:.1f} times faster with the frame "
+        f"({1e3 * whole[False]:.0f} and {1e3 * whole[True]:.0f} ms), {run[False] / run[True]:.1f} times without "
+        f"({1e3 * run[False]:.0f} and {1e3 * run[True]:.0f} ms); bare loop {1e3 * loop:.0f} ms; "
+        f"first use {1e3 * first:.0f} ms"
+    )
+    if fmu:
+        own = fmu_time(line, until)
+        print(f"  the exported FMU: {1e3 * own:.0f} ms, {own / run[True]:.1f} times the compiled run")
+
+
+def equilibria(spans: int) -> None:
+    """Warm equilibria, and a sweep."""
+    model = rw.assemble(lines.driven(spans))
+    rest = rw.equilibrium(model)
+    heavier = {f"{load.load}.mass": 1.02 * load.mass for load in rest.loads.itertuples()}
+    warm = {
+        compiled: least(lambda c=compiled: rw.equilibrium(model, start=rest, parameters=heavier, compiled=c), 30)
+        for compiled in (False, True)
+    }
+    ratio = warm[False] / warm[True]
+    print(f"warm equilibrium of {spans} spans: {ratio:.2f} times faster ({1e3 * warm[True]:.2f} ms)")
+
+
+def sweeps(cases: int) -> None:
+    """A sweep of the line of 20 spans, all loads and heights varied, and some of its cases one by one."""
+    line = lines.driven(20)
+    model = rw.assemble(line)
+    bounds = {f"{load}.mass": (100.0, 500.0) for load in rw.equilibrium(model).loads["load"]}
+    bounds |= {n: (v - 1.0, v + 1.0) for n, v in zip(model.p.names, model.p.values, strict=True) if n.endswith(".z")}
+    table = rw.latin_hypercube(bounds, cases)
+    few = table.iloc[:200].to_dict("records")
+    rest = rw.equilibrium(model)
+    alone = least(lambda: [rw.equilibrium(model, start=rest, parameters=case).outputs for case in few], 1) / len(few)
+    for compiled in (False, True):
+        spent = least(lambda c=compiled: rw.sweep(line, table, workers=1, compiled=c, progress=False), 2)
+        words = "compiled" if compiled else "without a compiler"
+        print(f"sweep of {cases} cases, {words}: {spent:.2f} s, {alone * cases / spent:.1f} times one by one")
+
+
+def main(
+    spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None,
+    until: Annotated[float, typer.Option(help="Duration of the runs [s].")] = 600.0,
+    cases: Annotated[int, typer.Option(help="Cases of the sweep.")] = CASES,
+    fmu: Annotated[bool, typer.Option(help="Export FMUs too.")] = True,
+) -> None:
+    """Prints the ratios."""
+    for n in spans or [20, 100]:
+        simulations(n, until, fmu)
+        equilibria(n)
+    sweeps(cases)
+
+
+if __name__ == "__main__":
+    typer.run(main)

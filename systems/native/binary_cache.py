@@ -1,0 +1,158 @@
+"""Compiled libraries, kept for the next time: in the user's cache folder, or the one that ROPEWAY_CACHE names.
+
+A library's name is a hash of its sources, the compiler with its version and flags, and the processor. It is moved into
+place when it is complete, with a digest of its content in its name, which is checked before it is loaded: another
+process that compiles the same, or a file that was cut off, does no harm.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import NamedTuple
+
+from ropeway.components.errors import CompilerError, WriteError
+from ropeway.systems.native import compiler
+
+
+def cache_folder() -> Path:
+    """Where compiled libraries are kept."""
+    own = os.environ.get("ROPEWAY_CACHE")
+    if own:
+        return Path(own)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData/Local")) / "ropeway" / "cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library/Caches/ropeway"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "ropeway"
+
+
+class CacheInfo(NamedTuple):
+    """A cache: its folder, the number of libraries in it, and their size [bytes]."""
+
+    folder: Path
+    libraries: int
+    size: int
+
+
+def cache_info() -> CacheInfo:
+    """The libraries that are kept."""
+    files = _libraries()
+    return CacheInfo(cache_folder(), len(files), sum(file.stat().st_size for file in files))
+
+
+def clear_cache() -> int:
+    """Removes all libraries that are kept; returns how many. Raises WriteError."""
+    files = _libraries()
+    try:
+        for file in files:
+            file.unlink(missing_ok=True)
+    except OSError as error:
+        raise _not_writable(error) from error
+    return len(files)
+
+
+def _libraries() -> list[Path]:
+    folder = cache_folder()
+    return sorted(folder.glob(f"ropeway-*{compiler.suffix(compiler.host())}")) if folder.is_dir() else []
+
+
+def library(files: Mapping[str, str]) -> ctypes.CDLL:
+    """The shared library of C files, by name, compiled where it is not kept yet. Raises CompilerError, WriteError,
+    Interrupted."""
+    return _loaded(tuple(sorted(files.items())), str(cache_folder()), _compiler_mark())
+
+
+@lru_cache(maxsize=256)
+def _loaded(files: tuple[tuple[str, str], ...], folder: str, mark: str) -> ctypes.CDLL:
+    name = sha256(repr((files, mark)).encode()).hexdigest()[:32]
+    path = _kept(Path(folder), name) or _built(dict(files), Path(folder), name)
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise CompilerError(
+            f"The compiled library {path} cannot be loaded: {error}", "Empty the cache: ropeway cache clear"
+        ) from error
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()[:16]
+
+
+def _kept(folder: Path, name: str) -> Path | None:
+    """A library of a name with all that was written."""
+    for path in folder.glob(f"ropeway-{name}-*"):
+        with suppress(OSError):
+            if path.stem.endswith(f"-{_digest(path.read_bytes())}"):
+                return path
+    return None
+
+
+def _built(files: dict[str, str], kept: Path, name: str) -> Path:
+    """Compiles files to a library. Raises CompilerError, WriteError, Interrupted."""
+    with tempfile.TemporaryDirectory(prefix="ropeway-") as folder:
+        for own, text in files.items():
+            (Path(folder) / own).write_text(text)
+        made = Path(folder) / f"library{compiler.suffix(compiler.host())}"
+        compiler.compile_library(Path(folder), [n for n in files if n.endswith(".c")], compiler.host(), made)
+        content = made.read_bytes()
+    path = kept / f"ropeway-{name}-{_digest(content)}{compiler.suffix(compiler.host())}"
+    try:
+        kept.mkdir(parents=True, exist_ok=True)
+        number, part = tempfile.mkstemp(dir=kept, prefix=".part-")
+        try:
+            with os.fdopen(number, "wb") as file:
+                file.write(content)
+            Path(part).chmod(0o755)
+            try:
+                Path(part).replace(path)
+            except PermissionError:
+                if _kept(kept, name) is None:  # else another process has made it, and Windows keeps what is in use
+                    raise
+        finally:
+            Path(part).unlink(missing_ok=True)
+    except OSError as error:
+        raise _not_writable(error) from error
+    return path
+
+
+def _not_writable(error: OSError) -> WriteError:
+    return WriteError(
+        f"The cache of compiled libraries, {cache_folder()}, cannot be written: {error.strerror or error}",
+        "Name another folder by the environment variable ROPEWAY_CACHE",
+    )
+
+
+def _compiler_mark() -> str:
+    """The compiler and its version, flags, and the processor. Raises CompilerError."""
+    return repr((*_version(tuple(compiler.command(compiler.host()))), os.environ.get("CFLAGS", ""), _processor()))
+
+
+@lru_cache(maxsize=8)
+def _version(command: tuple[str, ...]) -> tuple[str, ...]:
+    try:
+        said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False, timeout=60.0)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise CompilerError(
+            f"The compiler cannot be started: {error}", "Correct the environment variable CC, or unset it"
+        ) from error
+    return (*command, *compiler.FLAGS, said.stdout)
+
+
+@lru_cache(maxsize=1)
+def _processor() -> str:
+    """What tells this processor from others."""
+    parts = [platform.system(), platform.machine(), platform.processor()]
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        parts += sorted({line for line in lines if line.startswith(("model name", "flags", "Features"))})
+    return "\n".join(parts)

@@ -1,0 +1,117 @@
+"""A CasADi function of scalars as plain C: one vector in, one vector out, no memory of its own."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import casadi as ca
+
+_UNARY = {
+    ca.OP_ASSIGN: "{0}",
+    ca.OP_NEG: "-{0}",
+    ca.OP_SQ: "{0} * {0}",
+    ca.OP_TWICE: "2.0 * {0}",
+    ca.OP_INV: "1.0 / {0}",
+    ca.OP_NOT: "!{0}",
+    ca.OP_SIGN: "({0} > 0.0) - ({0} < 0.0)",
+    **{
+        op: f"{name}({{0}})"
+        for op, name in (
+            (ca.OP_EXP, "exp"),
+            (ca.OP_LOG, "log"),
+            (ca.OP_SQRT, "sqrt"),
+            (ca.OP_SIN, "sin"),
+            (ca.OP_COS, "cos"),
+            (ca.OP_TAN, "tan"),
+            (ca.OP_ASIN, "asin"),
+            (ca.OP_ACOS, "acos"),
+            (ca.OP_ATAN, "atan"),
+            (ca.OP_SINH, "sinh"),
+            (ca.OP_COSH, "cosh"),
+            (ca.OP_TANH, "tanh"),
+            (ca.OP_ASINH, "asinh"),
+            (ca.OP_ACOSH, "acosh"),
+            (ca.OP_ATANH, "atanh"),
+            (ca.OP_LOG1P, "log1p"),
+            (ca.OP_EXPM1, "expm1"),
+            (ca.OP_FLOOR, "floor"),
+            (ca.OP_CEIL, "ceil"),
+            (ca.OP_FABS, "fabs"),
+        )
+    },
+}
+_BINARY = {
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
+    ca.OP_POW: "pow({0}, {1})",
+    ca.OP_CONSTPOW: "pow({0}, {1})",
+    ca.OP_FMIN: "fmin({0}, {1})",
+    ca.OP_FMAX: "fmax({0}, {1})",
+    ca.OP_ATAN2: "atan2({0}, {1})",
+    ca.OP_HYPOT: "hypot({0}, {1})",
+    ca.OP_COPYSIGN: "copysign({0}, {1})",
+    ca.OP_LT: "{0} < {1}",
+    ca.OP_LE: "{0} <= {1}",
+    ca.OP_EQ: "{0} == {1}",
+    ca.OP_NE: "{0} != {1}",
+    ca.OP_AND: "{0} && {1}",
+    ca.OP_OR: "{0} || {1}",
+    ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0.0",
+}
+
+_HEAD = """#include <math.h>
+#ifdef _WIN32
+__declspec(dllexport)
+#else
+__attribute__((visibility("default")))
+#endif
+"""
+
+
+def kernel_source(function: ca.Function, name: str) -> str:
+    """A file with one function of that name, `void name(const double *v, double *r)`. Raises NotImplementedError
+    for an operation that it has no form for."""
+    steps, divisors = _steps(function)
+    lines = []
+    for k, (op, read, value) in enumerate(steps):
+        if op == ca.OP_OUTPUT:
+            lines.append(f"    r[{value}] = a{read[0]};")
+            continue
+        if op == ca.OP_CONST:
+            text = repr(float(value))
+        elif op == ca.OP_INPUT:
+            text = f"v[{value}]"
+        elif op == ca.OP_DIV and divisors[read[1]] > 1:
+            text = f"a{read[0]} * b{read[1]}"
+        else:
+            form = (_UNARY if len(read) == 1 else _BINARY).get(op)
+            if form is None:
+                raise NotImplementedError(f"Operation {op} of {function.name()!r} has no form in C")
+            text = form.format(*(f"a{i}" for i in read))
+        lines.append(f"    const double a{k} = {text};")
+        if divisors[k] > 1:  # one division is as long as five products
+            lines.append(f"    const double b{k} = 1.0 / a{k};")
+    body = "\n".join(lines)
+    return f"{_HEAD}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
+
+
+def _steps(function: ca.Function) -> tuple[list[tuple[int, list[int], float]], Counter[int]]:
+    """The operations of a function: each with the numbers of those that it reads, and a constant or the place of an
+    input or output; and how often each one is divided by."""
+    steps, divisors, place = list[tuple[int, list[int], float]](), Counter[int](), dict[int, int]()
+    for k in range(function.n_instructions()):
+        op = function.instruction_id(k)
+        read, written = function.instruction_input(k), function.instruction_output(k)
+        if op == ca.OP_CONST:
+            steps.append((op, [], function.instruction_constant(k)))
+        elif op == ca.OP_INPUT:
+            steps.append((op, [], read[1]))
+        else:
+            steps.append((op, [place[i] for i in read], written[1] if op == ca.OP_OUTPUT else 0))
+        if op == ca.OP_DIV:
+            divisors[place[read[1]]] += 1
+        if op != ca.OP_OUTPUT:
+            place[written[0]] = k
+    return steps, divisors

@@ -1,0 +1,57 @@
+/* A line by sections: each span's forces eliminated by itself, the travels of idlers by a tridiagonal system for each
+ * section between driven supports, loads that cross supports. All is in tables; what is compiled are the kernels of
+ * kinds of spans and supports (see line_sections.py). Nothing here is global: eight threads take eight rs_point. */
+#ifndef SECTIONS_H
+#define SECTIONS_H
+
+#ifdef _WIN32
+#define RS_API __declspec(dllexport)
+#else
+#define RS_API __attribute__((visibility("default")))
+#endif
+
+#define RS_SPAN 24  /* results of a span's kernel */
+#define RS_SUPPORT 9 /* results of a support's kernel */
+#define RS_NODES 13 /* Chebyshev points of a window */
+
+typedef void (*rs_kernel)(const double *v, double *r);
+
+enum { RS_OK, RS_SINGULAR, RS_STUCK, RS_SLOW, RS_AWAY };
+
+/* Tables of a line. */
+typedef struct {
+    int spans, supports, sections, slots, nx, nz, nu, runs;
+    /* of each span; `on_idlers`: whether a support of its run lets rope run; of each form of spans the number of
+     * parameters */
+    const int *form, *parameters, *force, *closure, *mass, *at, *ride, *start, *empty, *count, *length_start, *on_idlers;
+    const int *form_parameters;
+    /* of each support */
+    const int *point, *state, *travel, *balance, *support_form, *support_parameters, *support_discrete, *speed;
+    const int *support_form_parameters, *support_form_discrete;
+    /* of each section: first and last support, first span; section of each span */
+    const int *first, *last, *first_span, *section_of;
+    /* of each support: its run, whether it can hold a load, whether a drum lets rope run there by itself; of each run:
+     * its first support, whether the rope is endless, whether it is fed */
+    const int *run_of, *held, *free_end, *run_first, *around, *fed;
+    const double *z_nominal, *r_nominal;
+    const rs_kernel *kernels;         /* [form][used slots] */
+    const rs_kernel *support_kernels; /* [support form] */
+} rs_line;
+
+/* A point of a line, with the loads in each span, and room to work. */
+typedef struct {
+    double *x, *z, *u, *p, *d;
+    long long *used;                     /* of each span: slots with a load */
+    const double *x_rate, *u_rate;       /* [per s] */
+    double *z_rate;
+    double *work; /* rs_work_size(line) doubles */
+    int worst;    /* of a failure: the residual that is worst */
+} rs_point;
+
+RS_API int rs_work_size(const rs_line *line);
+RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
+RS_API int rs_solve_all(const rs_line *line, rs_point *q, int rates);
+RS_API int rs_solve_many(const rs_line *line, rs_point *q, int cases, const long long *stride, unsigned char *good);
+double rs_travel(const rs_line *line, const rs_point *q, int k);
+
+#endif

@@ -1,0 +1,100 @@
+"""A run in the compiled core is the run that IDAS integrates; what the core cannot do it refuses."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from support.compiled import require_alike
+
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+TURNING = rw.Schedule((0.0, 20.0, 24.0, 60.0), (1.5, 1.5, -1.2, -1.2))
+
+
+def line(drive: rw.Drive | None = None, *, kept: bool = True, friction: float = 0.02) -> rw.System:
+    """Six spans: two control sheaves with responses, a rough idler, loads fed, a drum that keeps its tension."""
+    response = rw.ThresholdResponse(low=40e3, high=50e3, increment=0.02, period=2.0, delay=1.0)
+    own = rw.IdealDrive() if drive is None else drive
+    nodes = (
+        rw.Drum("a", at=(0.0, 0.0), speed=1.0),
+        rw.Sheave("s1", at=(95.0, 3.0, 8.0)),
+        rw.ControlSheave("c2", at=(190.0, 0.0, 12.0), speed=1.0, response=response, drive=own),
+        rw.Sheave("s3", at=(300.0, -2.0, 25.0), friction=friction),
+        rw.Sheave("s4", at=(390.0, 0.0, 27.0)),
+        rw.ControlSheave("c5", at=(480.0, 2.0, 32.0), speed=1.0, response=response, drive=own),
+        rw.Drum("b", at=(570.0, 0.0, 33.0), **({"tension": 45e3} if kept else {"speed": 1.0})),
+    )
+    system = rw.System("compiled")
+    system.feed(system.string(ROPE, *nodes, tension=45e3), spacing=61.0, masses=(250.0, 320.0, 0.0, 280.0))
+    return system
+
+
+SPEEDS = ("a.speed", "c2.speed", "c5.speed")
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_a_run_with_responses_and_an_emergency_stop(kept: bool) -> None:
+    stop = [rw.Intervention(41.0, "brake", "c2"), rw.Intervention(55.0, "emergency stop", deceleration=0.5)]
+    runs = [
+        rw.simulate(line(kept=kept), 60.0, interventions=stop, compiled=compiled, every=0.7)
+        for compiled in (True, False)
+    ]
+    require_alike(*runs)
+    assert {"response", "crossing forward", "load put on", "brake", "emergency stop"} <= set(runs[0].events["event"])
+    assert runs[0].certificate["holds"].all()
+
+
+def test_a_run_there_and_back() -> None:
+    speeds = dict.fromkeys(SPEEDS, TURNING)
+    compiled, integrated = (rw.simulate(line(), 60.0, inputs=speeds, compiled=c) for c in (True, False))
+    require_alike(compiled, integrated)
+    assert {"crossing forward", "crossing backward", "load taken off"} <= set(compiled.events["event"])
+
+
+def test_a_run_goes_on_from_a_compiled_one() -> None:
+    whole = rw.simulate(line(), 40.0, compiled=True)
+    rest = rw.simulate(line(), 15.0, start=whole.at(25.0), compiled=True)
+    names = [name for name in whole.frame if name.endswith((".tension_in", ".tension_out"))]
+    np.testing.assert_allclose(rest.frame[names].iloc[-1], whole.frame[names].iloc[-1], rtol=1e-8)
+
+
+@pytest.mark.parametrize(("speed", "at"), [(1.0, 80.0), (-1.0, 125.0)])
+def test_a_load_held_at_a_hold_down(speed: float, at: float) -> None:
+    system = rw.System("valley")
+    h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
+    ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
+    spans = system.string(ROPE, ends[0], h, m, ends[1], tension=60e3)
+    system.hang(rw.Load("l1", mass=400.0), spans, at=at)
+    runs = [rw.simulate(system, 40.0, every=0.5, compiled=compiled) for compiled in (True, False)]
+    assert "load held" in set(runs[1].events["event"])
+    require_alike(*runs)
+
+
+@pytest.mark.parametrize("power", [2e5, 3e3])
+def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
+    drive = rw.HydraulicDrive(
+        displacement=1e-4, gear_ratio=20.0, sheave_radius=0.6, relief_pressure=3e7, pump_flow=0.02, engine_power=power,
+        inertia=500.0, drag=200.0,
+    )  # fmt: skip
+    require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
+
+
+def test_what_the_core_cannot_do_is_refused_before_the_run() -> None:
+    spring = rw.System("spring")
+    spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)
+    with pytest.raises(rw.CompiledError, match="'b'"):
+        rw.simulate(spring, 5.0, compiled=True)
+
+
+def test_threads_on_one_model_find_the_same_bits() -> None:
+    model = rw.assemble(line())
+    start = rw.equilibrium(model)
+
+    def run(_: int) -> bytes:
+        result = rw.simulate(model, 12.0, start=start, compiled=True, progress=False)
+        return b"".join(record.z.tobytes() + record.x.tobytes() for record in result.records)
+
+    alone = run(0)
+    with ThreadPoolExecutor(8) as pool:
+        assert set(pool.map(run, range(8))) == {alone}
