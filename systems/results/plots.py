@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropeway.components.errors import UnknownNameError
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.dae_model import nearest
 from ropeway.systems.results.energy_balance import drive_powers, power
@@ -38,8 +39,6 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
     `components` selects other components; a line without control sheaves shows its first idlers. The upper panel shows
     the range of all spans with nearby limits, the lower panels each sheave in detail. Raises UnknownNameError.
     """
-    from matplotlib.figure import Figure
-
     frame, nodes = result.full_frame, [node for run in result.runs for node in run.nodes]
     if components is None:
         components = list(dict.fromkeys(n.name for n in nodes if n.drive_power is not None))
@@ -50,7 +49,7 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
             raise UnknownNameError(f"{name!r} has no tension_in", nearest(name, list(frame.columns)))
     time = frame.index.to_numpy()
     rows = len(components)
-    figure = Figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
+    figure = new_figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
     axes = figure.subplots(1 + rows, 1, sharex=True, height_ratios=[1.9] + [1.0] * rows, squeeze=False)[:, 0]
     figure.suptitle(f"{result.model.name}: rope tension")
     _all_spans(axes[0], result, time)
@@ -100,13 +99,11 @@ def power_over_time(result: RunData) -> Figure:
 
     Raises UnknownNameError for a line without control sheaves.
     """
-    from matplotlib.figure import Figure
-
     table, powers = power(result), drive_powers(result) / 1e3
     if table.empty:
         raise UnknownNameError(f"{result.model.name!r} has no control sheave", "Only driven sheaves have power")
     sheaves = table.drop(index="line")
-    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    figure = new_figure(figsize=(11.0, 5.0), layout="constrained")
     over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
     # The jumps at crossings make a dashed line look solid, so its width marks the sum.
     over_time.plot(powers.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")

@@ -11,6 +11,7 @@ import pandas as pd
 
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -114,13 +115,11 @@ def _ropes(axis: Axes, shown: Solved) -> None:
 def payload_figure(study: PayloadData) -> Figure:
     """Corridor, payload by station in the colour of its limit, and the tensions with the corridor's payload
     against their safe working loads."""
-    from matplotlib.figure import Figure
-
     rig = study.rig
     paths = _paths(study)
     (x0, x1), (low, high) = _extent(rig, paths)
     needed = 10.7 * (high - low) / (x1 - x0)
-    figure = Figure(figsize=(11.0, needed + 7.2), layout="constrained")
+    figure = new_figure(figsize=(11.0, needed + 7.2), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
     corridor(top, rig, paths, _shown(study))
     figure.suptitle(_headline(study))
