@@ -146,10 +146,11 @@ static double length_of(const double *v, double lift)
 static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k, int forward)
 {
     int run = l->run_of[k], span = k - run;
-    const double *mass = m->mass + m->load_first[run], *going = q->z + l->force[span];
+    const double *mass = m->mass + m->load_first[run], *going;
     double coming[3], g = q->p[0], carried, weight, ratio;
     long long load = m->passed[k] - (forward ? 0 : 1);
     if (l->held[k] < 0 || k == l->run_first[run] || is_last(l, k)) return 1;
+    going = q->z + l->force[span];
     memcpy(coming, q->z + l->force[span - 1], sizeof coming);
     weight = mass[load] * g;
     carried = q->p[m->mass_per_length[span - 1]] * (rope_at(l, q, m, k) - rope_at(l, q, m, k - 1));

@@ -176,10 +176,10 @@ class RunData:
         m, records = self.model, [self.records[i] for i in which.tolist()]
         keep = list(m.y.shown)
         moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
-        blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
+        more = [np.reshape(rows, (len(records), -1)) for rows in ([r.x for r in records], [r.u for r in records])]
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
-        values = np.hstack([np.reshape(block, (len(records), -1)) for block in blocks])
+        values = np.hstack([y[:, keep], z[:, moves], *more])
         frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
         frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
         frame.attrs["descriptions"] = Labels(
