@@ -1,6 +1,6 @@
 """The public names of ropeway, and where they are defined."""
 
-from . import fmu as fmu
+from . import fmu as fmu, units as units
 from .components.anchor import Anchor as Anchor, SpringAnchor as SpringAnchor
 from .components.carriage import Carriage as Carriage
 from .components.carriage_on_shoe import CarriageOnShoe as CarriageOnShoe
@@ -46,12 +46,13 @@ from .components.rope import (
     ConstructionStretch as ConstructionStretch,
     Elastic as Elastic,
     Rope as Rope,
-    ropes as ropes,
 )
+from .components.rope_catalogue import carriages as carriages, ropes as ropes, yarders as yarders
 from .components.schedule import Schedule as Schedule
 from .components.sheave import Sheave as Sheave
 from .components.span import Span as Span
 from .components.spar import Block as Block, HeadSpar as HeadSpar, Tailhold as Tailhold, TailSpar as TailSpar
+from .components.table_writer import write_table as write_table
 from .components.terrain import Profile as Profile
 from .components.variable import (
     Energies as Energies,
@@ -65,11 +66,13 @@ from .systems.dynamics.result import Result as Result
 from .systems.dynamics.simulation import simulate as simulate
 from .systems.exchange.gis import export_gis as export_gis
 from .systems.exchange.places import places as places
+from .systems.exchange.study_inputs import StudyInputs as StudyInputs
 from .systems.modelling.assembly import assemble as assemble
 from .systems.modelling.component_functions import check_component as check_component
 from .systems.modelling.dae_model import Model as Model
 from .systems.modelling.intervention import Intervention as Intervention
 from .systems.modelling.system import System as System
+from .systems.reporting.document import Project as Project
 from .systems.rigs.endless import endless as endless
 from .systems.rigs.guylines import string_guylines as string_guylines
 from .systems.rigs.live_skyline import gravity_skyline as gravity_skyline, live_skyline as live_skyline
@@ -118,11 +121,13 @@ from .systems.studies.handbook.payload_methods import (
     tension_for_payload as tension_for_payload,
 )
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
 from .systems.studies.skyline.inhaul.study import Inhaul as Inhaul, inhaul as inhaul
 from .systems.studies.skyline.load_path import load_path as load_path
 from .systems.studies.skyline.payload.study import PayloadStudy as PayloadStudy, payload as payload
 from .systems.studies.skyline.pretension import SetUp as SetUp, set_up as set_up, tension_history as tension_history
+from .systems.studies.skyline.reporting.path_report import load_path_report as load_path_report
 from .systems.studies.skyline.support_layout import (
     Candidate as Candidate,
     SupportPlan as SupportPlan,

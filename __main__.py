@@ -13,6 +13,7 @@ import typer
 from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
+from ropeway.components.table_writer import write_table
 from ropeway.components.whole_files import whole
 from ropeway.fmu.cli import app as fmu_commands
 
@@ -249,10 +250,8 @@ def _write(result: Result, out: Path) -> list[str]:
     """Writes tensions, events and pictures; returns the names of the files."""
     tensions, events, over_time, line = (out / f"{name}" for name in _FILES)
     columns = result.frame.filter(regex=r"\.(tension_in|tension_out|rope_tension|tension_a|tension_b)$")
-    with whole(tensions) as file:
-        _with_units(columns, result).to_csv(file, float_format="%.3f")
-    with whole(events) as file:
-        result.events.to_csv(file, index=False)
+    write_table(columns, tensions)
+    write_table(result.events, events)
     with whole(over_time) as file:
         result.plot().savefig(file, dpi=130)
     with whole(line) as file:
@@ -299,8 +298,7 @@ def _report_plan(plan: SchedulePlan, out: Path) -> None:
     robust = plan.robustness()
     plan.to_csv(out / "schedule.csv")
     for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
-        with whole(out / name) as file:
-            table.to_csv(file)
+        write_table(table, out / name)
     with whole(out / "schedule.png") as file:
         plan.plot().savefig(file, dpi=130)
     _print_plan(plan, robust)
@@ -322,7 +320,7 @@ def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
     _table(title, ["", *shown], rows)
     gap = plan.gap
     typer.echo(
-        f"{len(plan.report.rounds)} rounds, {plan.report.seconds:.0f} s; plan and simulation differ by "
+        f"{len(plan.history.rounds)} rounds, {plan.history.seconds:.0f} s; plan and simulation differ by "
         f"{1e3 * gap.crossing_time:.2g} ms in the times of crossings, {gap.peak_tension:.2g} N in the highest tension"
     )
     limits = [
@@ -337,11 +335,6 @@ def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
         ["", *over.columns],
         [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
     )
-
-
-def _with_units(frame: pd.DataFrame, result: Result) -> pd.DataFrame:
-    units = result.full_frame.attrs["units"]
-    return frame.rename(columns={c: f"{c} [{units[c]}]" for c in frame.columns}).rename_axis("time [s]")
 
 
 def _table(title: str, columns: list[str], rows: list[list[str]]) -> None:

@@ -115,8 +115,8 @@ def main(
             f"{best[name] / scale:.2f}" if best else "",
             f"{plan.objective / scale:.2f}",
             f"{100.0 * (max(values) / min(values) - 1.0):.3f}",
-            str(len(plan.report.rounds)),
-            f"{sum(r.solve_seconds for r in plan.report.rounds):.1f}",
+            str(len(plan.history.rounds)),
+            f"{sum(r.solve_seconds for r in plan.history.rounds):.1f}",
             f"{walls[0]:.1f}",
             f"{searched:.0f}",
         )
@@ -125,8 +125,8 @@ def main(
             name,
             f"{1e3 * plan.gap.crossing_time:.1e}",
             f"{plan.gap.peak_tension:.2g}",
-            str(plan.report.variables),
-            str(plan.report.constraints),
+            str(plan.history.variables),
+            str(plan.history.constraints),
             f"{late.filter(regex=r'drive_force$').abs().max(axis=None) / 1e3:.3f}",
             f"{late.filter(regex=r'^c[0-9]+.power$').abs().max(axis=None) / 1e3:.3f}",
         )

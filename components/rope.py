@@ -5,21 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Protocol, overload
+from typing import Protocol, overload
 
-from ropeway.components import check
+from ropeway.components import check, table
 from ropeway.components.accepted_values import RefusedError
 from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError, UnknownNameError
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-MODULUS = 93.1e9
-"""Modulus of a 6-strand IWRC rope on its metallic area [Pa] (Lyons 2008, p. 32)."""
-
+from ropeway.components.rope_catalogue import MODULUS, CatalogueRope, all_ropes, by_factors, constructions
 
 HEAVIEST, SOFTEST, WEAKEST, THICKEST = 200.0, 1e5, 1e3, 0.2
 """Limits of plausible ropes: mass per length [kg/m], axial stiffness [N], breaking load [N], diameter [m]."""
@@ -98,24 +92,6 @@ class ConstructionStretch:
         return Strain(1.0 / axial_stiffness, self.coefficient / breaking_load**2)
 
 
-@dataclass(frozen=True, slots=True)
-class Construction:
-    """EN 12385-4 factors of a construction: m = W d^2/100 [kg/m], A = C d^2 [mm2], F = K d^2 R/1000 [kN]."""
-
-    mass: float
-    area: float
-    strength: float
-
-
-CONSTRUCTIONS: dict[str, Construction] = {
-    "6x19 IWRC": Construction(0.400, 0.449, 0.356),
-    "6x36 IWRC": Construction(0.409, 0.460, 0.356),
-    "6x19 FC": Construction(0.359, 0.384, 0.330),
-    "6x36 FC": Construction(0.367, 0.393, 0.330),
-}
-"""EN 12385-4 factors W, C, K (d in mm, rope grade in N/mm2)."""
-
-
 @checked
 @dataclass(frozen=True)
 class Rope:
@@ -169,16 +145,15 @@ class Rope:
 
     @classmethod
     def _from_given(cls, value: object) -> Rope:
-        """A rope as users give it: itself, or the name of one in `NAMED`. Raises RefusedError."""
+        """A rope as users give it: itself, or the name of one in the catalogue. Raises RefusedError."""
         if isinstance(value, Rope):
             return value
-        known = [entry.name for entry in NAMED]
+        known = all_ropes()
         if isinstance(value, str) and value in known:
             return cls.named(value)
-        names = ", ".join(map(repr, known))
-        near = get_close_matches(value, known, 1) if isinstance(value, str) else ()
-        meant = f"; did you mean {near[0]!r}?" if near else ""
-        raise RefusedError(value, f"a Rope, or the name of one: {names}{meant}")
+        near = get_close_matches(value, known, 3) if isinstance(value, str) else ()
+        meant = f"; did you mean {', '.join(map(repr, near))}?" if near else ""
+        raise RefusedError(value, f"a Rope, or the name of one of rw.ropes(){meant}")
 
     @property
     def strain(self) -> Strain:
@@ -206,7 +181,7 @@ class Rope:
         Parameters
         ----------
         construction : str
-            Such as "6x19 IWRC", "6x36 IWRC", "6x19 FC" or "6x36 FC".
+            Of the catalogue, such as "6x19 IWRC" (`docs/catalogue.md`).
         diameter : float
             Nominal diameter [m].
         grade : float, default 1960
@@ -230,36 +205,37 @@ class Rope:
         UnknownNameError
             An unknown construction.
         """
-        if construction not in CONSTRUCTIONS:
-            known = ", ".join(CONSTRUCTIONS)
-            raise UnknownNameError(f"No construction {construction!r}", f"Known are {known}")
+        known = constructions()
+        if construction not in known:
+            raise UnknownNameError(f"No construction {construction!r}", f"Known are {', '.join(known)}")
         owner = f"Rope {construction}"
         _require_diameter(diameter, owner)
         check.positive(grade, owner, "grade", "N/mm2")
         check.positive(modulus, owner, "modulus", "Pa")
-        factors, mm = CONSTRUCTIONS[construction], diameter * 1e3
-        return cls(
-            mass_per_length=factors.mass * mm**2 / 100.0,
-            axial_stiffness=modulus * factors.area * diameter**2,
-            breaking_load=factors.strength * mm**2 * grade,
-            diameter=diameter,
-            stretch=Elastic() if stretch is None else stretch,
-            safety_factor=safety_factor,
-            name=f"{construction} {mm:g} mm {grade:g}",
-        )
+        name = f"{construction} {diameter * 1e3:g} mm {grade:g}"
+        return cls._of(by_factors(name, known[construction], diameter, grade, modulus), stretch, safety_factor)
 
     @classmethod
-    def named(cls, name: str, *, stretch: StretchLaw | None = None, safety_factor: float = 3.0) -> Rope:
-        """A rope from the list of named ropes; `rw.ropes()` shows it.
+    def named(
+        cls,
+        name: str,
+        *,
+        stretch: StretchLaw | None = None,
+        safety_factor: float = 3.0,
+        catalogue: table.Source | None = None,
+    ) -> Rope:
+        """A rope of the catalogue by its name; `rw.ropes()` shows it.
 
         Parameters
         ----------
         name : str
-            Such as "compacted skyline 22".
+            Such as "compacted skyline 22" or "6x19 IWRC 22 1960".
         stretch : Elastic or ConstructionStretch, optional
             Stretch law; by default elastic.
         safety_factor : float, default 3
             Minimum breaking load over safe working load.
+        catalogue : str, Path or DataFrame, optional
+            A table of yours (CSV, Excel, TOML), which is looked up first.
 
         Returns
         -------
@@ -270,22 +246,25 @@ class Rope:
         ------
         UnknownNameError
             An unknown name.
+        InputError
+            The table cannot be read.
         """
-        entry = next((r for r in NAMED if r.name == name), None)
-        if entry is None:
-            known = ", ".join(repr(r.name) for r in NAMED)
-            raise UnknownNameError(f"No rope {name!r}", f"Known are {known}")
-        # The sources give no modulus for single ropes. The metallic area follows from the mass and the density of a
-        # 6x19 IWRC construction (rho = 9300 kg/m3 on the metallic area, Lyons 2008, p. 32).
-        modulus = 100e9 if entry.source == "SEILAPLAN" else MODULUS
+        known = all_ropes(() if catalogue is None else (catalogue,))
+        if name not in known:
+            near = get_close_matches(name, known, n=4, cutoff=0.5) or list(known)[:6]
+            raise UnknownNameError(f"No rope {name!r}", f"Near are {', '.join(map(repr, near))}; rw.ropes() has all")
+        return cls._of(known[name], stretch, safety_factor)
+
+    @classmethod
+    def _of(cls, entry: CatalogueRope, stretch: StretchLaw | None, safety_factor: float) -> Rope:
         return cls(
             mass_per_length=entry.mass_per_length,
-            axial_stiffness=modulus * entry.mass_per_length / 9300.0,
+            axial_stiffness=entry.axial_stiffness,
             breaking_load=entry.breaking_load,
             diameter=entry.diameter,
             stretch=Elastic() if stretch is None else stretch,
             safety_factor=safety_factor,
-            name=name,
+            name=entry.name,
         )
 
 
@@ -311,57 +290,6 @@ def _require_diameter(diameter: float, owner: str) -> None:
 def _implausible(owner: str, field: str, value: float, unit: str, meant: str) -> InputError:
     """An error for an implausible value."""
     return InputError(f"{owner}: {field} is {value} {unit}, which no rope has", f"Give {unit}. Is it in {meant}?")
-
-
-@dataclass(frozen=True, slots=True)
-class NamedRope:
-    """A named rope, with its source."""
-
-    name: str
-    diameter: float
-    mass_per_length: float
-    breaking_load: float
-    source: str
-
-
-NAMED = (
-    NamedRope("compacted skyline 20", 0.020, 1.98, 356e3, "SEILAPLAN"),
-    NamedRope("compacted skyline 22", 0.022, 2.37, 424e3, "SEILAPLAN"),
-    NamedRope("6x19 EEIP 19", 0.01905, 1.4, 256.3e3, "Lyons 2008"),
-    NamedRope("6x19 EEIP 25", 0.0254, 2.4, 450.3e3, "Lyons 2008"),
-    NamedRope("RHOL-IWRC 29", 0.0286, 3.48, 576.6e3, "Harvey 2013"),
-)
-"""Named ropes: diameter [m], mass [kg/m], minimum breaking load [N]."""
-
-
-@checked
-def ropes() -> pd.DataFrame:
-    """Table of the named ropes; `Rope.named` makes one.
-
-    Returns
-    -------
-    DataFrame
-        Index name; diameter [m], mass_per_length [kg/m], axial_stiffness [N], breaking_load [N], source.
-
-    Examples
-    --------
-    >>> rw.ropes().loc["compacted skyline 22", "breaking_load"]
-    424000.0
-    """
-    import pandas as pd
-
-    rows = [
-        {
-            "name": r.name,
-            "diameter": r.diameter,
-            "mass_per_length": r.mass_per_length,
-            "axial_stiffness": Rope.named(r.name).axial_stiffness,
-            "breaking_load": r.breaking_load,
-            "source": r.source,
-        }
-        for r in NAMED
-    ]
-    return pd.DataFrame(rows).set_index("name")
 
 
 def hanging_limit(rope: Rope, gravity: float) -> float:

@@ -58,7 +58,7 @@ def main(folder: Path = Path("ropeway-guyed")) -> pd.DataFrame:
     table = pd.DataFrame(rows)
     print(table.round(1).to_string(index=False))
     folder.mkdir(parents=True, exist_ok=True)
-    table.to_csv(folder / "guyed_spar.csv", index=False)
+    rw.write_table(table, folder / "guyed_spar.csv")
     picture(paths).savefig(folder / "guyed_spar.png", dpi=110)
     return table
 

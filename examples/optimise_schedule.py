@@ -83,7 +83,7 @@ def main(folder: Path = Path("ropeway-schedule")) -> pd.DataFrame:
     )
     print(table.round(2).to_string())
     for name, plan in best.items():
-        gap, report = plan.gap, plan.report
+        gap, report = plan.gap, plan.history
         print(
             f"\nLeast {name}: {len(report.rounds)} rounds, {report.seconds:.0f} s; "
             f"simulation and plan {1e3 * gap.crossing_time:.2g} ms (crossings), {gap.peak_tension:.2g} N (peak) apart"

@@ -45,7 +45,7 @@ def main(folder: Path = Path("ropeway-saddle")) -> pd.DataFrame:
     print("Steepest change of the mainline's pull [kN/m], by the radius of the shoe:")
     print(steepest.round(1).to_string())
     folder.mkdir(parents=True, exist_ok=True)
-    pulls.to_csv(folder / "saddle.csv", index=False)
+    rw.write_table(pulls, folder / "saddle.csv")
     picture(pulls).savefig(folder / "saddle.png", dpi=110)
     return pulls
 

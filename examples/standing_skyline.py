@@ -33,7 +33,7 @@ def main(folder: Path = Path("ropeway-skyline")) -> rw.PayloadStudy:
     worst = study.limiting
     print(f"\nLargest payload {math.floor(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}.")
     folder.mkdir(parents=True, exist_ok=True)
-    study.frame.to_csv(folder / "payload.csv", index=False)
+    study.to_csv(folder / "payload.csv")
     study.plot().savefig(folder / "payload.png", dpi=110)
     return study
 

@@ -1,6 +1,7 @@
 """The public names of ropeway.fmu, and where they are defined."""
 
 from .cosimulation.cosimulation import CoSimulation as CoSimulation
+from .cosimulation.run_report import run_report as run_report
 from .cosimulation.step_control import StepControl as StepControl
 from .errors import (
     FmuError as FmuError,

@@ -9,7 +9,7 @@ import pandas as pd
 import typer
 
 from ropeway.cli_options import LineOptions, errors_on_one_line, grouped
-from ropeway.components.whole_files import whole
+from ropeway.components.table_writer import write_table
 
 app = typer.Typer(help="FMUs: export a line, describe an FMU, run an FMU.", no_args_is_help=True, rich_markup_mode=None)
 
@@ -91,8 +91,7 @@ def run(
 
 def _table(frame: pd.DataFrame, out: Path) -> str:
     """Writes the outputs of a run with their units; returns a message."""
-    units = frame.attrs["units"]
-    named = frame.rename(columns={c: f"{c.removeprefix('fmu.')} [{units[c]}]" for c in frame.columns})
-    with whole(out) as file:
-        named.rename_axis("time [s]").to_csv(file)
+    named = frame.rename(columns=lambda name: name.removeprefix("fmu."))
+    named.attrs = {"units": {name.removeprefix("fmu."): unit for name, unit in frame.attrs["units"].items()}}
+    write_table(named, out)
     return f"{len(named)} rows of {len(named.columns)} outputs written to {out.resolve()}"

@@ -119,7 +119,7 @@ def test_optimise(tmp_path: Path, command: Command) -> None:
     assert "optimised" in done.stdout
     assert "masses +10 %" in done.stdout
     table = pd.read_csv(tmp_path / "o" / "schedule.csv", index_col=0)
-    assert list(table.columns) == [f"c{k}.speed" for k in range(1, 5)]
+    assert list(table.columns) == [f"c{k}.speed [m/s]" for k in range(1, 5)]
     assert (tmp_path / "o" / "schedule.png").stat().st_size > 5000
     wrong = command("optimise", line, "--minimise", "comfort")
     assert wrong.exit_code == 1
@@ -224,7 +224,7 @@ def test_printed_limits_are_on_the_safe_side(tmp_path: Path, command: Command) -
     corridor = str(EXAMPLES / "corridor.csv")
     done = command("payload", corridor, "--tail", "260", "--tail-height", "9", "--spacing", "65")
     table = pd.read_csv(tmp_path / "ropeway-payload" / "payload.csv")
-    least = table["payload"].min()
+    least = table["payload [kg]"].min()
     (printed,) = [int(line.split()[2]) for line in done.stdout.splitlines() if line.startswith("Largest payload")]
     assert printed <= least < printed + 1
 

@@ -53,7 +53,7 @@ def test_wheel_holds_the_tree(tmp_path: Path) -> None:
     tracked = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     wanted = {f"ropeway/{f}" for f in tracked if f.endswith(".py") and ("/" not in f or f.split("/")[0] in CODE)}
     assert wanted <= names
-    data = ("py.typed", "__init__.pyi", "fmu/__init__.pyi", "examples/line.csv")
+    data = ("py.typed", "components/catalogue/ropes.csv", "__init__.pyi", "fmu/__init__.pyi", "examples/line.csv")
     sources = ("systems/native/ropeway.h", "fmu/exporting/templates/fmi3.c")
     assert {f"ropeway/{name}" for name in (*data, *sources)} <= names
     assert wheel.name.startswith(f"ropeway-{rw.__version__}-")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,8 +14,10 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
-from ropeway.components.whole_files import whole
 from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
@@ -126,13 +128,28 @@ class Result(RunData):
         """
         return energy(self)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write the frame as CSV.
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the run: the moving line, tensions, supports, spans, drives and events.
 
         Parameters
         ----------
         path : str or Path
-            The file.
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
 
         Returns
         -------
@@ -140,31 +157,17 @@ class Result(RunData):
 
         Raises
         ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
         WriteError
+            The file could not be written.
         """
-        with whole(path) as file:
-            self.frame.to_csv(file)
-        return Path(path)
+        from ropeway.systems.results.result_report import sections_of
 
-    def to_parquet(self, path: str | Path) -> Path:
-        """Write the frame with its units as Parquet; needs pyarrow, the extra `parquet`.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        WriteError
-        """
-        with whole(path) as file:
-            self.frame.to_parquet(file)
-        return Path(path)
+        self._require_rope()
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.model.name, sections_of(self, self.summary(), style), options)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
         """Plot tensions over time, with SWL and MBL.

@@ -13,6 +13,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
@@ -43,7 +44,7 @@ class Event(NamedTuple):
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class RunData:
+class RunData(Tabular):
     """What a run leaves: records, and what follows from them by the model. Its fields: see `rw.Result`."""
 
     model: Model
@@ -176,10 +177,10 @@ class RunData:
         m, records = self.model, [self.records[i] for i in which.tolist()]
         keep = list(m.y.shown)
         moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
-        more = [np.reshape(rows, (len(records), -1)) for rows in ([r.x for r in records], [r.u for r in records])]
+        blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
         tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
-        values = np.hstack([y[:, keep], z[:, moves], *more])
+        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
         frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
         frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
         frame.attrs["descriptions"] = Labels(

@@ -1,1 +1,1 @@
-"""Floor 7: whole systems out of public parts, without physics of their own."""
+"""Floor 7: whole systems built from public components. A rig adds no physics."""

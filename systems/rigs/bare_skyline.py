@@ -1,4 +1,4 @@
-"""The skyline of a rig without carriage and load, guyed spars held upright."""
+"""The skyline of a rig without its carriage. Guyed spars are held upright."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 
 def bare_equilibrium(rig: RigParts) -> tuple[Equilibrium, tuple[Span, ...]]:
-    """It at rest, and its spans between headspar and tailspar. Raises SlackRopeError, EquilibriumError."""
-    bare, spans = _strung(rig)
+    """The bare skyline at rest, and its spans between headspar and tailspar. Raises SlackRopeError,
+    EquilibriumError."""
+    bare, spans = _bare_system(rig)
     return equilibrium(bare), spans[: rig.spans]
 
 
 def bare_tension(rig: RigParts) -> float:
-    """Its tension at the headspar [N]."""
+    """Tension of the bare skyline at the headspar [N]."""
     solution, spans = bare_equilibrium(rig)
     return solution[f"{spans[0].name}.tension_a"]
 
 
 def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
-    """Points along it (x, z) between headspar and tailspar, 201 a span [m]."""
+    """Points (x, z) along the bare skyline between headspar and tailspar, 201 per span [m]."""
     solution, spans = bare_equilibrium(rig)
     curves = [solution.profile(span.name, 201) for span in spans]
     x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
@@ -39,16 +40,17 @@ def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
 
 
 def length_over_shoes(rig: RigParts, tension: float) -> float:
-    """Its unstretched length [m] for a tension at the headspar [N], from the rig's length that is near it. Raises
+    """Unstretched length [m] for a tension at the headspar [N]. The rig's length is the initial guess. Raises
     EquilibriumError."""
-    bare, spans = _strung(rig)
+    bare, spans = _bare_system(rig)
     freed = f"{spans[-1].name}.length_start"
     solution = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
     return float(sum(solution[f"{span.name}.length_start"] for span in spans))
 
 
 def tension_over_points(rig: RigParts) -> float:
-    """Its tension at the headspar [N], shoes taken as points; the least possible one for a slack rope."""
+    """Tension of the bare skyline at the headspar [N], with shoes as points. For a slack rope, the least possible
+    tension."""
     if rig.tension is not None:
         return rig.tension
     points, rope = [tuple(p) for p in rig.points], rig.skyline
@@ -57,15 +59,15 @@ def tension_over_points(rig: RigParts) -> float:
     for _ in range(50):
         middle = 0.5 * (low + high)
         try:
-            long = lengths_for_tension(points, weight, rope.strain, middle, names).sum() > (rig.length or 0.0)
+            too_long = lengths_for_tension(points, weight, rope.strain, middle, names).sum() > (rig.length or 0.0)
         except SlackRopeError:
-            long = True
-        low, high = (middle, high) if long else (low, middle)
+            too_long = True
+        low, high = (middle, high) if too_long else (low, middle)
     return high
 
 
 def lengths_over_points(rig: RigParts, points: Sequence[Sequence[float]] | np.ndarray, length: float) -> np.ndarray:
-    """Unstretched lengths [m] between `points` of a skyline with a total `length` [m], at rest without a load."""
+    """Unstretched lengths [m] between `points` of an unloaded skyline at rest, for a total `length` [m]."""
     weight = rig.skyline.mass_per_length * rig.gravity
     names = _span_names(len(points) - 1)
     return lengths_for_total([tuple(p) for p in points], weight, rig.skyline.strain, length, names)
@@ -75,7 +77,7 @@ def _span_names(count: int) -> list[str]:
     return [f"skyline {k + 1}" for k in range(count)]
 
 
-def _strung(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
+def _bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
     bare = System(rig.name, gravity=rig.gravity, terrain=rig.terrain)
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]

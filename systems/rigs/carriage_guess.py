@@ -1,7 +1,7 @@
-"""Where a loaded carriage is about, from geometry: starting values, never results.
+"""Estimate of a loaded carriage's position from geometry: initial guesses, never results.
 
-The rope from the carriage to the two ends of its span is taken as straight, with the excess of a parabola;
-the carriage then stands on an ellipse, and its tension is (Q + w L / 2) / (sin + sin).
+The rope from the carriage to the two ends of its span is straight, with the excess length of a parabola. The carriage
+then lies on an ellipse, and the tension is (Q + w L / 2) / (sin + sin).
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ class Start(NamedTuple):
 
 
 def rope_lengths(points: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:
-    """Unstretched lengths [m] between `points` (n, 3) of a rope at about a tension [N], not lower than its own
-    weight needs."""
+    """Unstretched lengths [m] between `points` (n, 3) of a rope at an approximate tension [N]. A tension too low for
+    the rope's own_excess weight is raised."""
     d = np.diff(points, axis=0)
     chord = np.linalg.norm(d, axis=1)
-    flat = np.hypot(d[:, 0], d[:, 1])
-    enough = max(tension, float((0.4 * weight * flat + 0.6 * weight * np.abs(d[:, 2])).max()))
-    return np.asarray((chord + (weight * flat) ** 2 * chord / (24.0 * enough**2)) / (1.0 + strain.at(enough)))
+    horizontal = np.hypot(d[:, 0], d[:, 1])
+    used = max(tension, float((0.4 * weight * horizontal + 0.6 * weight * np.abs(d[:, 2])).max()))
+    return np.asarray((chord + (weight * horizontal) ** 2 * chord / (24.0 * used**2)) / (1.0 + strain.at(used)))
 
 
 class _Span(NamedTuple):
-    """A carriage's span seen from the carriage: horizontal distances to its ends [m], their heights [m]."""
+    """The span of a carriage: horizontal distances from the carriage to both ends [m], heights of the ends [m]."""
 
     left: float
     right: float
@@ -40,11 +40,11 @@ class _Span(NamedTuple):
     zb: float
 
     def reach(self, z: float) -> tuple[float, float]:
-        """Straight distances from a carriage at a height z to both ends."""
+        """Straight distances from the carriage at height z to both ends."""
         return float(np.hypot(self.left, self.za - z)), float(np.hypot(self.right, self.zb - z))
 
     def tension(self, z: float, weight: float, load: float) -> float:
-        """Equal tension on both sides that carries a load and half the rope; inf at or above the chord."""
+        """Equal tension on both sides that supports a load and half of the rope; inf at or above the chord."""
         a, b = self.reach(z)
         lift = (self.za - z) / a + (self.zb - z) / b
         return (load + 0.5 * weight * (a + b)) / lift if lift > 0.0 else np.inf
@@ -58,39 +58,40 @@ class _Span(NamedTuple):
 
     @property
     def chord(self) -> float:
-        """Height of the chord over the carriage."""
+        """Height of the chord at the carriage's station."""
         return self.za + (self.zb - self.za) * self.left / (self.left + self.right)
 
 
-def _seen(ends: np.ndarray, station: float) -> _Span:
+def _span_at(ends: np.ndarray, station: float) -> _Span:
     a, b = ends
     share = (station - a[0]) / (b[0] - a[0])
-    flat = float(np.hypot(b[0] - a[0], b[1] - a[1]))
-    return _Span(share * flat, (1.0 - share) * flat, float(a[2]), float(b[2]))
+    horizontal = float(np.hypot(b[0] - a[0], b[1] - a[1]))
+    return _Span(share * horizontal, (1.0 - share) * horizontal, float(a[2]), float(b[2]))
 
 
 def at_height(ends: np.ndarray, station: float, weight: float, load: float, z: float) -> Start:
     """A carriage at a given height z [m] in a span with `ends` (2, 3)."""
-    span = _seen(ends, station)
+    span = _span_at(ends, station)
     return Start(z, min(span.tension(z, weight, load), 1e7), span.pull(z, load))
 
 
 def ellipse(
     points: np.ndarray, k: int, station: float, weight: float, strain: Strain, total: float, load: float
 ) -> Start:
-    """A carriage in span k of a rope of unstretched length `total` [m] over `points` (n, 3), with a load [N]."""
-    span = _seen(points[k : k + 2], station)
+    """A loaded carriage in span k of a rope over `points` (n, 3). Its unstretched length is `total` [m], the load is in
+    N."""
+    span = _span_at(points[k : k + 2], station)
     d = np.diff(points, axis=0)
-    chord, flat = np.linalg.norm(d, axis=1), np.hypot(d[:, 0], d[:, 1])
+    chord, horizontal = np.linalg.norm(d, axis=1), np.hypot(d[:, 0], d[:, 1])
     others = np.arange(len(chord)) != k
-    excess = (weight * flat[others]) ** 2 * chord[others] / 24.0
+    excess = (weight * horizontal[others]) ** 2 * chord[others] / 24.0
     straight = float(chord[others].sum())
-    own = weight**2 * (span.left**3 + span.right**3) / 24.0
+    own_excess = weight**2 * (span.left**3 + span.right**3) / 24.0
 
     def height(tension: float) -> float:
-        """Where the rope left for the span lets the carriage hang; the chord when it is too short."""
-        rope = total * (1.0 + strain.at(tension)) - straight - (float(excess.sum()) + own) / tension**2
-        return _below(span, rope)
+        """Height of the carriage on the rope that remains for its span; the chord where that rope is too short."""
+        rope = total * (1.0 + strain.at(tension)) - straight - (float(excess.sum()) + own_excess) / tension**2
+        return _lower_branch(span, rope)
 
     low, high = 1.0, 1e9
     for _ in range(60):
@@ -104,11 +105,11 @@ def ellipse(
     return Start(z, tension, span.pull(z, load))
 
 
-def _below(span: _Span, rope: float) -> float:
-    """Height at which the two straight pieces are `rope` metres long together: the lower branch of the
-    ellipse with the span's ends as foci; the chord where the rope is shorter than that."""
-    flat, rise = span.left + span.right, span.zb - span.za
-    if rope * rope <= flat * flat + rise * rise:
+def _lower_branch(span: _Span, rope: float) -> float:
+    """Height at which the two straight pieces have a total length `rope` [m]: the lower branch of the ellipse with the
+    ends of the span as foci. The chord where the rope is shorter than the chord."""
+    horizontal, rise = span.left + span.right, span.zb - span.za
+    if rope * rope <= horizontal * horizontal + rise * rise:
         return span.chord
     # |CA| + |CB| = r: with u = zc - za and |CA|^2 - |CB|^2 known in u, one square root.
     c = span.left**2 - span.right**2 - rise**2 + rope**2  # |CA| = (c + 2 u rise) / (2 r)
@@ -120,12 +121,12 @@ def _below(span: _Span, rope: float) -> float:
 
 
 def running(ends: np.ndarray, station: float, weight: float, load: float, tension: float, z: float | None) -> Start:
-    """A carriage of a running skyline: the haulback goes over it to the tail and ends at it; the tension of
-    the haulback at the carriage is given, or the carriage's height z [m]."""
-    span = _seen(ends, station)
+    """A carriage of a running skyline: the haulback runs over it to the tail and back to it. Either the haulback's
+    tension at the carriage or the carriage's height z [m] is given."""
+    span = _span_at(ends, station)
 
     def balance(z: float) -> tuple[float, float]:
-        """Haulback tension for vertical balance at a height, and mainline pull over it."""
+        """Haulback tension for vertical balance at height z, and the ratio of mainline pull to that tension."""
         a, b = span.reach(z)
         ratio = max(2.0 * (span.right / b) / (span.left / a) - 1.0, 0.05)
         lift = (1.0 + ratio) * (span.za - z) / a + 2.0 * (span.zb - z) / b

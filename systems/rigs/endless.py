@@ -1,4 +1,4 @@
-"""An endless mono-cable line: the rope goes out, around a tensioned return wheel, and back to its drive."""
+"""An endless mono-cable line: the rope runs out, around a tensioned return wheel, and back to its drive."""
 
 from __future__ import annotations
 
@@ -43,38 +43,38 @@ def endless(
     terrain: ProfileSource | None = None,
     clearance: float | None = None,
 ) -> System:
-    """An endless line with loads both ways.
+    """An endless line with loads in both directions.
 
     Parameters
     ----------
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     supports : str, Path or DataFrame
-        As for `rw.monocable`, in the order of the rope, out and back: the first is the drive (control), at which the
-        rope also ends, one is the return.
+        Table as for `rw.monocable`, in the order of the rope, out and back. The first support is the drive (kind
+        control); the rope ends there too. One support is the return.
     tension : float
-        Of the empty rope where it leaves the drive [N].
+        Tension of the empty rope where it leaves the drive [N].
     speed : float or Schedule, default 1.0
-        Of the drive and of all other control sheaves [m/s].
+        Rope speed at the drive and at all other control sheaves [m/s].
     load_mass : float or sequence of float, optional
-        Of the loads [kg], in order and repeated; 0 is a missing load. They go round either way.
+        Masses of the loads [kg], in order and repeated; 0 is a missing load. Loads circulate in either direction.
     load_spacing : float, optional
-        Distance of the loads along the rope [m], rounded so that they are evenly spread around.
+        Spacing of the loads along the rope [m], rounded so that loads are evenly spaced around the loop.
     take_up : float, optional
-        Constant force on the return wheel [N]; by default the force of the empty rope on it.
+        Constant force on the return wheel [N]; by default the force that the empty rope exerts on it.
     drive : Drive, optional
-        Of the first control sheave and of all others; an ideal one otherwise.
+        Drive of all control sheaves; an ideal drive by default.
     name : str, default "endless line"
-        Of the line, in results and messages.
+        Name of the line in results and messages.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
     crs : str, optional
         Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
     terrain : Profile, str, Path or DataFrame, optional
-        The ground below. Its stations count along the line; if both lie on one map, they are where the terrain is.
-        It lies under the rope's way back too.
+        Ground below the line. Its stations are distances along the line; if line and terrain lie on one map, the map
+        places them. The returning rope has the same ground below it.
     clearance : float, optional
-        Least height of rope and loads above the terrain [m]: `Result.events` has where a run falls below it.
+        Least height of rope and loads above the terrain [m]. `Result.events` lists where a run falls below it.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def endless(
     Raises
     ------
     InputError
-        A value of the table is wrong (with file, line and column), or there is not one return.
+        A value of the table is invalid (with file, line and column), or the number of returns is not one.
     SlackRopeError
         The empty rope does not hang taut at its tension.
 
@@ -103,10 +103,10 @@ def endless(
     table, map_frame = read_supports(supports, endless=True, crs=crs)
     check.positive(tension, "endless", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
-        raise InputError("endless has one of load_mass and load_spacing", "Give both, or none for an empty rope")
+        raise InputError("endless has only one of load_mass and load_spacing", "Give both, or neither")
     returns = np.flatnonzero(table["kind"] == "return")
     if len(returns) != 1:
-        raise InputError(f"The line has {len(returns)} returns", "One support is the return, of kind return")
+        raise InputError(f"The line has {len(returns)} returns", "Give exactly one support the kind return")
     line = System(name, gravity=gravity)
     line.map_frame, line.ground = map_frame, ground_under(table, profile_of(terrain), map_frame, clearance)
     if take_up is None:
@@ -121,27 +121,27 @@ def endless(
 
 
 def _around(nodes: Sequence[Node]) -> Sequence[Node]:
-    """Supports in the order of an endless rope, which ends where it starts."""
+    """Supports in the order of an endless rope, which ends at its first support."""
     return (*nodes, nodes[0])
 
 
 def _supports(table: pd.DataFrame, speed: Speed, drive: Drive | None, take_up: float | None) -> list[Node]:
-    """The supports of a table; its return wheel pulled by `take_up` [N], or fixed in its place for None."""
+    """The supports of a table. `take_up` is the force on the return wheel [N]; None fixes the wheel."""
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     nodes: list[Node] = []
     for i, row in enumerate(table.to_dict("records")):
-        about = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
+        common = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
         if row["kind"] == "control":
             own: Drive = drive or IdealDrive()
             own = replace(own, **own_values(own, row, "drive"))
-            own_values(None, row, "response")  # no sheave of an endless line has one
-            # The drive's wheel lies flat: it holds the rope in height from either side.
-            nodes.append(ControlSheave(**about, hold_down=i == 0, speed=speed, drive=own))
+            own_values(None, row, "response")  # no sheave of an endless line has a response
+            # The drive's wheel is horizontal: it supports the rope vertically on both sides.
+            nodes.append(ControlSheave(**common, hold_down=i == 0, speed=speed, drive=own))
         elif row["kind"] == "return" and take_up is not None:
-            # It slides in the middle between its ropes, away from them.
+            # It slides along the bisector of its two ropes.
             before, after = points[i] - points[i - 1], points[i] - points[(i + 1) % len(points)]
             axis = before / np.linalg.norm(before) + after / np.linalg.norm(after)
-            nodes.append(TensionedReturn(**about, hold_down=True, direction=tuple(axis.tolist()), take_up=take_up))
+            nodes.append(TensionedReturn(**common, hold_down=True, direction=tuple(axis.tolist()), take_up=take_up))
         else:
-            nodes.append(Sheave(**about))
+            nodes.append(Sheave(**common))
     return nodes

@@ -1,4 +1,4 @@
-"""Guylines strung to a spar with their pretension."""
+"""Guylines of a spar, strung with their pretension."""
 
 from __future__ import annotations
 
@@ -15,27 +15,26 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 
 @checked
 def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
-    """Strings all guylines of a spar, from their anchors `GUYLINE` to its top.
+    """String all guylines of a spar, from their anchors `GUYLINE` to its top.
 
-    Their lengths give them their pretension while the spar stands upright; released, the spar moves to its own
-    equilibrium.
+    Their lengths give the pretension while the spar is upright. The released spar then moves to its equilibrium.
 
     Parameters
     ----------
     system : System
-        The guylines are added to it.
+        System to which the guylines are added.
     spar : GuyedSpar
-        The mast; its guylines have names of their own.
+        The spar. Its guylines have unique names.
 
     Returns
     -------
     tuple of Span
-        One for each guyline, in order.
+        One span per guyline, in order.
 
     Raises
     ------
     SlackRopeError
-        A pretension is too little for a guyline's own weight.
+        A pretension is too low for a guyline's own weight.
     EquilibriumError
         A guyline has no equilibrium on its elastic anchor.
 
@@ -63,7 +62,7 @@ def anchor(guy: Guyline) -> Node:
 
 @lru_cache(maxsize=256)
 def pretensioned(guy: Guyline, top: tuple[float, ...], gravity: float) -> float:
-    """Unstretched length [m] with which a guyline has its pretension at the anchor, its top end held at `top`."""
+    """Unstretched length [m] that gives a guyline its pretension at the anchor while its top end is held at `top`."""
     alone = System(guy.name, gravity=gravity)
     (span,) = alone.string(guy.rope, anchor(guy), Anchor("top", at=top), tension=guy.pretension)
     if guy.stiffness == float("inf"):

@@ -1,4 +1,4 @@
-"""Skylines whose length the yarder sets: live skyline, and gravity skyline (shotgun)."""
+"""Skylines with a length that the yarder sets: live skyline and gravity skyline (shotgun)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def live_skyline(
     name: str = "live skyline",
     gravity: Positive = GRAVITY,
 ) -> SkylineRig:
-    """A skyline on a drum at the headspar, so that it can be lowered and raised.
+    """A skyline on a drum at the headspar, which lowers and raises it.
 
     `HEADSPAR.travel` is the rope paid out [m]; `rw.payload(..., clearance=)` and `rw.load_path(..., height=)` set the
     skyline's length at each station. The arguments come in the groups of `rw.standing_skyline`.
@@ -48,50 +48,50 @@ def live_skyline(
     Parameters
     ----------
     terrain : Profile, str, Path, DataFrame or None
-        The ground, or its table with station and elevation [m]. None: spars and supports are placed with `at=`.
+        Ground, or its table with station and elevation [m]. None: spars and supports are placed with `at=`.
     headspar : HeadSpar
-        A `GuyedSpar` too: its drums stand at its foot.
+        The headspar. The drums of a `GuyedSpar` stand at its foot.
     tailspar : TailSpar or GuyedSpar
-        With a tailhold the skyline runs over its top to that.
+        The tailspar. If it has a tailhold, the skyline runs over its top to the tailhold.
     supports : sequence of IntermediateSupport, default ()
         In the order of their stations.
     skyline : Rope or str
-        Or the name of one in `rw.ropes()`; so for every rope.
+        A rope, or a name from `rw.ropes()`, as for every rope argument.
     tension : float, optional
-        Of the bare skyline at the headspar [N], before it is lowered. Give either this or `length`.
+        Tension of the bare skyline at the headspar [N], before lowering. Give either this or `length`.
     length : float, optional
-        Unstretched, from the headspar to the skyline's end [m], before it is lowered.
+        Unstretched length from the headspar to the end of the skyline [m], before lowering.
     carriage : Carriage
-        Rolling, or clamped to the skyline.
+        The carriage, rolling or clamped to the skyline.
     holding : {"bisector", "horizontal"}, default "bisector"
         Direction of the ideal force that holds a rolling carriage without a mainline.
     mainline : Rope or str, optional
-        From the headspar over rollers at the supports to the carriage.
+        Rope from the headspar over rollers at the supports to the carriage.
     haulback : Rope or str, optional
-        Pulls the carriage out, at the `haulback_tension` that its drum keeps.
+        Rope that pulls the carriage out. Its drum keeps `haulback_tension`.
     haulback_tension : float, optional
-        At the haulback's drum [N].
+        Tension at the haulback's drum [N].
     haulback_block : Block, optional
-        By the tailspar: the haulback runs to it and back to the carriage. Without one an ideal drum at the tailspar's
-        top pulls.
+        Block near the tailspar: the haulback runs to it and back to the carriage. Otherwise an ideal drum at the top of
+        the tailspar pulls.
     turn : Turn, optional
-        A log on a dropline, which drags on the ground or hangs free; the payload is its mass.
+        A log on a dropline, dragging or free. Its mass is the payload.
     name : str, default "live skyline"
-        Of the rig, in results and messages.
+        Name of the rig in results and messages.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     SkylineRig
-        With its parts at their places.
+        The rig with its parts in position.
 
     Raises
     ------
     InputError
-        A part is missing, not in order or below the ground, or the skyline is shorter than its chords.
+        A part is missing, out of order or below the ground, or the skyline is shorter than its chords.
     SlackRopeError
-        The bare skyline does not hang taut at its tension.
+        The given tension leaves the bare skyline slack.
     EquilibriumError
         The bare skyline has no equilibrium over its shoes.
 
@@ -144,43 +144,43 @@ def gravity_skyline(
 ) -> SkylineRig:
     """A live skyline without a haulback (shotgun).
 
-    The empty carriage runs out by its weight, the mainline brings it in. `rw.payload` gives 0 where the empty carriage
-    does not run out.
+    The empty carriage runs out by gravity, the mainline pulls it in. The payload of `rw.payload` is 0 where the empty
+    carriage does not run out.
 
     Parameters
     ----------
     terrain : Profile, str, Path, DataFrame or None
-        The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
+        Ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
     headspar : HeadSpar
-        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
+        The headspar. The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
     tailspar : TailSpar or GuyedSpar
-        With a tailhold the skyline runs over its top to that.
+        The tailspar. If it has a tailhold, the skyline runs over its top to the tailhold.
     skyline : Rope or str
-        Or the name of one in `rw.ropes()`; so for every rope.
+        A rope, or a name from `rw.ropes()`, as for every rope argument.
     tension : float, optional
-        Of the bare skyline at the headspar [N], before it is lowered. Give either this or `length`.
+        Tension of the bare skyline at the headspar [N], before lowering. Give either this or `length`.
     length : float, optional
-        Unstretched, from the headspar to the skyline's end [m], before it is lowered.
+        Unstretched length from the headspar to the end of the skyline [m], before lowering.
     carriage : Carriage
-        Rolling, or clamped to the skyline.
+        The carriage, rolling or clamped to the skyline.
     mainline : Rope or str
-        From the headspar to the carriage.
+        Rope from the headspar to the carriage.
     name : str, default "gravity skyline"
-        Of the rig, in results and messages.
+        Name of the rig in results and messages.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     SkylineRig
-        With its parts at their places.
+        The rig with its parts in position.
 
     Raises
     ------
     InputError
         A part is missing or below the ground, or the skyline is shorter than its chord.
     SlackRopeError
-        The bare skyline does not hang taut at its tension.
+        The given tension leaves the bare skyline slack.
 
     Examples
     --------

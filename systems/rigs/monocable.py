@@ -53,40 +53,40 @@ def monocable(
     Parameters
     ----------
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     supports : str, Path or DataFrame
-        Columns name, x, y, z [m], kind (anchor, drum, idler, control, return) in the order of the rope, see
+        Table in the order of the rope with columns name, x, y, z [m], kind (anchor, drum, idler, control, return), see
         `docs/files.md`. Columns such as drive.relief_pressure or response.increment change single values of a control
         sheave.
     tension : float
-        Of the empty rope at rest at the first support [N]. It sets how much rope there is between the control
-        sheaves; drums at the ends keep the tension that the empty rope has there.
+        Tension of the empty rope at rest at the first support [N]. It sets the length of rope between the control
+        sheaves. Drums at the ends keep the tension of the empty rope there.
     speed : float or Schedule, default 1.0
-        Of the rope at all control sheaves, from the first support to the last [m/s]; on a line without any the first
-        drum drives.
+        Rope speed at all control sheaves, from the first support to the last [m/s]. On a line without control sheaves
+        the first drum drives.
     load_mass : float or sequence of float, optional
-        Of the loads [kg], in order and repeated; 0 is a missing load. The rope starts full of loads, more are put on
-        at the first support, all are taken off at the last. On a line that runs backwards they leave at the first
-        support, those taken off at the last come in again there, and behind the first load of the start the rope
-        comes in empty.
+        Masses of the loads [kg], in order and repeated; 0 is a missing load. The rope starts full of loads. Loads are
+        put on at the first support and taken off at the last. On a line that runs backwards, loads leave at the first
+        support. Loads taken off at the last support enter there again; after them the rope enters empty.
     load_spacing : float, optional
-        Distance of the loads along the rope [m].
+        Spacing of the loads along the rope [m].
     name : str, default "mono-cable line"
-        Of the line, in results and messages.
+        Name of the line in results and messages.
     drive : Drive or mapping of str to Drive, optional
-        Of the control sheaves: one for all, or one for each name; ideal drives otherwise.
+        Drive of all control sheaves, or one for each name; ideal drives by default.
     response : Response or mapping of str to Response, optional
-        Of the control sheaves: one for all, or one for each name; none otherwise.
+        Response of all control sheaves, or one for each name; no response by default.
     precedence : str, default "all at once"
-        Which control sheave acts first when several respond.
+        Rule that selects the control sheave to act first when several respond.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
     crs : str, optional
         Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
     terrain : Profile, str, Path or DataFrame, optional
-        The ground below. Its stations count along the line; if both lie on one map, they are where the terrain is.
+        Ground below the line. Its stations are distances along the line; if line and terrain lie on one map, the map
+        places them.
     clearance : float, optional
-        Least height of rope and loads above the terrain [m]: `Result.events` has where a run falls below it.
+        Least height of rope and loads above the terrain [m]. `Result.events` lists where a run falls below it.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def monocable(
     Raises
     ------
     InputError
-        A value of the table is wrong (with file, line and column), or arguments contradict each other.
+        A value of the table is invalid (with file, line and column), or arguments contradict each other.
     SlackRopeError
         The empty rope does not hang taut at its tension.
 
@@ -115,7 +115,7 @@ def monocable(
     table, map_frame = read_supports(supports, crs=crs)
     check.positive(tension, "monocable", "tension", "N")
     if (load_mass is None) != (load_spacing is None):
-        raise InputError("monocable has one of load_mass and load_spacing", "Give both, or none for an empty rope")
+        raise InputError("monocable has only one of load_mass and load_spacing", "Give both, or neither")
     controlled = bool((table["kind"] == "control").any())
     if "anchor" in set(table["kind"]) and (controlled or speed != 0.0):
         raise InputError("A rope with an anchored end cannot move", "Use drums at the ends, or speed=0 and no controls")
@@ -127,17 +127,17 @@ def monocable(
     tensions = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
     nodes: list[Node] = []
     for i, row in enumerate(table.to_dict("records")):
-        about = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
+        common = {"name": row["name"], "label": row["label"], "at": tuple(points[i])}
         if row["kind"] == "anchor":
-            nodes.append(Anchor(**about))
+            nodes.append(Anchor(**common))
         elif row["kind"] == "control":
-            nodes.append(_control_sheave(about, row, speed, drive, response))
+            nodes.append(_control_sheave(common, row, speed, drive, response))
         elif row["kind"] == "drum" and i == 0 and not controlled:
-            nodes.append(Drum(**about, speed=speed))
+            nodes.append(Drum(**common, speed=speed))
         elif row["kind"] == "drum":
-            nodes.append(Drum(**about, tension=float(tensions[i])))
+            nodes.append(Drum(**common, tension=float(tensions[i])))
         else:
-            nodes.append(Sheave(**about))
+            nodes.append(Sheave(**common))
     spans = line.string(rope, *nodes, tension=tension)
     if load_mass is not None and load_spacing is not None:
         line.feed(spans, spacing=load_spacing, masses=load_mass)
@@ -145,28 +145,28 @@ def monocable(
 
 
 def _control_sheave(
-    about: Mapping[str, Any],
+    common: Mapping[str, Any],
     row: Mapping[Any, Any],
     speed: Speed,
     drives: Drive | Mapping[str, Drive] | None,
     responses: Response | Mapping[str, Response] | None,
 ) -> ControlSheave:
-    """A control sheave with its drive and response, changed by what its row gives."""
-    drive: Drive = _of(drives, row) or IdealDrive()
+    """A control sheave with its drive and response; values of its row replace theirs."""
+    drive: Drive = _part_for(drives, row) or IdealDrive()
     drive = replace(drive, **own_values(drive, row, "drive"))
-    response = _of(responses, row)
+    response = _part_for(responses, row)
     changes = own_values(response, row, "response")
     response = None if response is None else replace(response, **changes)
-    return ControlSheave(**about, speed=speed, drive=drive, response=response)
+    return ControlSheave(**common, speed=speed, drive=drive, response=response)
 
 
 def _require_control_sheaves(parts: object, table: pd.DataFrame) -> None:
-    """Raises InputError for a mapping that names what is no control sheave of a table of supports."""
+    """Raises InputError for a key that is not a control sheave of a table of supports."""
     controls = table[table["kind"] == "control"]
     if isinstance(parts, Mapping) and (unknown := set(parts) - {*controls["name"], *controls["label"]}):
-        raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Name those of the table")
+        raise InputError(f"{sorted(unknown)[0]!r} is not a control sheave of the line", "Use a name from the table")
 
 
-def _of(parts: _Part | Mapping[str, _Part] | None, row: Mapping[Any, Any]) -> _Part | None:
-    """The part of one support: its own, by its name or label, or the one for all."""
+def _part_for(parts: _Part | Mapping[str, _Part] | None, row: Mapping[Any, Any]) -> _Part | None:
+    """The part of one support: by its name or label, or the common one."""
     return parts.get(row["label"], parts.get(row["name"])) if isinstance(parts, Mapping) else parts

@@ -1,4 +1,4 @@
-"""How rigs are made: their parts placed on the terrain and checked, and the skyline's length for its tension."""
+"""Construction of rigs: places their parts on the terrain, checks them, and solves for the skyline's length."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ropeway.systems.rigs.skyline_rig import SkylineRig
 def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> SkylineRig:
     """A rig from its parts, placed on the terrain and checked. Raises InputError, SlackRopeError, EquilibriumError.
 
-    holding: direction of the ideal force on a carriage that neither a mainline nor a clamp holds.
+    `holding` is the direction of the ideal force on a carriage without mainline and clamp.
     """
     check.positive(parts.gravity, parts.name, "gravity", "m/s2")
     parts = _placed(parts)
@@ -33,7 +33,7 @@ def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> 
     kind.require_parts(parts)
     parts = replace(
         _with_blocks(kind, parts),
-        supports=_shod(parts.stands),
+        supports=_with_shoes(parts.stands),
         carriage=replace(parts.carriage, holding=holding if parts.ideal else None),
     )
     rig = SkylineRig(kind=kind, **{field.name: getattr(parts, field.name) for field in fields(parts)})
@@ -41,14 +41,14 @@ def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> 
 
 
 def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
-    """The same rig over other supports, its bare rope at the same tension. Raises InputError, SlackRopeError,
+    """The same rig over other supports, with the same tension of its bare rope. Raises InputError, SlackRopeError,
     EquilibriumError."""
     placed = [support.placed(rig.terrain) for support in supports]
-    return _with_length(replace(rig, supports=_shod([rig.headspar, *placed, rig.tailspar]), length=None))
+    return _with_length(replace(rig, supports=_with_shoes([rig.headspar, *placed, rig.tailspar]), length=None))
 
 
 def _placed(parts: RigParts) -> RigParts:
-    """With all parts at their points on the terrain. Raises InputError."""
+    """The parts at their points on the terrain. Raises InputError."""
     ground, tail, block = parts.terrain, parts.tailspar.placed(parts.terrain), parts.haulback_block
     if tail.tailhold is not None:
         tail = replace(tail, tailhold=tail.tailhold.placed(ground))
@@ -62,7 +62,7 @@ def _placed(parts: RigParts) -> RigParts:
 
 
 def _with_blocks(kind: RigKind, parts: RigParts) -> RigParts:
-    """With a block at the top of a guyed spar for each rope that runs through there."""
+    """The parts with a block at the top of a guyed spar for each rope that passes there."""
     head, tail = parts.headspar, parts.tailspar
     if isinstance(head, GuyedSpar):
         back = parts.haulback_block is not None and not parts.carriage.clamped
@@ -80,24 +80,24 @@ def _require_order(stands: Sequence[Node]) -> None:
             raise InputError(
                 f"{after.described} stands at station {after.at[0]:g} m, "
                 f"{before.described} before it at {before.at[0]:g} m",
-                "Name headspar, supports and tailspar in the order of their stations",
+                "Give headspar, supports and tailspar in the order of their stations",
             )
 
 
 def _require_lines(parts: RigParts) -> None:
-    """Raises InputError for a haulback or a turn that lacks something."""
+    """Raises InputError for an incomplete haulback or turn."""
     name, haulback, block = parts.name, parts.haulback, parts.haulback_block
     if (haulback is None) != (parts.haulback_tension is None):
-        raise InputError(f"{name} has one of haulback and haulback_tension", "Give both, or none")
+        raise InputError(f"{name} has only one of haulback and haulback_tension", "Give both, or neither")
     if parts.haulback_tension is not None:
         check.positive(parts.haulback_tension, name, "haulback_tension", "N")
     if haulback is None and block is not None:
-        raise InputError(f"{name} has a haulback_block and no haulback", "Give haulback and haulback_tension too")
+        raise InputError(f"{name} has a haulback_block but no haulback", "Give haulback and haulback_tension too")
     if haulback is not None and parts.ideal:
-        raise InputError(f"{name} has a haulback and no mainline", "Give a mainline that holds against it")
+        raise InputError(f"{name} has a haulback but no mainline", "Give a mainline that holds it back")
     if haulback is not None and block is None and isinstance(parts.tailspar, GuyedSpar) and parts.pulled:
         raise InputError(
-            f"{name}: the ideal drum of a haulback would not pull at {parts.tailspar.described}, which gives way",
+            f"{name}: the ideal drum of a haulback needs a rigid tailspar; {parts.tailspar.described} is guyed",
             "Give a haulback_block",
         )
     if parts.turn is not None and parts.terrain is None:
@@ -105,7 +105,7 @@ def _require_lines(parts: RigParts) -> None:
 
 
 def _with_length(rig: SkylineRig) -> SkylineRig:
-    """With the skyline's length for its tension, checked against its strength."""
+    """The rig with the skyline's length for its tension, checked against its strength."""
     if (rig.length is None) == (rig.tension is None):
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
     length = rig.length if rig.tension is None else _length_for(rig, rig.tension)
@@ -129,17 +129,17 @@ def _length_for(rig: SkylineRig, tension: float) -> float:
     if tension >= rope.breaking_load:
         raise InputError(
             f"{rig.name}: tension {tension:g} N is above the rope's minimum breaking load {rope.breaking_load:g} N",
-            "Ask for less tension or take a stronger rope",
+            "Reduce the tension or choose a stronger rope",
         )
     names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends)]
     weight, points = rope.mass_per_length * rig.gravity, [tuple(p) for p in rig.points]
     length = float(np.sum(lengths_for_tension(points, weight, rope.strain, tension, names)))
-    if any(support.radius > 0.0 for support in rig.supports):  # so far over the points of the supports
+    if any(support.radius > 0.0 for support in rig.supports):  # so far over the supports' points
         length = length_over_shoes(replace(rig, length=length), tension)
     return length
 
 
-def _shod(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
+def _with_shoes(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
     """The supports between the first and the last of `stands`, their shoes along the bisector of the chords.
     Raises InputError."""
     supports = []
@@ -148,9 +148,9 @@ def _shod(stands: Sequence[Node]) -> tuple[IntermediateSupport, ...]:
             continue
         if support.radius > 0.0:
             if support.friction > 0.0:
-                raise InputError(f"{support.described} has a radius and friction", "Leave one of them out")
+                raise InputError(f"{support.described} has a radius and friction", "Remove one of them")
             if len({node.at[1] for node in stands}) > 1:
-                raise InputError(f"{support.described}: a shoe lies in the plane of the line", "Leave its radius out")
+                raise InputError(f"{support.described}: a shoe lies in the plane of the line", "Remove its radius")
             if support.slope is None:
                 chords = np.diff([before.at, support.at, after.at], axis=0)
                 x, _, z = (chords / np.linalg.norm(chords, axis=1)[:, None]).sum(axis=0)

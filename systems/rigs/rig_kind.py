@@ -1,4 +1,4 @@
-"""What differs between the kinds of skyline rigs. Rigs and studies ask the kind; they never compare kinds."""
+"""Differences between the kinds of skyline rigs. Rigs and studies call the kind; they never compare kinds."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ from ropeway.systems.rigs.rope_paths import from_yarder, string_running_skyline,
 
 @dataclass(frozen=True)
 class RigKind(ABC):
-    """A kind of skyline rig: which rope carries the carriage, what the yarder sets, what holds the carriage."""
+    """A kind of skyline rig: the rope that supports the carriage, the quantity that the yarder sets, and the carriage's
+    hold."""
 
     name: ClassVar[str]
     """One word, as in "standing skyline"."""
     carrying_rope: ClassVar[str] = "skyline"
-    """What loggers call the rope that carries the carriage. Its role in the model is "skyline" in every kind."""
+    """Loggers' name of the rope that supports the carriage. Its role in the model is "skyline" in every kind."""
     haulback_role: ClassVar[str] = "haulback"
     """Role in the model of the rope that pulls the carriage out."""
     keeps_length: ClassVar[bool] = True
@@ -33,11 +34,11 @@ class RigKind(ABC):
     sets_height: ClassVar[bool] = True
     """Whether the yarder can lower and raise the carriage at a station."""
     drum_variable: ClassVar[str] = "travel"
-    """What of the carrying rope's drum sets that height."""
+    """Variable of the carrying rope's drum that sets this height."""
     has_clamp: ClassVar[bool] = True
-    """Whether the carriage can be held on the carrying rope where its mainline would have to push."""
+    """Whether a clamp can hold the carriage on the carrying rope where the mainline would have to push."""
     runs_out_by_gravity: ClassVar[bool] = False
-    """Whether the empty carriage has only its weight to run out."""
+    """Whether the empty carriage runs out by gravity alone."""
 
     @abstractmethod
     def skyline_drum(self, rig: RigParts) -> str:
@@ -59,7 +60,7 @@ class RigKind(ABC):
     def guess(
         self, rig: RigParts, span: int, station: float, payload: float, height: float | None
     ) -> carriage_guess.Start:
-        """Where the carriage is about: on the ellipse of its span, or at a given `height` z [m]."""
+        """Initial guess of the carriage: on the ellipse of its span, or at a given `height` z [m]."""
         load, weight, ends = _weights(rig, span, payload)
         if height is not None:
             return carriage_guess.at_height(ends, station, weight, load, height)
@@ -67,7 +68,7 @@ class RigKind(ABC):
         return carriage_guess.ellipse(rig.points, span, station, weight, strain, rig.length or 0.0, load)
 
     def require_parts(self, rig: RigParts) -> None:  # noqa: B027 most kinds can have all parts
-        """Raises InputError for parts that this kind of rig cannot have."""
+        """Raises InputError for parts that do not belong to this kind of rig."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ class Running(RigKind):
     def require_parts(self, rig: RigParts) -> None:
         hold = rig.tailspar.tailhold
         if hold is not None:
-            raise InputError(f"{rig.name} has no skyline for {hold.described}", "Leave the tailhold out")
+            raise InputError(f"{rig.name} has no skyline for {hold.described}", "Remove the tailhold")
 
 
 STANDING, LIVE, GRAVITY, RUNNING = Standing(), Live(), Gravity(), Running()

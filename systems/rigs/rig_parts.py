@@ -1,4 +1,4 @@
-"""What a skyline rig is made of, and where its parts are."""
+"""The parts of a skyline rig and their positions."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ class RigParts:
     headspar : HeadSpar
     tailspar : TailSpar or GuyedSpar
     skyline : Rope
-        That carries the carriage: of a running skyline the haulback.
+        Rope that supports the carriage; in a running skyline the haulback.
     carriage : Carriage
     name : str
     supports : sequence of IntermediateSupport, default ()
     length : float, optional
-        Unstretched, of the skyline from the headspar to its end [m].
+        Unstretched length of the skyline from the headspar to its end [m].
     tension : float, optional
-        Of the bare skyline at the headspar; of a running skyline at the haulback's drum [N].
+        Tension of the bare skyline at the headspar; for a running skyline, at the haulback's drum [N].
     mainline, haulback : Rope, optional
     haulback_tension : float, optional
-        At the haulback's drum [N].
+        Tension at the haulback's drum [N].
     haulback_block : Block, optional
     turn : Turn, optional
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
     """
 
     terrain: Profile | None
@@ -69,18 +69,18 @@ class RigParts:
 
     @property
     def ends(self) -> tuple[Node, ...]:
-        """What the skyline runs over: headspar, supports, tailspar, and the tailhold behind it."""
+        """Nodes of the skyline: headspar, supports, tailspar, and the tailhold behind it."""
         hold = self.tailspar.tailhold
         return (*self.stands, *(() if hold is None else (hold,)))
 
     @property
     def points(self) -> np.ndarray:
-        """Points that the skyline runs over, shape (n, 3) [m]."""
+        """Points of these nodes, shape (n, 3) [m]."""
         return np.array([node.at for node in self.ends])
 
     @property
     def spans(self) -> int:
-        """Number of spans that the carriage can run on."""
+        """Number of spans on which the carriage runs."""
         return len(self.supports) + 1
 
     @property
@@ -95,5 +95,5 @@ class RigParts:
 
     @property
     def guyed_spars(self) -> tuple[GuyedSpar, ...]:
-        """Those of its two spars that are guyed."""
+        """The guyed ones of the two spars."""
         return tuple(spar for spar in (self.headspar, self.tailspar) if isinstance(spar, GuyedSpar))

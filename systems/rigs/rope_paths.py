@@ -1,4 +1,4 @@
-"""The ropes of a rig strung into its System: over which drums, blocks and supports each one runs."""
+"""The ropes of a rig in its System: the drums, blocks and supports of each."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ from ropeway.systems.rigs.rig_parts import RigParts
 
 
 def from_yarder(rig: RigParts, rope: str, drum: str, tension: float | None = None) -> list[Any]:
-    """Where a rope starts: a drum at the headspar's top, or at a guyed one's foot and a block at its top."""
+    """First nodes of a rope: a drum at the top of the headspar, or a drum at the foot of a guyed spar and a block at
+    its top."""
     if isinstance(rig.headspar, GuyedSpar):
         return [Drum(drum, at=rig.headspar.foot, tension=tension), rig.headspar.block(rope)]
     return [Drum(drum, at=rig.headspar.at, tension=tension)]
 
 
 def tail_block(rig: RigParts, rope: str) -> Node | Seat:
-    """The block at the tailspar's top that a rope runs through."""
+    """The block of a rope at the top of the tailspar."""
     if isinstance(rig.tailspar, GuyedSpar):
         return rig.tailspar.block(rope)
     return Block(rig.tailspar.name, at=rig.tailspar.at, capacity=rig.tailspar.capacity)
@@ -41,19 +42,19 @@ def tail_block(rig: RigParts, rope: str) -> Node | Seat:
 def string_skyline(
     system: System, rig: RigParts, carriage: Carriage, head: Sequence[Any], span: int, on: int | None
 ) -> None:
-    """The skyline from its `head`, a spar or a drum and a block, over the supports to its end. The carriage hangs in
-    a span, or stands `on` a support."""
+    """The skyline from its `head` (a spar, or a drum and a block) over the supports to its end. The carriage is in a
+    span, or `on` a support."""
     hold = rig.tailspar.tailhold
     tail = (rig.tailspar,) if hold is None else (tail_block(rig, "skyline"), hold)
     over: list[Any] = [*head, *rig.supports, *tail]
     first = len(head) + span
     over[first : first + (on is not None)] = [carriage]
     length = rig.length or 0.0
-    if len(head) > 1:  # from the drum up to the block, with the bare rope's stretch
+    if len(head) > 1:  # from the drum up to the block, with the stretch of the bare rope
         strain = rig.skyline.strain.at(tension_over_points(rig))
         length += float(np.linalg.norm(np.subtract(_node(head[1]).at, head[0].at))) / (1.0 + strain)
     if any(s.friction > 0.0 for s in rig.supports):
-        # Friction in the saddles counts from where the bare rope lay on them: by the rope beyond each.
+        # Saddle friction counts from the position of the bare rope in each saddle, given by the rope length beyond it.
         strung = np.cumsum(lengths_over_points(rig, [_node(o).at for o in over], length)[::-1])[::-1]
         bare = np.cumsum(lengths_over_points(rig, rig.points, rig.length or 0.0)[::-1])[::-1]
         for k, support in enumerate(rig.supports):
@@ -70,8 +71,8 @@ def string_running_skyline(system: System, rig: RigParts, carriage: Carriage) ->
 
 
 def string_haulback(system: System, rig: RigParts, carriage: Carriage) -> None:
-    """The haulback, where the rig has one besides its skyline: from the yarder to its block and back to the carriage;
-    without a block from an ideal drum at the tailspar's top."""
+    """The haulback of a rig that has one besides its skyline: from the yarder to its block and back to the carriage.
+    Without a block it starts at an ideal drum at the top of the tailspar."""
     if rig.haulback is None or carriage.clamped:
         return
     if rig.haulback_block is None:
@@ -82,32 +83,33 @@ def string_haulback(system: System, rig: RigParts, carriage: Carriage) -> None:
 
 
 def string_mainline(system: System, rig: RigParts, carriage: Carriage, count: int, pull: float) -> None:
-    """The mainline over rollers at the first `count` supports to the carriage, with a pull of about `pull` [N]."""
+    """The mainline over rollers at the first `count` supports to the carriage. `pull` is an estimate of its tension
+    [N]."""
     if rig.mainline is None or not rig.pulled:
         return
     rollers = [_roller(support) for support in rig.supports[:count]]
     over = [*from_yarder(rig, "mainline", "mainline"), *rollers, carriage.mainline]
-    # Beside the skyline and the guylines of a guyed spar its spans need names of their own.
+    # The default names are taken by the skyline and the guylines of a guyed spar.
     _string(system, rig.mainline, over, pull, "line" if isinstance(rig.headspar, GuyedSpar) else None)
 
 
 def _node(one: Node | Seat) -> Node:
-    """A node, or that of a seat."""
+    """The node itself, or the node of a seat."""
     node = one.owner if isinstance(one, Seat) else one
     if not isinstance(node, Node):
-        raise InputError(f"{node.name!r} is no support", "Give a node or a seat of one")
+        raise InputError(f"{node.name!r} is not a support", "Give a node or one of its seats")
     return node
 
 
 def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, name: str | None = None) -> None:
-    """Strings a rope with about a tension [N], or the least one that its own weight needs."""
+    """Strings a rope at an approximate tension [N], or at the least tension that its own weight needs."""
     points = np.array([_node(o).at for o in over])
     lengths = carriage_guess.rope_lengths(points, rope.mass_per_length * system.gravity, rope.strain, tension)
     system.string(rope, *over, length=float(lengths.sum()), name=name)
 
 
 def _roller(support: IntermediateSupport) -> Node:
-    """What the mainline runs over at a support: a sheave, or an arc like that of its shoe."""
+    """Roller of the mainline at a support: a sheave, or an arc like that of its shoe."""
     name = f"{support.name}_mainline"
     if support.radius == 0.0:
         return Sheave(name, at=support.at)

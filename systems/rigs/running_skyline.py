@@ -38,28 +38,28 @@ def running_skyline(
     Parameters
     ----------
     terrain : Profile, str, Path, DataFrame or None
-        The ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
+        Ground, or its table with station and elevation [m]. None: the spars are placed with `at=`.
     headspar : HeadSpar
-        The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
+        The headspar. The yarder's drums are at its top, or at the foot of a `GuyedSpar`.
     tailspar : TailSpar or GuyedSpar
-        Without a tailhold.
+        The tailspar, without a tailhold.
     haulback : Rope or str
-        Or the name of one in `rw.ropes()`; so for every rope.
+        A rope, or a name from `rw.ropes()`, as for every rope argument.
     tension : float
-        Of the haulback at its drum, which the yarder keeps [N].
+        Tension of the haulback at its drum, kept by the yarder [N].
     mainline : Rope or str
-        From the headspar to the carriage.
+        Rope from the headspar to the carriage.
     carriage : Carriage
-        Rolling.
+        The carriage, a rolling one.
     name : str, default "running skyline"
-        Of the rig, in results and messages.
+        Name of the rig in results and messages.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     SkylineRig
-        With its parts at their places.
+        The rig with its parts in position.
 
     Raises
     ------

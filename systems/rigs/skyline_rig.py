@@ -1,4 +1,4 @@
-"""A skyline rig: its parts, its kind, and the System that they make with the carriage in one of the spans."""
+"""A skyline rig: its parts, its kind, and its System with the carriage in one of the spans."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ropeway.systems.rigs.rig_parts import RigParts
 from ropeway.systems.rigs.rope_paths import string_haulback, string_mainline
 
 STEEPEST = 0.98
-"""Sine of the steepest slope of a shoe that a carriage can stand on."""
+"""Sine of the steepest slope of a shoe on which a carriage can stand."""
 
 
 @checked
@@ -28,42 +28,42 @@ STEEPEST = 0.98
 class SkylineRig(RigParts):
     """A skyline with its carriage.
 
-    `rw.standing_skyline`, `rw.live_skyline`, `rw.gravity_skyline` and `rw.running_skyline` make one.
+    `rw.standing_skyline`, `rw.live_skyline`, `rw.gravity_skyline` and `rw.running_skyline` create rigs.
 
     Parameters
     ----------
     terrain : Profile or None
-        The ground, None where spars and supports are placed by position.
+        The ground; None where spars and supports are given by position.
     headspar : HeadSpar
-        At its place on the terrain, as all supports.
+        The headspar, at its position on the terrain like all supports.
     supports : tuple of IntermediateSupport
-        In the order of their stations.
+        Supports in the order of their stations.
     tailspar : TailSpar or GuyedSpar
-        The far end of the last span.
+        The tailspar, at the far end of the last span.
     skyline : Rope
-        That carries the carriage: of a running skyline the haulback.
+        Rope that supports the carriage; in a running skyline the haulback.
     length : float or None
-        Unstretched, from the headspar to where the skyline is tied [m]; None for a running skyline.
+        Unstretched length from the headspar to the end of the skyline [m]; None for a running skyline.
     tension : float or None
-        Of the bare skyline at the headspar, or at the drum of a running skyline [N].
+        Tension of the bare skyline at the headspar, or at the drum of a running skyline [N].
     mainline : Rope or None
-        From the headspar to the carriage.
+        Rope from the headspar to the carriage.
     haulback : Rope or None
-        Besides the skyline; None for a running skyline.
+        Rope that pulls the carriage out; None for a running skyline, which has it as its skyline.
     haulback_tension : float or None
-        At the haulback's drum [N].
+        Tension at the haulback's drum [N].
     haulback_block : Block or None
-        By the tailspar.
+        Block near the tailspar.
     carriage : Carriage
-        With the ideal holding force, where nothing else holds it.
+        The carriage, with an ideal holding force if no rope or clamp holds it.
     turn : Turn or None
         A log on a dropline.
     name : str
-        In results and messages.
+        Name in results and messages.
     gravity : float
-        [m/s2].
+        Gravitational acceleration [m/s2].
     kind : RigKind
-        What differs between standing, live, gravity and running skylines.
+        Kind of the rig: standing, live, gravity or running skyline.
 
     Examples
     --------
@@ -81,17 +81,20 @@ class SkylineRig(RigParts):
     kind: RigKind
 
     def __repr__(self) -> str:
-        places = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
-        return f"<SkylineRig {self.name!r}: {places}>"
+        stations = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
+        return f"<SkylineRig {self.name!r}: {stations}>"
 
     @property
     def map_frame(self) -> MapFrame | None:
-        """Where it lies on a map: that of its terrain."""
+        """The map frame of its terrain."""
         return None if self.terrain is None else self.terrain.map_frame
 
     @property
     def skyline_drum(self) -> str:
-        """Name of the drum that sets the skyline's length, or a running one's tension; "" for a standing one."""
+        """Name of the drum that sets the skyline's length or tension.
+
+        The tension on a running skyline; "" on a standing skyline.
+        """
         return self.kind.skyline_drum(self)
 
     def span_of(self, station: float) -> int:
@@ -105,7 +108,7 @@ class SkylineRig(RigParts):
         Returns
         -------
         int
-            Counted from 0; at a support that before it.
+            Index from 0; at a support, the span before it.
 
         Raises
         ------
@@ -116,7 +119,7 @@ class SkylineRig(RigParts):
         if not x[0] < station < x[-1]:
             raise InputError(
                 f"Station {station:g} m is outside the skyline",
-                f"It runs from {x[0]:g} m to {x[-1]:g} m, ends excluded",
+                f"Choose one between {x[0]:g} m and {x[-1]:g} m",
             )
         return int(np.searchsorted(x, station, side="left")) - 1
 
@@ -126,7 +129,7 @@ class SkylineRig(RigParts):
         Parameters
         ----------
         span : int
-            Counted from 0.
+            Index from 0.
         station : float
             [m].
 
@@ -155,7 +158,7 @@ class SkylineRig(RigParts):
         Returns
         -------
         int or None
-            Counted from 0; None without a shoe within its diameter.
+            Index of the support from 0; None if no shoe is within its own diameter of the station.
         """
         for k, support in enumerate(self.supports):
             if abs(station - support.at[0]) < 2.0 * support.radius:
@@ -168,18 +171,18 @@ class SkylineRig(RigParts):
         Parameters
         ----------
         span : int
-            Counted from 0.
+            Index from 0.
         station : float
             [m].
         payload : float
             [kg].
         height : float, optional
-            Given z of the carriage [m].
+            Prescribed z of the carriage [m].
 
         Returns
         -------
         Start
-            Height z [m], skyline tension and pull of the mainline [N].
+            Height z [m], skyline tension and mainline pull [N].
 
         Raises
         ------
@@ -188,7 +191,7 @@ class SkylineRig(RigParts):
         """
         check.index(span, self.spans, self.name, "span")
         if not self.stands[0].at[0] <= station <= self.stands[-1].at[0]:
-            raise InputError(f"Station {station:g} m is outside the skyline", "Choose one between its spars")
+            raise InputError(f"Station {station:g} m is outside the skyline", "Choose a station between its spars")
         return self.kind.guess(self, span, station, payload, height)
 
     def on_shoe_start(self, on: int, station: float, payload: float) -> carriage_guess.Start:
@@ -197,7 +200,7 @@ class SkylineRig(RigParts):
         Parameters
         ----------
         on : int
-            The support, counted from 0.
+            Index of the support from 0.
         station : float
             [m].
         payload : float
@@ -206,7 +209,7 @@ class SkylineRig(RigParts):
         Returns
         -------
         Start
-            Height z [m], skyline tension about, and pull along the shoe [N].
+            Height z [m], approximate skyline tension, and pull along the shoe [N].
 
         Raises
         ------
@@ -219,7 +222,7 @@ class SkylineRig(RigParts):
         support = self.supports[on]
         x = station - support.centre[0]
         if abs(x) > STEEPEST * support.radius:
-            raise EquilibriumError(f"Station {station:g} m is off the shoe of {support.name!r}", "Take one on it")
+            raise EquilibriumError(f"Station {station:g} m is off the shoe of {support.name!r}", "Choose one on it")
         rise = (support.radius**2 - x * x) ** 0.5
         tension = self.start(on, support.at[0] - support.radius, payload).tension
         pull = (self.carriage.mass + payload) * self.gravity * x / support.radius
@@ -236,27 +239,27 @@ class SkylineRig(RigParts):
     ) -> System:
         """The System with the carriage in a span or on a shoe.
 
-        It is solved like any other: `equilibrium(rig.system(0, 120.0))`. With an ideal holding force the
-        station is exact (`carriage.x` is a parameter); otherwise give `carriage.x` and solve for the travel
-        of the mainline's drum (of the clamp for a clamped carriage).
+        `equilibrium(rig.system(0, 120.0))` solves it. With an ideal holding force the station is exact (`carriage.x` is
+        a parameter). Otherwise fix `carriage.x` and solve for the travel of the mainline's drum (or of the clamp of a
+        clamped carriage).
 
         Parameters
         ----------
         span : int, default 0
-            Counted from 0.
+            Index from 0.
         station : float, optional
-            Of the carriage, about [m]; by default mid-span.
+            Approximate station of the carriage [m]; by default mid-span.
         payload : float, optional
-            [kg], by default that of the carriage.
+            Payload [kg]; by default that of the carriage.
         on : int, optional
-            A support with a radius, counted from 0, on whose shoe the carriage stands.
+            Index from 0 of a support with a radius, whose shoe supports the carriage.
         rollers : int, optional
-            How many supports the mainline runs over; by default all that it has passed.
+            Number of supports with a roller under the mainline; by default all supports that the carriage has passed.
 
         Returns
         -------
         System
-            All ropes of the rig, with guylines and log.
+            System with all ropes of the rig, guylines and log.
 
         Raises
         ------
@@ -281,20 +284,20 @@ class SkylineRig(RigParts):
         return system
 
     def _carriage(self, span: int, station: float | None, mass: float) -> tuple[Carriage, carriage_guess.Start]:
-        """The carriage about at a station of a span."""
+        """The carriage near a station of a span."""
         if not 0 <= span < self.spans:
-            raise InputError(f"Span {span} of {self.spans}", f"Choose from 0 to {self.spans - 1}")
-        here, there = self.stands[span].at, self.stands[span + 1].at
-        x = (here[0] + there[0]) / 2.0 if station is None else station
-        if not here[0] < x < there[0]:
+            raise InputError(f"Span {span} of {self.spans} does not exist", f"Choose from 0 to {self.spans - 1}")
+        before, after = self.stands[span].at, self.stands[span + 1].at
+        x = (before[0] + after[0]) / 2.0 if station is None else station
+        if not before[0] < x < after[0]:
             ends = f"{self.stands[span].name} and {self.stands[span + 1].name}"
             raise InputError(
-                f"Station {x:g} m is not between {ends}", f"They stand at {here[0]:g} m and {there[0]:g} m"
+                f"Station {x:g} m is not between {ends}", f"They stand at {before[0]:g} m and {after[0]:g} m"
             )
         start = self.start(span, x, mass)
-        share = (x - here[0]) / (there[0] - here[0])
-        place = (x, here[1] + share * (there[1] - here[1]), start.z)
-        return replace(self.carriage, at=place, payload=mass if self.turn is None else 0.0), start
+        share = (x - before[0]) / (after[0] - before[0])
+        position = (x, before[1] + share * (after[1] - before[1]), start.z)
+        return replace(self.carriage, at=position, payload=mass if self.turn is None else 0.0), start
 
     def _on_shoe(self, on: int, station: float | None, mass: float) -> tuple[Carriage, carriage_guess.Start]:
         """The carriage on a support's shoe."""

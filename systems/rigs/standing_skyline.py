@@ -42,59 +42,59 @@ def standing_skyline(
 ) -> SkylineRig:
     """A standing skyline with its carriage.
 
-    The arguments come in groups: where it stands (`terrain`, `headspar`, `tailspar`, `supports`), the skyline
-    (`skyline` with its `tension` or its `length`), the carriage and what holds it (`carriage`, `holding`,
-    `mainline`), the haulback (`haulback`, `haulback_tension`, `haulback_block`), and the load (`turn`).
+    The arguments form groups: the site (`terrain`, `headspar`, `tailspar`, `supports`), the skyline (`skyline` with its
+    `tension` or its `length`), the carriage and its hold (`carriage`, `holding`, `mainline`), the haulback (`haulback`,
+    `haulback_tension`, `haulback_block`), and the load (`turn`).
 
     Parameters
     ----------
     terrain : Profile, str, Path, DataFrame or None
-        The ground, or its table with station and elevation [m], as `rw.Profile.from_csv` reads it. None: headspar,
+        Ground, or its table with station and elevation [m], in the format of `rw.Profile.from_csv`. None: headspar,
         supports and tailspar are placed with `at=`.
     headspar : HeadSpar
-        The skyline ends at its top; a `GuyedSpar` too.
+        The headspar, also a `GuyedSpar`. The skyline ends at its top.
     tailspar : TailSpar or GuyedSpar
-        With a tailhold the skyline runs over its top to that.
+        The tailspar. If it has a tailhold, the skyline runs over its top to the tailhold.
     supports : sequence of IntermediateSupport, default ()
         In the order of their stations.
     skyline : Rope or str
-        Or the name of one in `rw.ropes()`; so for every rope.
+        A rope, or a name from `rw.ropes()`, as for every rope argument.
     tension : float, optional
-        Of the bare skyline at the headspar [N]. Give either this or `length`.
+        Tension of the bare skyline at the headspar [N]. Give either this or `length`.
     length : float, optional
-        Unstretched, of the whole skyline [m].
+        Unstretched length of the whole skyline [m].
     carriage : Carriage
-        Rolling, or clamped to the skyline: then it needs neither mainline nor haulback.
+        The carriage, rolling or clamped to the skyline. A clamped one needs neither mainline nor haulback.
     holding : {"bisector", "horizontal"}, default "bisector"
         Direction of the ideal force that holds a rolling carriage without a mainline: along the bisector of the
         skyline's tangents, or horizontal.
     mainline : Rope or str, optional
-        From the headspar over rollers at the supports to the carriage.
+        Rope from the headspar over rollers at the supports to the carriage.
     haulback : Rope or str, optional
-        Pulls the carriage out, at the `haulback_tension` that its drum keeps.
+        Rope that pulls the carriage out. Its drum keeps `haulback_tension`.
     haulback_tension : float, optional
-        At the haulback's drum [N].
+        Tension at the haulback's drum [N].
     haulback_block : Block, optional
-        By the tailspar: the haulback runs from the headspar to it, past the supports, and back to the carriage.
-        Without one an ideal drum at the tailspar's top pulls.
+        Block near the tailspar: the haulback runs from the headspar to it, past the supports, and back to the carriage.
+        Otherwise an ideal drum at the top of the tailspar pulls.
     turn : Turn, optional
-        A log on a dropline, which drags on the ground or hangs free; the payload is its mass.
+        A log on a dropline, dragging or free. Its mass is the payload.
     name : str, default "standing skyline"
-        Of the rig, in results and messages.
+        Name of the rig in results and messages.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     SkylineRig
-        With its parts at their places.
+        The rig with its parts in position.
 
     Raises
     ------
     InputError
-        A part is missing, not in order or below the ground, or the skyline is shorter than its chords.
+        A part is missing, out of order or below the ground, or the skyline is shorter than its chords.
     SlackRopeError
-        The bare skyline does not hang taut at its tension.
+        The given tension leaves the bare skyline slack.
     EquilibriumError
         The bare skyline has no equilibrium over its shoes.
 

@@ -1,4 +1,4 @@
-"""A log on a dropline: what hangs under the carriage of a rig."""
+"""A log on a dropline under the carriage of a rig."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ropeway.components.rope import Rope
 from ropeway.components.terrain import Profile
 
 LEAST_MASS = 1.0
-"""A log's least mass [kg]: a payload of zero is one of this."""
+"""Least mass of a log [kg]; it replaces a payload of zero."""
 
 GROUND = ("ground_x", "ground_z", "slope", "slope_after", "rounding")
-"""What a log knows of the ground, as `Profile.vertex_at` gives it."""
+"""Local description of the ground for a log, from `Profile.vertex_at`."""
 
 
 @checked
@@ -28,9 +28,9 @@ class Turn:
     log : Log
         Its mass is replaced by the payload.
     dropline : Rope
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     length : float
-        Of the dropline, unstretched [m].
+        Unstretched length of the dropline [m].
 
     Raises
     ------
@@ -52,21 +52,21 @@ class Turn:
         check.positive(self.length, f"Dropline of {self.log.name!r}", "length", "m")
 
     def under(self, x: float, y: float, z: float, mass: float, ground: Profile | None) -> Log:
-        """The log near its place under a carriage, as a start.
+        """The log near its position under a carriage: an initial guess.
 
         Parameters
         ----------
         x, y, z : float
-            Place of the carriage [m].
+            Position of the carriage [m].
         mass : float
-            Of the log [kg].
+            Mass of the log [kg].
         ground : Profile or None
-            Under the log's rear; None: far below.
+            Ground under the log's rear; None: far below it.
 
         Returns
         -------
         Log
-            With its rear on the ground, or free.
+            The log, with its rear on the ground or free.
         """
         lag = 0.2 * self.length * (-self.log.moving or 1.0)
         log = replace(self.log, at=(x + lag, y, z - 0.98 * self.length), mass=max(mass, LEAST_MASS))
@@ -76,7 +76,7 @@ class Turn:
 
 
 def _on_ground(log: Log, ground: Profile | None, x: float) -> Log:
-    """A log with the ground under a point x; far below where there is none."""
+    """A log with the ground under a point x; without a terrain the ground is far below."""
     if ground is None:
         return log
     *vertex, room = ground.vertex_at(x)

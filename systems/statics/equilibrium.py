@@ -16,6 +16,7 @@ from ropeway.components.errors import (
     InputError,
     UnknownNameError,
 )
+from ropeway.components.table_writer import Tabular
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
@@ -27,7 +28,7 @@ from ropeway.systems.statics.pending_events import Pending
 
 @checked
 @dataclass(frozen=True)
-class Equilibrium:
+class Equilibrium(Tabular):
     """A system at rest. `eq["a_b.tension_a"]` is any variable, output or quantity of a load by its name, in SI units.
 
     Attributes

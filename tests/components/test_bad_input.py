@@ -114,7 +114,7 @@ def test_names_are_identifiers(make: Callable[[str], object], name: str) -> None
     ("make", "words"),
     [
         (lambda: rw.Rope.from_construction("7x7", 0.02), ("'7x7'", "6x19 IWRC")),
-        (lambda: rw.Rope.named("no such"), ("'no such'", "compacted skyline 20")),
+        (lambda: rw.Rope.named("no such"), ("'no such'", "compacted skyline 20", "rw.ropes()")),
     ],
 )
 def test_unknown_names_list_the_known(make: Callable[[], object], words: tuple[str, ...]) -> None:

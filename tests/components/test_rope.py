@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
 import ropeway as rw
-from ropeway.components.rope import CONSTRUCTIONS
+from ropeway.components.rope_catalogue import SIZES, constructions
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.0e6, breaking_load=450.3e3)
 
@@ -17,12 +18,15 @@ FACTORS = {
     "6x36 IWRC": (0.409, 0.460, 0.356),
     "6x19 FC": (0.359, 0.384, 0.330),
     "6x36 FC": (0.367, 0.393, 0.330),
+    "6x7 FC": (0.345, 0.369, 0.332),
+    "6x7 IWRC": (0.384, 0.432, 0.359),
+    "8x36 IWRC": (0.417, 0.468, 0.356),
 }
 
 # mm, kg/m, kN
 QUOTED = {
-    "compacted skyline 20": (20.0, 1.98, 356.0, "SEILAPLAN"),
-    "compacted skyline 22": (22.0, 2.37, 424.0, "SEILAPLAN"),
+    "compacted skyline 20": (20.0, 1.98, 356.0, "SEILAPLAN, parameter set MSK 3t 20/11/8mm"),
+    "compacted skyline 22": (22.0, 2.37, 424.0, "SEILAPLAN, Standardparameter"),
     "6x19 EEIP 19": (19.05, 1.4, 256.3, "Lyons 2008"),
     "6x19 EEIP 25": (25.4, 2.4, 450.3, "Lyons 2008"),
     "RHOL-IWRC 29": (28.6, 3.48, 576.6, "Harvey 2013"),
@@ -30,7 +34,7 @@ QUOTED = {
 
 
 def test_all_constructions_are_there() -> None:
-    assert {name: (c.mass, c.area, c.strength) for name, c in CONSTRUCTIONS.items()} == FACTORS
+    assert {name: (c.mass, c.area, c.strength) for name, c in constructions().items()} == FACTORS
 
 
 @pytest.mark.parametrize("grade", [1770.0, 1960.0, 2160.0])
@@ -63,10 +67,72 @@ def test_named_ropes(name: str) -> None:
     assert 0.8e7 < rope.axial_stiffness / rope.mass_per_length < 1.2e7
 
 
-def test_the_table_is_complete() -> None:
+def test_the_catalogue_is_complete_and_has_its_sources() -> None:
     table = rw.ropes()
-    assert set(table.index) == set(QUOTED)
+    assert set(QUOTED) <= set(table.index)
+    assert table.index.is_unique
     assert table.notna().all(axis=None)
+    assert (table["source"].str.len() > 5).all()
+    assert table["diameter"].between(0.008, 0.04).all()
+    by_factors = table[table["use"] == "EN 12385-4"]
+    assert len(by_factors) == 17 * len(SIZES) >= 60
+    assert table.attrs["units"]["axial_stiffness"] == "N"
+    for name in table.index:
+        assert rw.Rope.named(name).name == name
+
+
+def test_ropes_by_factors() -> None:
+    """The values that API 9A prints for 6x7 with a fibre core: mass [kg/100 m], strength in grade 1770 [kN]."""
+    table = rw.ropes()
+    for mm, mass, strength in ((8, 22.1, 37.6), (16, 88.3, 150.0), (28, 270.0, 461.0), (40, 552.0, 940.0)):
+        row = table.loc[f"6x7 FC {mm} 1770"]
+        assert row.mass_per_length * 100.0 == pytest.approx(mass, rel=3e-3)
+        assert row.breaking_load / 1e3 == pytest.approx(strength, rel=3e-3)
+    light, heavy = table.loc["HMPE 20"], table.loc["6x19 IWRC 20 1960"]
+    assert light.mass_per_length < heavy.mass_per_length / 7.0
+    assert light.breaking_load > 0.8 * heavy.breaking_load
+
+
+def test_ropes_of_ones_own(tmp_path: Path) -> None:
+    csv, toml = tmp_path / "ropes.csv", tmp_path / "ropes.toml"
+    csv.write_text("name,diameter [mm],mass_per_length [lb/ft],breaking_load [kip]\nours,25.4,1.85,103.4\n")
+    toml.write_text('[[rope]]\nname = "thin"\n"diameter [mm]" = 11\nmass_per_length = 0.5\n"breaking_load [kN]" = 99\n'
+                    'axial_stiffness = 5e6\nsource = "tag on the drum"\n')  # fmt: skip
+    table = rw.ropes(csv, toml)
+    assert list(table.index[:2]) == ["ours", "thin"]
+    ours, thin = rw.Rope.named("ours", catalogue=csv), rw.Rope.named("thin", catalogue=toml)
+    assert ours.mass_per_length == pytest.approx(1.85 * rw.units.POUND_PER_FOOT)
+    assert ours.breaking_load == pytest.approx(103.4 * rw.units.KIP)
+    assert ours.axial_stiffness == pytest.approx(93.1e9 * ours.mass_per_length / 9300.0)
+    assert (thin.axial_stiffness, thin.diameter, table.loc["thin", "source"]) == (5e6, 0.011, "tag on the drum")
+    csv.write_text("name,diameter,mass_per_length,breaking_load\nours,0.02,-1,1e5\n")
+    with pytest.raises(rw.InputError, match=r"ropes.csv, line 2, column mass_per_length: 'ours': mass_per"):
+        rw.ropes(csv)
+    toml.write_text("[[rope]\n")
+    with pytest.raises(rw.InputError, match=r"ropes.toml"):
+        rw.ropes(toml)
+    with pytest.raises(rw.UnknownNameError, match=r"Near are .*'RHOL-IWRC 29'"):
+        rw.Rope.named("RHOL-IWRC 28")
+
+
+def test_machines(tmp_path: Path) -> None:
+    assert rw.yarders().loc["Koller K602 with extension", "tower_height"] == pytest.approx(45.0 * rw.units.FOOT)
+    assert rw.yarders()["source"].str.len().gt(5).all()
+    assert list(rw.carriages().columns) == ["mass", "payload", "source"]
+    own = tmp_path / "carriages.csv"
+    own.write_text("name,mass [lb],source\nold one,1000,weighed\n")
+    row = rw.carriages(own).loc["old one"]
+    assert row["mass"] == pytest.approx(1000.0 * rw.units.POUND)
+    assert math.isnan(row["payload"])
+
+
+def test_units_of_scripts() -> None:
+    units = rw.units
+    assert (0.3048, 0.45359237, pytest.approx(1609.344)) == (units.FOOT, units.POUND, units.MILE)
+    assert pytest.approx(4448.2216152605) == units.KIP
+    assert pytest.approx(9806.65) == units.TONNE_FORCE
+    assert pytest.approx(907.18474) == units.SHORT_TON
+    assert pytest.approx(745.69987158) == units.HORSEPOWER
 
 
 def test_safe_working_load() -> None:

@@ -83,6 +83,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "MapFrame": lambda: MAP,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
+        "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
         "Result": run,
@@ -95,6 +96,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Span": lambda: rw.Span("a_b", rope=ROPE, length=90.0),
         "SpanProblem": lambda: rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7, (40.0,), (900.0,)),
         "SpringAnchor": lambda: rw.SpringAnchor("a", stiffness=1e6, **at),
+        "StudyInputs": lambda: rw.StudyInputs("payload", rig(), {"clearance": 1.0}),
         "SupportPlan": lambda: rw.SupportPlan(rig(), (), True, "", 80.0, 3),
         "TailSpar": lambda: TAIL,
         "Tailhold": lambda: rw.Tailhold("hold", at=(3.0, 4.0)),
@@ -151,6 +153,11 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "standing_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "running_skyline": lambda: {"terrain": GROUND, **ends, "haulback": ROPE, "tension": 60e3},
         "load_path": lambda: {**payload, "stations": STATIONS, "height": None},
+        "load": lambda: {"path": rw.save(one_span(), folder() / "one.json"), "components": []},
+        "load_path_report": lambda: {
+            "rig": rig(), "payload": 900.0, "frame": rw.load_path(rig(), 900.0, stations=[70.0]),
+            "path": folder() / "path.html",
+        },
         "longest_rope": lambda: {
             "stations": [0.0, 50.0, 120.0], "elevations": [0.0, -9.0, 2.0], "headspar": (0.0, 9.0),
             "tailspar": (120.0, 8.0), "clearance": 1.0,
@@ -189,11 +196,15 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "method": METHODS["rigid link"], "line": LOADED["line"], "rope": ROPE, "payload": 2500.0,
             "carriage_mass": 140.0, "gravity": 9.8,
         },
+        "carriages": dict,
         "places": lambda: {"of": rig()},
         "export_gis": lambda: {
             "what": rig(), "path": folder() / "rig.kml", "stations": pd.DataFrame(POSITIONS), "view": "plan"
         },
         "ropes": dict,
+        "yarders": dict,
+        "run_study": lambda: {"inputs": rw.StudyInputs("equilibrium", one_span())},
+        "save": lambda: {"value": one_span(), "path": folder() / "saved.json"},
         "sensitivities": lambda: {"solution": rest(), "of": "c.tension_in", "to": ["a_c.mass_per_length"]},
         "set_up": lambda: {"rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None},
         "tension_history": lambda: {"rig": new_rig(), "turns": [(150.0, 500.0)]},
@@ -220,6 +231,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "workers": 1, "compiled": False, **optional,
         },
         "twelve_cases": lambda: {"phi": [0.1, 0.2]},
+        "write_table": lambda: {"table": pd.DataFrame({"x": [1.0]}), "path": folder() / "table.csv"},
         "fmu.CoSimulation": lambda: {
             "step": 0.5, "master": "Gauss-Seidel", "tolerance": 1e-8, "iterations": 30, "iterated": True,
             "control": None,
@@ -229,6 +241,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
+        },
+        "fmu.run_report": lambda: {
+            "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
+            "path": folder() / "fmu.html",
         },
         "fmu.load": lambda: {"path": exported()},
     }  # fmt: skip

@@ -129,8 +129,14 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Result.plot": lambda: Call(run().plot, {"components": ["c"]}),
         "Result.plot_line": lambda: Call(run().plot_line, {"time": 1.0, "ground": GROUND}),
         "Result.record": lambda: Call(run().record, {"i": 1}),
-        "Result.to_csv": lambda: Call(run().to_csv, {"path": folder() / "run.csv"}),
-        "Result.to_parquet": lambda: Call(run().to_parquet, {"path": folder() / "run.parquet"}),
+        "Inhaul.report": lambda: Call(
+            rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0).report, {"path": folder() / "inhaul.html"}
+        ),
+        "PayloadStudy.report": lambda: Call(
+            rw.payload(rig(), stations=[150.0]).report, {"path": folder() / "payload.html"}
+        ),
+        "Result.report": lambda: Call(run().report, {"path": folder() / "run.html"}),
+        "SchedulePlan.report": lambda: Call(plan().report, {"path": folder() / "plan.html"}),
         "Rope.from_construction": lambda: Call(
             rw.Rope.from_construction,
             {
@@ -139,7 +145,8 @@ def methods() -> dict[str, Callable[[], Call]]:
             },
         ),
         "Rope.named": lambda: Call(
-            rw.Rope.named, {"name": "6x19 EEIP 19", "stretch": rw.Elastic(), "safety_factor": 3.0}
+            rw.Rope.named,
+            {"name": "6x19 EEIP 19", "stretch": rw.Elastic(), "safety_factor": 3.0, "catalogue": None},
         ),
         "Schedule.at": lambda: Call(schedule.at, {"time": 1.0}),
         "Schedule.from_csv": lambda: Call(rw.Schedule.from_csv, {"path": speeds(), "column": "speed"}),
@@ -152,7 +159,6 @@ def methods() -> dict[str, Callable[[], Call]]:
             plan().robustness, {"disturbances": [rw.Disturbance("heavy", mass=1.02)], "settle": 1.0}
         ),
         "SchedulePlan.objective_text": lambda: Call(plan().objective_text, {"name": "energy"}),
-        "SchedulePlan.to_csv": lambda: Call(plan().to_csv, {"path": folder() / "plan.csv"}),
         "SkylineRig.chord": lambda: Call(rig().chord, {"span": 0, "station": 70.0}),
         "SkylineRig.on_shoe_start": lambda: Call(
             shod_rig().on_shoe_start, {"on": 0, "station": 125.0, "payload": 500.0}

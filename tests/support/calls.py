@@ -45,7 +45,8 @@ EXTENSION = {
 
 def public_names() -> list[str]:
     """All names of the root and of `rw.fmu` that can be called, without errors and parts of components."""
-    names = [n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in (*EXTENSION, "fmu")]
+    left_out = {*EXTENSION, "fmu", "units"}
+    names = [n for n in (*rw.__all__, *(f"fmu.{name}" for name in rw.fmu.__all__)) if n not in left_out]
     return [n for n in names if not (isinstance(public(n), type) and issubclass(public(n), BaseException))]
 
 

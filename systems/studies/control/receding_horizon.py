@@ -54,10 +54,10 @@ class RecedingHorizon:
         return f"<RecedingHorizon of {self.plans[0].line.name!r} over {self.result.times[-1]:g} s: {plans} plans>"
 
     @cached_property
-    def report(self) -> pd.DataFrame:
+    def history(self) -> pd.DataFrame:
         """A row a plan: when it begins [s], rounds, computing time [s], objectives by its own simulation."""
         rows = [
-            {"begin": begin, "rounds": len(p.report.rounds), "seconds": p.report.seconds, **p.objectives}
+            {"begin": begin, "rounds": len(p.history.rounds), "seconds": p.history.seconds, **p.objectives}
             for begin, p in zip(self.begins, self.plans, strict=True)
         ]
         return pd.DataFrame(rows).rename_axis("plan")

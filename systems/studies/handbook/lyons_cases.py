@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike
 from ropeway.components import catenary
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
-from ropeway.components.rope import MODULUS, ConstructionStretch
+from ropeway.components.rope import ConstructionStretch
+from ropeway.components.rope_catalogue import MODULUS
 from ropeway.systems.modelling.system import GRAVITY
 from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers

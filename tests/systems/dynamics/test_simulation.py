@@ -254,7 +254,7 @@ def test_result_at_any_time_and_files(tmp_path: Path) -> None:
         assert middle[name] == pytest.approx(fine.frame.loc[3.25, name], rel=1e-8)
     with pytest.raises(rw.InputError, match="outside the run"):
         result.at(11.0)
-    back = pd.read_csv(result.to_csv(tmp_path / "r.csv"), index_col="time")
+    back = pd.read_csv(result.to_csv(tmp_path / "r.csv"), index_col="time [s]")
     assert back.to_numpy() == pytest.approx(result.frame.to_numpy(), rel=1e-12)
     again = pd.read_parquet(result.to_parquet(tmp_path / "r.parquet"))
     pd.testing.assert_frame_equal(again, result.frame)

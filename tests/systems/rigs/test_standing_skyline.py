@@ -110,7 +110,7 @@ def test_the_commands_function_writes_table_and_picture(tmp_path: Path) -> None:
     )
     study, (table, picture) = payload_command(request, tmp_path / "out")
     assert study.payload > 3000.0
-    assert table.read_text().startswith("station,payload,limited_by")
+    assert table.read_text().startswith("station [m],payload [kg],limited_by")
     assert picture.stat().st_size > 20_000
     with pytest.raises(rw.InputError, match="STATION:HEIGHT"):
         payload_command(CorridorRequest(corridor=CORRIDOR, skyline=ROPE, tension=70e3, supports=("260",)), tmp_path)

@@ -12,6 +12,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.response import ProportionalResponse
 from ropeway.components.schedule import Schedule
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.modelling.system import System
@@ -46,7 +47,7 @@ class Round:
 
 
 @dataclass(frozen=True)
-class Report:
+class PlanHistory:
     """The rounds of a plan, size of the problem, and computing time [s]."""
 
     rounds: tuple[Round, ...]
@@ -63,7 +64,7 @@ class Report:
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class PlanData:
+class PlanData(Tabular):
     """Data of a plan: schedules, and what they lead to by plan and by simulation. Its fields: see `rw.SchedulePlan`."""
 
     schedules: Mapping[str, Schedule]
@@ -79,7 +80,7 @@ class PlanData:
     settle: float
     gap: Gap
     active: pd.DataFrame
-    report: Report
+    history: PlanHistory
     line: System
     start: Equilibrium
     lead: str

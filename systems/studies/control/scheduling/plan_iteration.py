@@ -21,7 +21,7 @@ from ropeway.systems.studies.control.scheduling.plan_check import (
     peaks_beyond,
     root_agrees,
 )
-from ropeway.systems.studies.control.scheduling.plan_data import Gap, Report, Round, active_table
+from ropeway.systems.studies.control.scheduling.plan_data import Gap, PlanHistory, Round, active_table
 from ropeway.systems.studies.control.scheduling.problem import ScheduleProblem
 from ropeway.systems.studies.control.scheduling.sample_times import sample_times
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
@@ -159,7 +159,7 @@ class PlanIteration:
             settle=self.baseline.settle,
             gap=outcome.gap,
             active=active_table(outcome.planned.active, self.size, outcome.objective),
-            report=Report(
+            history=PlanHistory(
                 tuple(self.rounds),
                 len(solution.variables),
                 len(solution.multipliers),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.whole_files import whole
 from ropeway.systems.modelling.system import System
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.studies.control.scheduling.plan_data import PlanData
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance, robustness, trimmed_line
 
@@ -52,7 +54,7 @@ class SchedulePlan(PlanData):
     active : DataFrame
         Active limits, a row for each limit and component: how often, when first [s], the bound, and the `cost`: by how
         much the objective falls per unit of the limit.
-    report : Report
+    history : PlanHistory
         Rounds, size of the problem, computing time.
     line : System
     start : Equilibrium
@@ -98,13 +100,28 @@ class SchedulePlan(PlanData):
         """
         return robustness(self, disturbances, settle)
 
-    def to_csv(self, path: str | Path) -> Path:
-        """Write the frame as CSV; `Schedule.from_csv(path, column="c1.speed")` reads it.
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the plan: objectives, speeds, the moving line, active limits.
 
         Parameters
         ----------
         path : str or Path
-            The file.
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
 
         Returns
         -------
@@ -112,11 +129,16 @@ class SchedulePlan(PlanData):
 
         Raises
         ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
         WriteError
+            The file could not be written.
         """
-        with whole(path) as file:
-            self.frame.to_csv(file)
-        return Path(path)
+        from ropeway.systems.studies.control.scheduling.reporting.plan_report import sections_of
+
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.line.name, sections_of(self, style), options)
 
     def plot(self) -> Figure:
         """Plot speeds, highest and lowest tension by plan and simulation, and the drives' forces.

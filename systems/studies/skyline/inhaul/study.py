@@ -3,8 +3,9 @@ hoisted on or lost."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,11 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_route import require_pulled
 from ropeway.systems.studies.skyline.inhaul.carriage_run import CarriageRun
@@ -29,7 +34,7 @@ FASTEST = Range(0.0, 100.0, above=True)
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Inhaul:
+class Inhaul(Tabular):
     """A run of the carriage, as `rw.inhaul` returns it.
 
     Parameters
@@ -51,6 +56,46 @@ class Inhaul:
 
     def __repr__(self) -> str:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
+
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the run: the moving carriage, tensions, powers and events.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
+        """
+        from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
+
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
 
     def plot(self) -> Figure:
         """Station of the carriage, tensions and powers over time.

@@ -70,8 +70,7 @@ def payload_command(request: CorridorRequest, out: str | Path) -> tuple[PayloadS
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     table, picture = folder / "payload.csv", folder / "payload.png"
-    with whole(table) as file:
-        study.frame.to_csv(file, index=False)
+    study.to_csv(table)
     with whole(picture) as file:
         study.plot().savefig(file, dpi=110)
     return study, (table, picture)

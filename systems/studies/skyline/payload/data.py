@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
+from ropeway.components.table_writer import Tabular
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.limits import is_lowered
 from ropeway.systems.studies.skyline.payload.remarks import (
@@ -23,7 +24,7 @@ from ropeway.systems.studies.skyline.payload.remarks import (
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class PayloadData:
+class PayloadData(Tabular):
     """The largest payload by station, with what follows from it. Its fields: see `rw.PayloadStudy`."""
 
     rig: SkylineRig

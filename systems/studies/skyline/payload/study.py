@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +15,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
+from ropeway.systems.reporting.blocks import Section
+from ropeway.systems.reporting.document import Project, ReportOptions, write_report
+from ropeway.systems.reporting.style import Units
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
@@ -68,6 +72,46 @@ class PayloadStudy(PayloadData):
     def _unhauled(self) -> str:
         count = len(self.not_hauled)
         return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
+
+    def report(
+        self,
+        path: str | Path,
+        *,
+        project: Project | None = None,
+        units: Units = "metric",
+        labels: Mapping[str, str] | None = None,
+        more: Sequence[Section] = (),
+    ) -> Path:
+        """Write the report of the study: payloads by station, supports, anchors, set-up.
+
+        Parameters
+        ----------
+        path : str or Path
+            HTML, or PDF by a browser's print; needs the extra `report`.
+        project : Project, optional
+            Title, place, client, author and a remark.
+        units : {"metric", "imperial"}, default "metric"
+        labels : mapping, optional
+            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        more : sequence of Section, optional
+            Sections of your own after the others.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            The name of the file, an option, or a missing package or browser.
+        WriteError
+            The file could not be written.
+        """
+        from ropeway.systems.studies.skyline.payload.report import sections_of
+
+        options = ReportOptions(project, units, labels, more)
+        style = options.style
+        return write_report(path, self.rig.name, sections_of(self, style), options)
 
     def plot(self) -> Figure:
         """The corridor to scale with the load path, the payload by station, and the tensions.

@@ -127,7 +127,7 @@ def test_plan_and_simulation_agree(plans: dict[str, rw.SchedulePlan]) -> None:
 
 def test_settle_may_lie_between_the_times_of_the_grid() -> None:
     plan = plan_of("tension deviation", settle=11.1)
-    assert plan.report.rounds[-1].planned == pytest.approx(plan.objective, rel=2e-3)
+    assert plan.history.rounds[-1].planned == pytest.approx(plan.objective, rel=2e-3)
 
 
 def test_limits_hold_in_the_simulation(plans: dict[str, rw.SchedulePlan]) -> None:
@@ -177,7 +177,7 @@ def test_three_starts_end_in_one_objective(plans: dict[str, rw.SchedulePlan]) ->
 
 def test_an_earlier_plan_starts_the_next(plans: dict[str, rw.SchedulePlan]) -> None:
     again = plan_of("peak tension", warm_start=plans["peak tension"])
-    assert len(again.report.rounds) == 1
+    assert len(again.history.rounds) == 1
     assert again.objective == pytest.approx(plans["peak tension"].objective, rel=1e-4)
 
 
@@ -188,7 +188,7 @@ def test_a_limit_costs_what_its_multiplier_says(plans: dict[str, rw.SchedulePlan
         plan_of("energy", limits=rw.ScheduleLimits(force=2.5e3, power=2.5e3, tension_high=high + more))
         for more in (0.0, 4.0)
     )
-    saved = (tight.report.rounds[-1].planned - less.report.rounds[-1].planned) / 4.0
+    saved = (tight.history.rounds[-1].planned - less.history.rounds[-1].planned) / 4.0
     cost = tight.active.loc["tension_high", "cost"].sum()
     assert saved > 0.0
     assert cost == pytest.approx(saved, rel=0.05)
@@ -199,15 +199,15 @@ def test_a_force_costs_deviation_as_its_multiplier_says() -> None:
     tight, plan, wide = (
         plan_of("tension deviation", limits=rw.ScheduleLimits(force=force)) for force in (1180.0, 1200.0, 1220.0)
     )
-    assert len(plan.report.rounds) <= 4
+    assert len(plan.history.rounds) <= 4
     assert plan.active.loc["force", "cost"].sum() == pytest.approx((tight.objective - wide.objective) / 40.0, rel=0.05)
 
 
 def test_a_deviation_is_reached_as_planned(plans: dict[str, rw.SchedulePlan]) -> None:
     for plan in (plans["tension deviation"], plan_of("tension deviation", limits=rw.ScheduleLimits())):
-        last = plan.report.rounds[-1]
+        last = plan.history.rounds[-1]
         assert last.planned == pytest.approx(last.simulated, rel=0.01)
-        assert len(plan.report.rounds) <= 4
+        assert len(plan.history.rounds) <= 4
 
 
 def test_a_plan_shows_itself_in_a_line(plans: dict[str, rw.SchedulePlan]) -> None:

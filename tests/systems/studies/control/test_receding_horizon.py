@@ -37,7 +37,7 @@ def test_the_line_keeps_its_limits_all_the_way(driven: rw.RecedingHorizon) -> No
         assert frame[f"{name}.drive_force"].abs().max() < 1.02 * 3e3
     low = driven.plans[0].tension[0]
     assert frame.filter(regex=r"\.tension_[ab]$").min(axis=None) > low - 20.0
-    assert len(driven.report) == 3
+    assert len(driven.history) == 3
 
 
 @pytest.mark.slow

@@ -1,0 +1,1 @@
+"""Reports of skyline rigs: payload, load path, inhaul."""
