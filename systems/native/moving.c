@@ -188,7 +188,7 @@ static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k
     return is_last(l, k) || write_slots(l, q, m, k - run);
 }
 
-/* Writes the present point down. */
+/* Writes the present point down; on the grid all sections are solved. */
 static void record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
 {
     int n = m->records++;
@@ -257,9 +257,7 @@ static int cross(const rs_line *l, rs_point *q, rs_motion *m, const coming_load 
         count = beside(l, k, sections, count);
     }
     if (crossings == MOST || count == MOST) return RS_CROSSING;
-    m->failure = rs_solve_all(l, q, 0); /* both sides are written down; the rates stay */
-    if (m->failure != RS_OK) return RS_FAILED;
-    record(l, q, m, 0);
+    record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
     memcpy(z, q->z, l->nz * sizeof(double));
     memcpy(rate, q->z_rate, l->nz * sizeof(double));
     memcpy(passed, m->passed, l->supports * sizeof(long long));
