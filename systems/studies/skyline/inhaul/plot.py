@@ -33,7 +33,7 @@ def inhaul_figure(rig: SkylineRig, frame: pd.DataFrame, events: pd.DataFrame) ->
 
 
 def _carriage(axis: Axes, rig: SkylineRig, frame: pd.DataFrame, events: pd.DataFrame) -> None:
-    """Station of the carriage, the supports, and what happens to the payload."""
+    """Station of the carriage, supports, and changes of the payload."""
     time = frame.index.to_numpy()
     axis.plot(time, frame["carriage_x"], color="black", lw=1.3)
     axis.set_ylabel("station of the carriage [m]")

@@ -1,4 +1,4 @@
-"""The payload study of a corridor from a few numbers, for the command line: table, CSV and picture."""
+"""The payload study of a corridor for the command line: table, CSV and figure."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 
 @dataclass(frozen=True, kw_only=True)
 class CorridorRequest:
-    """A skyline over a corridor, in a few numbers.
+    """A skyline over a corridor, described by a few numbers.
 
-    corridor: its table (station, elevation); skyline [its bare `tension` at the headspar, N] and mainline; head, tail:
-    stations of the spars [m], by default the profile's ends, and their heights [m]; supports: "STATION:HEIGHT" each
-    [m]; mass of the carriage [kg]; load_depth: from the skyline to the lowest point of the load [m]; clearance of the
-    load [m]; spacing of the stations [m]; kind: standing, live, gravity or running.
+    `corridor` is its table (station, elevation). `tension` is that of the bare skyline at the headspar [N]. `head` and
+    `tail` are stations of the spars [m], by default the ends of the profile; heights are in m. Each support is
+    "STATION:HEIGHT" [m]. `carriage_mass` is in kg. `load_depth` is the distance from the skyline to the lowest point of
+    the load [m]. `clearance` of the load and `spacing` of the stations are in m. `kind` is standing, live, gravity or
+    running.
     """
 
     corridor: str | Path
@@ -74,8 +75,8 @@ class CorridorRequest:
 
 
 def payload_command(request: CorridorRequest, out: str | Path) -> tuple[PayloadStudy, tuple[Path, Path]]:
-    """Payloads along a corridor, written into the folder `out`; the study and the paths of its files. Raises
-    InputError, SlackRopeError, WriteError."""
+    """Payloads along a corridor. Writes payload.csv and payload.png to the folder `out`. Returns the study and both
+    paths. Raises InputError, SlackRopeError, WriteError."""
     rig = request.rig()
     stations = default_stations(rig, request.spacing)
     study = payload(rig, safety_factor=request.safety_factor, clearance=request.clearance, stations=stations)
@@ -98,5 +99,5 @@ def _support(text: str, number: int) -> IntermediateSupport:
     try:
         station, height = (float(part) for part in text.split(":"))
     except ValueError as error:
-        raise InputError(f"Support {text!r} is not STATION:HEIGHT", "Write for example 260:9, in metres") from error
+        raise InputError(f"Support {text!r} is not STATION:HEIGHT", "Give for example 260:9, in metres") from error
     return IntermediateSupport(f"jack{number}", station=station, height=height)
