@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ropeway import cli_projects
 from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from ropeway.systems.dynamics.result import Result
     from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest
 
 app = typer.Typer(
     help="Cable logging systems and material ropeways: statics and simulation.",
@@ -32,10 +34,32 @@ app = typer.Typer(
 )
 
 app.add_typer(fmu_commands, name="fmu")
+app.command()(cli_projects.new)
+app.command()(cli_projects.compare)
 cache_commands = typer.Typer(help="Compiled libraries that are kept.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(cache_commands, name="cache")
 
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        from ropeway import __version__
+
+        typer.echo(f"ropeway {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Cable logging systems and material ropeways: statics and simulation."""
+
+
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; created if it does not exist.")]
+Report = Annotated[Path | None, typer.Option(help="Write a report too, .html or .pdf; needs the extra `report`.")]
+Catalogue = Annotated[Path | None, typer.Option(help="A table of ropes of your own, CSV, Excel or TOML.")]
 SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
 
 
@@ -61,6 +85,7 @@ def simulate(
     until: Annotated[float, typer.Option(help="Duration of the run [s].")] = 600.0,
     every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
+    report: Report = None,
     out: Out = Path("ropeway-out"),
     compiled: Annotated[bool, typer.Option("--compiled", help="Run in compiled code; needs a C compiler.")] = False,
 ) -> None:
@@ -69,7 +94,7 @@ def simulate(
 
     with errors_on_one_line():
         system = line.system(safety_factor)
-        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out)
+        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out, report)
 
 
 @dataclass(frozen=True)
@@ -95,7 +120,11 @@ class PlanOptions:
 @app.command()
 @grouped
 def optimise(
-    line: LineOptions, plan: PlanOptions, safety_factor: SafetyFactor = 3.0, out: Out = Path("ropeway-schedule")
+    line: LineOptions,
+    plan: PlanOptions,
+    safety_factor: SafetyFactor = 3.0,
+    report: Report = None,
+    out: Out = Path("ropeway-schedule"),
 ) -> None:
     """Optimise the speeds of the control sheaves of a mono-cable line: schedules, active limits, robustness.
 
@@ -109,6 +138,8 @@ def optimise(
         found = rw.optimise_schedule(
             system, plan.until, minimise=plan.minimise, limits=limits, intervals=plan.intervals, settle=plan.settle
         )
+        if report is not None:
+            found.report(report)
         _report_plan(found, out)
 
 
@@ -129,6 +160,8 @@ class SkylineOptions:
     support: Annotated[
         list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
     ] = None
+    kind: Annotated[str, typer.Option(help="Kind of rig: standing, live, gravity or running.")] = "standing"
+    catalogue: Catalogue = None
 
 
 @dataclass(frozen=True)
@@ -148,31 +181,33 @@ class PayloadOptions:
 @grouped
 def payload(
     corridor: Annotated[
-        Path, typer.Argument(help="Ground of the corridor: CSV or Excel with columns station,elevation [m].")
+        Path,
+        typer.Argument(
+            help="Ground of the corridor: CSV or Excel with columns station,elevation [m]; or a project file of a rig."
+        ),
     ],
     rig: SkylineOptions,
     limits: PayloadOptions,
+    report: Report = None,
     out: Out = Path("ropeway-payload"),
 ) -> None:
-    """Calculate the largest payload at stations along a standing skyline, and its limits."""
+    """Calculate the largest payload at stations along a skyline, and its limits.
+
+    A project file has its own rig: of the options only those of limits and stations count.
+    """
     import ropeway as rw
-    from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
+    from ropeway.systems.studies.skyline.payload.command import payload_command, write_payload
 
     with errors_on_one_line():
         folder_for(out)
-        request = CorridorRequest(
-            corridor=corridor,
-            skyline=rw.Rope.named(rig.skyline),
-            mainline=None if rig.mainline is None else rw.Rope.named(rig.mainline),
-            tension=rig.tension,
-            head=rig.head,
-            tail=rig.tail,
-            head_height=rig.head_height,
-            tail_height=rig.tail_height,
-            supports=tuple(rig.support or ()),
-            **asdict(limits),
-        )
-        study, paths = payload_command(request, out)
+        if cli_projects.is_project(corridor):
+            project = rw.load(corridor)
+            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing)
+            paths = write_payload(study, out)
+        else:
+            study, paths = payload_command(_request(corridor, rig, limits), out)
+        if report is not None:
+            study.report(report)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
@@ -185,14 +220,40 @@ def payload(
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 
+def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions) -> CorridorRequest:
+    """What the options ask for. Raises InputError, UnknownNameError."""
+    from ropeway.components.rope import Rope
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest
+
+    own = None if rig.catalogue is None else str(rig.catalogue)
+    return CorridorRequest(
+        corridor=corridor,
+        skyline=Rope.named(rig.skyline, catalogue=own),
+        mainline=None if rig.mainline is None else Rope.named(rig.mainline, catalogue=own),
+        tension=rig.tension,
+        head=rig.head,
+        tail=rig.tail,
+        head_height=rig.head_height,
+        tail_height=rig.tail_height,
+        supports=tuple(rig.support or ()),
+        kind=rig.kind,
+        **asdict(limits),
+    )
+
+
 @app.command()
-def ropes() -> None:
-    """List the named ropes."""
+def ropes(
+    catalogue: Catalogue = None,
+    search: Annotated[str, typer.Option(help="Only ropes with this text in their name.")] = "",
+) -> None:
+    """List the ropes of the catalogue, those of a table of yours first."""
     import ropeway as rw
 
-    table = rw.ropes()
+    with errors_on_one_line():
+        table = rw.ropes() if catalogue is None else rw.ropes(catalogue)
+    table = table[table.index.str.contains(search, case=False, regex=False)]
     _table(
-        "Named ropes",
+        "Ropes of the catalogue",
         ["name", "diameter [mm]", "mass [kg/m]", "EA [MN]", "MBL [kN]", "source"],
         [
             [
@@ -201,7 +262,7 @@ def ropes() -> None:
                 f"{r.mass_per_length:.2f}",
                 f"{r.axial_stiffness / 1e6:.1f}",
                 f"{r.breaking_load / 1e3:.1f}",
-                r.source,
+                str(r.source).partition(";")[0],
             ]
             for name, r in zip(table.index, table.itertuples(), strict=True)
         ],
@@ -226,7 +287,7 @@ def clear() -> None:
         typer.echo(f"{clear_cache()} libraries removed from {cache_folder()}")
 
 
-def _simulate(run: Callable[[], Result], out: Path) -> None:
+def _simulate(run: Callable[[], Result], out: Path, report: Path | None = None) -> None:
     """Runs a simulation, writes its tables and pictures, and prints a summary.
 
     After an error or interrupt the results up to then are written.
@@ -242,6 +303,8 @@ def _simulate(run: Callable[[], Result], out: Path) -> None:
             typer.echo(f"ropeway: the first {error.result.times[-1]:.6g} s are in {out.resolve()}", err=True)
         raise
     written = _write(result, out)
+    if report is not None:
+        result.report(report)
     _report(result)
     typer.echo(f"Written to {out.resolve()}: {', '.join(written)}")
 

@@ -1,4 +1,4 @@
-"""Initial guess from geometry: each group of spans with a common rope as parabolas with their loads."""
+"""Initial guess from geometry: parabolas with loads for each group of spans that share a length of rope."""
 
 from __future__ import annotations
 
@@ -39,8 +39,9 @@ def run_start(
 ) -> RunStart:
     """Initial guess of a run.
 
-    `lengths` (spans,): at zero travel, by default those of its spans [m]; `travel` (supports,): by default zero, used
-    where a support does not let the rope run [m]; `points` (supports, 3): by default the declared positions [m].
+    `lengths` (spans,) are unstretched lengths at zero travel [m], by default those of the spans. `travel` (supports,)
+    [m] is zero by default and counts at supports that hold the rope. `points` (supports, 3) are positions [m], by
+    default the declared ones.
     """
     points = run.points if points is None else points
     weight, strain = run.rope.mass_per_length * gravity, run.rope.strain

@@ -134,7 +134,7 @@ def line_player(result: RunData, style: Style) -> Player:
     ropes: list[list[np.ndarray]] = [[], []]
     loads: list[list[np.ndarray]] = [[], []]
     for i in chosen:
-        for kept, found in zip((ropes, loads), _shape(result.record(i)), strict=True):
+        for kept, found in zip((ropes, loads), shape_of(result.record(i)), strict=True):
             for own, points in zip(kept, found, strict=True):
                 own.append(style.scaled(points, "length"))
     times, frame = result.times[chosen], result.full_frame.iloc[chosen]
@@ -170,7 +170,7 @@ def _player_events(result: RunData, times: np.ndarray, style: Style) -> list[tup
     return list(zip(frames.tolist(), texts, strict=True))
 
 
-def _shape(line: Equilibrium) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+def shape_of(line: Equilibrium) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
     """Distances along the line and heights, of the ropes (spans apart by NaN) and of the loads."""
     along = {}
     curves = []

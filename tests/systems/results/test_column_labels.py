@@ -34,7 +34,7 @@ def test_they_are_a_dictionary_that_does_not_change() -> None:
         lambda: labels.pop("c1.speed"),
         labels.clear,
     ):
-        with pytest.raises(rw.InputError, match="do not change"):
+        with pytest.raises(rw.InputError, match="cannot change"):
             change()
     assert labels["c1.speed"] == "m/s"
 

@@ -36,7 +36,7 @@ def test_log_slope_is_that_of_the_step_before_the_carriage() -> None:
     assert log_slope(x, z, 25.0) == pytest.approx(0.2)
     assert log_slope(x, z, 39.0) == pytest.approx(0.2)
     assert log_slope(x, z, 40.0, log_run=14.0) == pytest.approx(0.6)
-    with pytest.raises(InputError, match="beyond the terrain step"):
+    with pytest.raises(InputError, match="more than the terrain step"):
         log_slope(x, z, 40.0, log_run=16.0)
     for place in (5.0, 41.0):
         with pytest.raises(InputError, match="no terrain point before"):

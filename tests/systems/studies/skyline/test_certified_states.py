@@ -110,7 +110,7 @@ def test_a_state_that_fails_is_solved_again_or_refused() -> None:
     assert found[2] is good[1]
     assert found[1]["car.z"] == pytest.approx(good[2]["car.z"], abs=1e-9)
     with pytest.raises(rw.EquilibriumError, match="distance of a span's end from its support"):
-        certified([replace(spoiled, asked=None)])
+        certified([replace(spoiled, case=None)])
     assert good[1].at.place == Place(0, 0)
 
 

@@ -107,7 +107,7 @@ FLAT = rw.standing_skyline(
 
 
 def test_a_carriage_that_runs_ahead_stops_the_run_with_what_there_is() -> None:
-    with pytest.raises(rw.SimulationError, match=r"comes no further than station .* would have to push") as error:
+    with pytest.raises(rw.SimulationError, match=r"stops at station .* would have to push") as error:
         rw.inhaul(FLAT, payload=2000.0, start=60.0, end=280.0, speed=2.0, every=2.0)
     run = error.value.result
     assert isinstance(run, rw.Inhaul)
@@ -134,7 +134,7 @@ def test_a_carriage_that_runs_ahead_at_a_support_stops_there(radius: float, haul
         haulback_tension=haulback,
         carriage=rw.Carriage("carriage", mass=450.0),
     )
-    with pytest.raises(rw.SimulationError, match=r"comes no further .* would have to push") as error:
+    with pytest.raises(rw.SimulationError, match=r"stops at station .* would have to push") as error:
         rw.inhaul(steep, payload=2500.0, start=200.0, end=60.0, speed=3.0, every=1.0)
     run = error.value.result
     assert isinstance(run, rw.Inhaul)

@@ -80,7 +80,7 @@ def test_a_state_without_its_certificate_does_not_count(monkeypatch: pytest.Monk
             return solved
         point = solved.point.copy()
         point.z[solved.at.model.z.index["carriage.z"]] -= 0.3
-        return replace(solved, point=point, asked=None)
+        return replace(solved, point=point, case=None)
 
     support = rw.Candidate("fir", station=260.0, heights=(10.0,))
     assert rw.optimise_supports(rig(), [support], payload=1000.0, clearance=0.5, stations=STATIONS).feasible
@@ -105,9 +105,9 @@ def test_a_free_range_and_bad_candidates() -> None:
         rw.optimise_supports(rig(), [rw.Candidate("far", station=700.0, heights=(8.0,))], payload=1.0)
     with pytest.raises(rw.InputError, match="no height"):
         rw.Candidate("stump", station=1.0, heights=())
-    with pytest.raises(rw.InputError, match="one name"):
+    with pytest.raises(rw.InputError, match="same name"):
         rw.optimise_supports(rig(), [TREES[0], TREES[0]], payload=1.0)
-    refused: dict[str, object] = {"clearance": np.nan, "safety_factor": 0.0, "most": -1, "stations": []}
-    for name, wrong in refused.items():
+    rejected: dict[str, object] = {"clearance": np.nan, "safety_factor": 0.0, "most": -1, "stations": []}
+    for name, wrong in rejected.items():
         with pytest.raises(rw.InputError, match=name):
             rw.optimise_supports(rig(), TREES, payload=1.0, **{name: wrong})  # type: ignore[arg-type]
