@@ -1,7 +1,7 @@
 """The documentation site: `python -m sphinx -W -b html docs build/site`.
 
-The API reference is made from the docstrings of all public names, which `__init__.pyi` lists. Formulas become MathML,
-so that a page needs no network and no script.
+The API reference is made from the docstrings of all public names, which the stubs `__init__.pyi` list. Formulas become
+MathML: a page needs neither a network nor a script.
 """
 
 from __future__ import annotations
@@ -21,9 +21,8 @@ release = version = ropeway.__version__
 extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx_design"]
 exclude_patterns = ["_templates"]
 templates_path = ["_templates"]
-root_doc = "index"
 
-myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
 
 html_theme = "furo"
@@ -32,31 +31,30 @@ html_math_renderer = "mathml"
 html_show_sourcelink = False
 html_copy_source = False
 
-autosummary_generate = True
 autosummary_imported_members = True
 autosummary_ignore_module_all = False
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 
-PUBLIC = {f"{prefix}{name}": f"{module}.{name}" for module, prefix, names in (
-    ("ropeway", "", ropeway.__all__), ("ropeway", "rw.", ropeway.__all__), ("ropeway.fmu", "rw.fmu.", ropeway.fmu.__all__)
-) for name in names}
-"""A public name as the documents write it, and its full name."""
+PUBLIC = {
+    **{f"rw.{name}": f"ropeway.{name}" for name in ropeway.__all__},
+    **{f"rw.fmu.{name}": f"ropeway.fmu.{name}" for name in ropeway.fmu.__all__},
+}
+"""Public names as the documents write them, and their full names."""
 
 
 def link_public_names(app: Sphinx, doctree: nodes.document) -> None:
-    """Makes every public name in a document a link to its page; names without `rw.` only in the list of names."""
-    document = app.env.docname
+    """Links public names in the documents to their pages; without `rw.` only in the list of names."""
+    document = app.env.current_document.docname
     if document.startswith("api/"):
         return
     for literal in list(doctree.findall(nodes.literal)):
         written = literal.astext().removesuffix("()")
-        if written not in PUBLIC or ("." not in written and document != "names"):
-            continue
-        link = pending_xref("", literal.deepcopy(), refdomain="py", reftype="obj", reftarget=PUBLIC[written],
-                            refexplicit=True, refdoc=document, refwarn=True)
-        literal.replace_self(link)
+        name = PUBLIC.get(f"rw.{written}" if document == "names" else written)
+        if name and not isinstance(literal.parent, nodes.reference):
+            link = pending_xref("", literal.deepcopy(), refdomain="py", reftype="obj", reftarget=name, refdoc=document)
+            literal.replace_self(link)
 
 
 def visit_inline_math(writer: HTML5Translator, node: nodes.math) -> None:
@@ -72,6 +70,6 @@ def visit_block_math(writer: HTML5Translator, node: nodes.math_block) -> None:
 
 
 def setup(app: Sphinx) -> None:
-    """Registers the two above."""
+    """Called by Sphinx."""
     app.add_html_math_renderer("mathml", (visit_inline_math, None), (visit_block_math, None))
     app.connect("doctree-read", link_public_names)
