@@ -48,8 +48,7 @@ def load_path(
         One row per station; units in `attrs["units"]`. Columns, lengths in m and forces in N:
 
         - carriage_x, carriage_y, carriage_z; on a map carriage_easting and carriage_northing in the unit of the map;
-        sag below
-          the chord of its span, deflection [% of the span], span (from 1)
+          sag below the chord of its span, deflection [% of the span], span (from 1)
         - skyline_tension at the carriage, highest_tension of the skyline, headspar_tension, tailspar_tension,
           anchor_tension at the skyline's anchor
         - mainline_pull at the carriage (or the ideal holding force, positive towards the headspar), mainline_tension
