@@ -83,6 +83,7 @@ from .systems.rigs.standing_skyline import standing_skyline as standing_skyline
 from .systems.rigs.turn import Turn as Turn
 from .systems.statics.equilibrium import Equilibrium as Equilibrium
 from .systems.statics.equilibrium_solver import equilibrium as equilibrium
+from .systems.studies.comparison import Comparison as Comparison, compare as compare
 from .systems.studies.control.objectives import objectives as objectives
 from .systems.studies.control.optimise_schedule import optimise_schedule as optimise_schedule
 from .systems.studies.control.receding_horizon import (

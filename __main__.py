@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ropeway import cli_projects
 from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
+from ropeway.cli_plan import print_table, report_plan
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
 from ropeway.components.table_writer import write_table
@@ -18,10 +20,8 @@ from ropeway.components.whole_files import whole
 from ropeway.fmu.cli import app as fmu_commands
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from ropeway.systems.dynamics.result import Result
-    from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest
 
 app = typer.Typer(
     help="Cable logging systems and material ropeways: statics and simulation.",
@@ -32,10 +32,32 @@ app = typer.Typer(
 )
 
 app.add_typer(fmu_commands, name="fmu")
+app.command()(cli_projects.new)
+app.command()(cli_projects.compare)
 cache_commands = typer.Typer(help="Compiled libraries that are kept.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(cache_commands, name="cache")
 
+
+def _show_version(asked: bool) -> None:
+    if asked:
+        from ropeway import __version__
+
+        typer.echo(f"ropeway {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    """Cable logging systems and material ropeways: statics and simulation."""
+
+
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; created if it does not exist.")]
+Report = Annotated[Path | None, typer.Option(help="Write a report too, .html or .pdf; needs the extra `report`.")]
+Catalogue = Annotated[Path | None, typer.Option(help="A table of ropes of your own, CSV, Excel or TOML.")]
 SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
 
 
@@ -61,6 +83,7 @@ def simulate(
     until: Annotated[float, typer.Option(help="Duration of the run [s].")] = 600.0,
     every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
+    report: Report = None,
     out: Out = Path("ropeway-out"),
     compiled: Annotated[bool, typer.Option("--compiled", help="Run in compiled code; needs a C compiler.")] = False,
 ) -> None:
@@ -69,7 +92,7 @@ def simulate(
 
     with errors_on_one_line():
         system = line.system(safety_factor)
-        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out)
+        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out, report)
 
 
 @dataclass(frozen=True)
@@ -95,7 +118,11 @@ class PlanOptions:
 @app.command()
 @grouped
 def optimise(
-    line: LineOptions, plan: PlanOptions, safety_factor: SafetyFactor = 3.0, out: Out = Path("ropeway-schedule")
+    line: LineOptions,
+    plan: PlanOptions,
+    safety_factor: SafetyFactor = 3.0,
+    report: Report = None,
+    out: Out = Path("ropeway-schedule"),
 ) -> None:
     """Optimise the speeds of the control sheaves of a mono-cable line: schedules, active limits, robustness.
 
@@ -109,7 +136,9 @@ def optimise(
         found = rw.optimise_schedule(
             system, plan.until, minimise=plan.minimise, limits=limits, intervals=plan.intervals, settle=plan.settle
         )
-        _report_plan(found, out)
+        if report is not None:
+            found.report(report)
+        report_plan(found, out)
 
 
 @dataclass(frozen=True)
@@ -129,6 +158,8 @@ class SkylineOptions:
     support: Annotated[
         list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
     ] = None
+    kind: Annotated[str, typer.Option(help="Kind of rig: standing, live, gravity or running.")] = "standing"
+    catalogue: Catalogue = None
 
 
 @dataclass(frozen=True)
@@ -148,34 +179,36 @@ class PayloadOptions:
 @grouped
 def payload(
     corridor: Annotated[
-        Path, typer.Argument(help="Ground of the corridor: CSV or Excel with columns station,elevation [m].")
+        Path,
+        typer.Argument(
+            help="Ground of the corridor: CSV or Excel with columns station,elevation [m]; or a project file of a rig."
+        ),
     ],
     rig: SkylineOptions,
     limits: PayloadOptions,
+    report: Report = None,
     out: Out = Path("ropeway-payload"),
 ) -> None:
-    """Calculate the largest payload at stations along a standing skyline, and its limits."""
+    """Calculate the largest payload at stations along a skyline, and its limits.
+
+    A project file has its own rig: of the options only those of limits and stations count.
+    """
     import ropeway as rw
-    from ropeway.systems.studies.skyline.payload.command import CorridorRequest, payload_command
+    from ropeway.systems.studies.skyline.payload.command import payload_command, write_payload
 
     with errors_on_one_line():
         folder_for(out)
-        request = CorridorRequest(
-            corridor=corridor,
-            skyline=rw.Rope.named(rig.skyline),
-            mainline=None if rig.mainline is None else rw.Rope.named(rig.mainline),
-            tension=rig.tension,
-            head=rig.head,
-            tail=rig.tail,
-            head_height=rig.head_height,
-            tail_height=rig.tail_height,
-            supports=tuple(rig.support or ()),
-            **asdict(limits),
-        )
-        study, paths = payload_command(request, out)
+        if cli_projects.is_project(corridor):
+            project = rw.load(corridor)
+            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing)
+            paths = write_payload(study, out)
+        else:
+            study, paths = payload_command(_request(corridor, rig, limits), out)
+        if report is not None:
+            study.report(report)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
-        _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
+        print_table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
         worst = study.limiting
         typer.echo(
             f"Largest payload {at_most(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}."
@@ -185,14 +218,40 @@ def payload(
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 
+def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions) -> CorridorRequest:
+    """What the options ask for. Raises InputError, UnknownNameError."""
+    from ropeway.components.rope import Rope
+    from ropeway.systems.studies.skyline.payload.command import CorridorRequest
+
+    own = None if rig.catalogue is None else str(rig.catalogue)
+    return CorridorRequest(
+        corridor=corridor,
+        skyline=Rope.named(rig.skyline, catalogue=own),
+        mainline=None if rig.mainline is None else Rope.named(rig.mainline, catalogue=own),
+        tension=rig.tension,
+        head=rig.head,
+        tail=rig.tail,
+        head_height=rig.head_height,
+        tail_height=rig.tail_height,
+        supports=tuple(rig.support or ()),
+        kind=rig.kind,
+        **asdict(limits),
+    )
+
+
 @app.command()
-def ropes() -> None:
-    """List the named ropes."""
+def ropes(
+    catalogue: Catalogue = None,
+    search: Annotated[str, typer.Option(help="Only ropes with this text in their name.")] = "",
+) -> None:
+    """List the ropes of the catalogue, those of a table of yours first."""
     import ropeway as rw
 
-    table = rw.ropes()
-    _table(
-        "Named ropes",
+    with errors_on_one_line():
+        table = rw.ropes() if catalogue is None else rw.ropes(catalogue)
+    table = table[table.index.str.contains(search, case=False, regex=False)]
+    print_table(
+        "Ropes of the catalogue",
         ["name", "diameter [mm]", "mass [kg/m]", "EA [MN]", "MBL [kN]", "source"],
         [
             [
@@ -201,7 +260,7 @@ def ropes() -> None:
                 f"{r.mass_per_length:.2f}",
                 f"{r.axial_stiffness / 1e6:.1f}",
                 f"{r.breaking_load / 1e3:.1f}",
-                r.source,
+                str(r.source).partition(";")[0],
             ]
             for name, r in zip(table.index, table.itertuples(), strict=True)
         ],
@@ -226,7 +285,7 @@ def clear() -> None:
         typer.echo(f"{clear_cache()} libraries removed from {cache_folder()}")
 
 
-def _simulate(run: Callable[[], Result], out: Path) -> None:
+def _simulate(run: Callable[[], Result], out: Path, report: Path | None = None) -> None:
     """Runs a simulation, writes its tables and pictures, and prints a summary.
 
     After an error or interrupt the results up to then are written.
@@ -242,6 +301,8 @@ def _simulate(run: Callable[[], Result], out: Path) -> None:
             typer.echo(f"ropeway: the first {error.result.times[-1]:.6g} s are in {out.resolve()}", err=True)
         raise
     written = _write(result, out)
+    if report is not None:
+        result.report(report)
     _report(result)
     typer.echo(f"Written to {out.resolve()}: {', '.join(written)}")
 
@@ -266,7 +327,7 @@ def _report(result: Result) -> None:
     ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
     driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.set_tension is not None]
     names = [c for n in driven for c in tensions.columns if c.startswith(f"{n.name}.")]
-    _table(
+    print_table(
         f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",
         ["tension [kN]", "lowest", "mean", "highest"],
         [
@@ -291,62 +352,6 @@ def _report(result: Result) -> None:
         typer.echo("ropeway: warning: the highest tension is above the safe working load of the rope", err=True)
     counts = events["event"].value_counts()
     typer.echo("Events: " + (", ".join(f"{n} {name}" for name, n in counts.items()) or "none"))
-
-
-def _report_plan(plan: SchedulePlan, out: Path) -> None:
-    """Writes schedules, active limits, robustness and a picture; prints the objectives."""
-    robust = plan.robustness()
-    plan.to_csv(out / "schedule.csv")
-    for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
-        write_table(table, out / name)
-    with whole(out / "schedule.png") as file:
-        plan.plot().savefig(file, dpi=130)
-    _print_plan(plan, robust)
-    typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
-
-
-def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
-    """Prints objectives beside those of constant speed, limits, and robustness."""
-    from ropeway.systems.studies.control.scheduling.limits import UNITS
-
-    units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
-    runs = {"constant speed": plan.constant, "sheaves in balance": plan.balanced, "optimised": plan.objectives}
-    shown = {name: values for name, values in runs.items() if values is not None}
-    rows = [
-        [f"{name} [{unit}]", *(at_least(values[name] / scale, 2) for values in shown.values())]
-        for name, (unit, scale) in units.items()
-    ]
-    title = f"Simulated: tensions from {plan.settle:g} s on, energy from 0 to {plan.until:g} s"
-    _table(title, ["", *shown], rows)
-    gap = plan.gap
-    typer.echo(
-        f"{len(plan.history.rounds)} rounds, {plan.history.seconds:.0f} s; plan and simulation differ by "
-        f"{1e3 * gap.crossing_time:.2g} ms in the times of crossings, {gap.peak_tension:.2g} N in the highest tension"
-    )
-    limits = [
-        [limit, at, f"{r.bound:g} {UNITS[limit]}".rstrip(), f"{r.cost:.3g}"]
-        for (limit, at), r in zip(plan.active.index, plan.active.itertuples(), strict=True)
-    ]
-    cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
-    _table("Active limits, and the cost of a unit of each", ["limit", "at", "bound", cost], limits)
-    over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
-    _table(
-        "Highest tension above that of the plan, for lines that differ from the plan [%]",
-        ["", *over.columns],
-        [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
-    )
-
-
-def _table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for i, column in enumerate(columns):
-        table.add_column(column, justify="left" if i == 0 else "right")
-    for row in rows:
-        table.add_row(*row)
-    Console(markup=False).print(table)
 
 
 if __name__ == "__main__":

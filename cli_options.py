@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO, get_type_hints
 
 import typer
 
-from ropeway.components.errors import RopewayError, RopewayWarning, WriteError
+from ropeway.components.errors import InputError, RopewayError, RopewayWarning, WriteError
 
 if TYPE_CHECKING:
     from ropeway.systems.modelling.system import System
@@ -31,7 +31,7 @@ class LineOptions:
         Path,
         typer.Argument(
             help="Supports: CSV or Excel with columns name,x,y,z,kind (metres; kind: anchor, "
-            "drum, idler, control, return), in the order of the rope."
+            "drum, idler, control, return), in the order of the rope; or a project file of a line."
         ),
     ]
     rope: Annotated[str, typer.Option(help="Name of the rope; `ropeway ropes` lists them.")] = "RHOL-IWRC 29"
@@ -39,14 +39,23 @@ class LineOptions:
     speed: Annotated[float, typer.Option(help="Speed of the rope [m/s]; negative: backwards.")] = 1.0
     load_mass: Annotated[float, typer.Option(help="Mass of each load [kg].")] = 300.0
     load_spacing: Annotated[float, typer.Option(help="Length of rope between two loads [m].")] = 50.0
+    catalogue: Annotated[Path | None, typer.Option(help="A table of ropes of your own, CSV, Excel or TOML.")] = None
 
     def system(self, safety_factor: float = 3.0) -> System:
         """The line. Raises InputError, UnknownNameError, SlackRopeError."""
         from ropeway.components.rope import Rope
+        from ropeway.systems.modelling.system import System
         from ropeway.systems.rigs.monocable import monocable
+        from ropeway.systems.studies.saved_files import load
 
+        if self.line.suffix.lower() == ".json":
+            found = load(self.line)
+            if not isinstance(found, System):
+                raise InputError(f"{self.line} holds a {type(found).__name__}", "Name a project file of a line")
+            return found
+        own = None if self.catalogue is None else str(self.catalogue)
         return monocable(
-            Rope.named(self.rope, safety_factor=safety_factor),
+            Rope.named(self.rope, safety_factor=safety_factor, catalogue=own),
             self.line,
             tension=self.tension,
             speed=self.speed,

@@ -1,4 +1,4 @@
-"""Control sheaves at work: lines with hydraulic drives and threshold responses, and where the time goes.
+"""Control sheaves: lines with hydraulic drives and threshold responses, and a profile of the run.
 
 python benchmarks/control.py --until 600
 """
@@ -44,9 +44,9 @@ def main(
     until: Annotated[float, typer.Option(help="Simulated time [s].")] = 600.0,
     spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None,
 ) -> None:
-    """Simulates each line twice: for its time, and under the profiler for its parts."""
+    """Simulate each line twice: for its time, and under the profiler for the shares of its parts."""
     table = Table(
-        "spans", "loads", "drives", "built s", "run s", "times real time", "us per span and s", "actions", "lost"
+        "spans", "loads", "drives", "build s", "run s", "times real time", "us per span and s", "actions", "lost"
     )
     shares = Table("part of the profiled run", *(str(n) for n in spans or (100, 200, 500)))
     columns: list[dict[str, float]] = []

@@ -1,12 +1,11 @@
-"""How fast an equilibrium is found: ropeway, scipy.optimize.root on the same residuals, and MoorPy.
+"""Speed of an equilibrium: ropeway, scipy.optimize.root on the same residuals, and MoorPy.
 
     python benchmarks/equilibrium.py --spans 10 --spans 100
 
-Each time is the least of several tries. A solver that is foreseen to outlast its budget, by what it took on a
-shorter line, is not run. Columns: `first` makes the solver's functions too; `cold` and `warm` are public calls
-after it; `Newton` is the bare method on what hybr solves, from the same start; `certificate` is the check of one
-state, which every solve contains once, stability included; `difference` is the largest
-relative one in tension.
+Each time is the minimum of several tries. A solver is not run if its time on a shorter line predicts a time above its
+budget. Columns: `first` includes building the solver's functions; `cold` and `warm` are public calls after it; `Newton`
+is Newton's method alone on the problem of hybr, from the same start; `certificate` is the check of one state with its
+stability, which every solve contains once; `difference` is the largest relative difference in tension.
 """
 
 from __future__ import annotations
@@ -47,14 +46,14 @@ class Ours(NamedTuple):
 
 
 class Other(NamedTuple):
-    """Time of another solver [s], and its largest difference from our tensions, relative."""
+    """Time of another solver [s], and its largest relative difference from our tensions."""
 
     time: float
     difference: float
 
 
 def least(run: Callable[[], object], tries: int = 30, budget: float = 2.0) -> float:
-    """The least time of several tries within a budget, at least one [s]."""
+    """The least time of several tries within a budget, with at least one try [s]."""
     end, found = time.perf_counter() + budget, np.inf
     for _ in range(tries):
         before = time.perf_counter()
@@ -67,7 +66,7 @@ def least(run: Callable[[], object], tries: int = 30, budget: float = 2.0) -> fl
 
 
 def ours(build: Callable[[int], rw.System], spans: int) -> Ours:
-    """Our times: public calls, and the bare Newton's method from the cold start."""
+    """Our times: public calls, and Newton's method alone from the cold start."""
     system = build(spans)
     assembly = least(lambda: assemble(system), tries=5)
     model = assemble(system)
@@ -112,8 +111,8 @@ def _norms(z: np.ndarray, force: np.ndarray) -> np.ndarray:
 def moorpy(rest: Equilibrium, tolerance: float, whole: bool) -> Other:
     """MoorPy on the same spans: fixed supports, our unstretched lengths, loads as free points with mass.
 
-    whole: the line as one system; otherwise span after span, as they do not know of each other. Only
-    `solveEquilibrium` is timed, not the making of the system."""
+    `whole`: the line as one system; otherwise each span separately, as they are independent. Only `solveEquilibrium` is
+    timed, not the setup of the system."""
     import moorpy as mp
 
     run, layout = rest.runs[0], rest.model.layouts[0]
@@ -154,14 +153,14 @@ def _line(system: object, length: float, kind: dict[str, object]) -> None:
 
 
 class Budget:
-    """Runs a solver while its time, foreseen as a power of the number of spans, stays within a budget [s]."""
+    """Runs a solver while its predicted time, a power of the number of spans, is within a budget [s]."""
 
     def __init__(self, budget: float, power: float) -> None:
         self.budget, self.power = budget, power
         self.last: tuple[int, float] | None = None
 
     def run(self, spans: int, solver: Callable[[], Other]) -> Other | None:
-        """Its result, the faster of three where it is quick; None if it was not run."""
+        """The result, the fastest of three for a quick solver; None if it was not run."""
         if self.last is not None and self.last[1] * (spans / self.last[0]) ** self.power > self.budget:
             self.budget = 0.0
             return None
@@ -174,11 +173,11 @@ class Budget:
 
 def main(
     spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None,
-    others: Annotated[bool, typer.Option(help="SciPy and MoorPy too.")] = True,
-    budget: Annotated[float, typer.Option(help="Longest run of another solver [s], as foreseen.")] = 40.0,
+    others: Annotated[bool, typer.Option(help="Include SciPy and MoorPy.")] = True,
+    budget: Annotated[float, typer.Option(help="Longest predicted run of another solver [s].")] = 40.0,
     tolerance: Annotated[float, typer.Option(help="MoorPy's tolerance of positions [m].")] = 1e-6,
 ) -> None:
-    """Prints the tables."""
+    """Print the tables."""
     sizes = sorted(spans or [10, 100, 500, 1000])
     console = Console(width=130)
     found: dict[tuple[str, int], Ours] = {}
@@ -201,7 +200,7 @@ def main(
             "MoorPy": (Budget(budget, 1.8), lambda our: moorpy(our.rest, tolerance, True)),
             "MoorPy by span": (Budget(budget, 1.0), lambda our: moorpy(our.rest, tolerance, False)),
         }
-        table = Table(title=f"Others, and their times over ropeway's; {kind} line")
+        table = Table(title=f"Other solvers, and their times relative to ropeway's; {kind} line")
         for name in ("spans", "solver", "time [s]", "x cold", "x warm", "x Newton", "difference"):
             table.add_column(name, justify="right")
         for n in sizes:

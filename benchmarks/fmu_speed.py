@@ -1,4 +1,4 @@
-"""An exported line's doStep against the same line wrapped with pythonfmu, in one run; size and time of export.
+"""Time of doStep of an exported line and of the same line in pythonfmu, in one run; size and time of the export.
 
     python benchmarks/fmu_speed.py
 
@@ -67,7 +67,7 @@ def seconds_a_step(path: Path, output: str) -> float:
 
 
 def exported(line: rw.System, path: Path) -> Path:
-    """The line as an FMU; prints how long that takes, and how large it is."""
+    """Export the line as an FMU, and print time and size."""
     begin = time.perf_counter()
     rw.fmu.export(line, path)
     print(f"export of {line.name}: {time.perf_counter() - begin:.1f} s, {path.stat().st_size / 1e3:.0f} kB")

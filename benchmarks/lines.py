@@ -9,15 +9,15 @@ from ropeway.components.node import Node
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 TENSION = 45e3
-"""Of the empty rope at the first support [N]."""
+"""Tension of the empty rope at the first support [N]."""
 SPACING = 50.0
-"""Rope between two loads [m]: two of them in a span."""
+"""Rope between two loads [m], which gives two loads a span."""
 MASSES = (250.0, 300.0, 350.0)
-"""Of the loads [kg], in turn."""
+"""Masses of the loads [kg], in turn."""
 
 
 def points(spans: int) -> list[tuple[float, float, float]]:
-    """Supports about 100 m apart in a mild zig-zag, up and down gently."""
+    """Supports about 100 m apart in a slight zig-zag, with gentle rises and falls."""
     return [
         (100.0 * k + 4.0 * math.sin(1.7 * k), 5.0 * (-1) ** k, 15.0 * math.sin(0.15 * k) + math.sin(0.9 * k))
         for k in range(spans + 1)
@@ -30,9 +30,9 @@ def driven(
     drive: rw.HydraulicDrive | None = None,
     response: rw.ThresholdResponse | None = None,
 ) -> rw.System:
-    """A drum that drives, a control sheave at every fifth support, idlers between, and at the end a drum that
-    keeps a tension; the rope is full of loads, two a span, and more are fed at the start. The control sheaves
-    follow their speed exactly, or as a hydraulic drive and a response make them."""
+    """A drive drum, a control sheave at every fifth support, idlers between, and a constant-tension drum at the end.
+    The rope is full of loads, two a span, with more fed at the start. The control sheaves have ideal drives, or a given
+    hydraulic drive and response."""
     at = points(spans)
     nodes: list[Node] = [rw.Drum("start", at=at[0], speed=speed)]
     for k in range(1, spans):
@@ -48,7 +48,7 @@ def driven(
 
 
 def given(spans: int) -> rw.System:
-    """The same supports and loads on a rope of given length, anchored at both ends, over idlers alone."""
+    """The same supports and loads on a rope of given length, anchored at both ends, over idlers only."""
     at = points(spans)
     nodes = [rw.Anchor("start", at=at[0]), *(rw.Sheave(f"s{k}", at=at[k]) for k in range(1, spans))]
     line = rw.System(f"anchored line of {spans} spans")

@@ -1,4 +1,4 @@
-"""The tables of docs/methods.md: each payload method's error over slopes, deflections and carriage places.
+"""The tables of docs/methods.md: errors of each payload method over slopes, deflections and carriage stations.
 
 python benchmarks/payload_errors.py
 """
@@ -16,7 +16,7 @@ SPANS = (200.0, 600.0)
 
 
 def table(span: float, points: tuple[int, int, int] = (13, 18, 17)) -> str:
-    """A Markdown table for a span [m]; points: number of slopes, deflections and carriage places."""
+    """A Markdown table for a span [m]; points: number of slopes, deflections and carriage stations."""
     slopes, deflections, places = (
         np.linspace(low, high, n) for (low, high), n in zip(((0.0, 0.6), (0.03, 0.2), (0.1, 0.9)), points, strict=True)
     )

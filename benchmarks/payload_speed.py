@@ -1,9 +1,9 @@
-"""How fast is an exact payload? 100,000 of them in one sweep over slope, deflection and station.
+"""Speed of exact payloads: 100,000 in one sweep over slope, deflection and station.
 
     python benchmarks/payload_speed.py
 
-Harvey (2013) took 32 us for one catenary parameter (the improved rigid link, MATLAB), about 0.5 s for the longest
-catenary over a profile, and concluded that catenary methods cost 16,000 times more. Times are the best of five.
+Harvey (2013) reports 32 us for one catenary parameter (the improved rigid link, MATLAB) and about 0.5 s for the longest
+catenary over a profile; he concluded that catenary methods cost 16,000 times more. Times are the best of five.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def sweep(count: int = 100_000) -> LoadedSpan:
 
 
 def best(function: Callable[[], object], repeat: int = 5) -> float:
-    """Shortest time of some runs [s]."""
+    """Shortest time of several runs [s]."""
     times = []
     for _ in range(repeat):
         start = time.perf_counter()

@@ -1,9 +1,9 @@
-"""How the reports of a run grow with the line: times for three times the spans, over those of a run as long.
+"""Growth of the reports of a run with the line: times for three times the spans, relative to the shorter line.
 
     python benchmarks/report.py --spans 100
 
-The frame of a run holds each output at each record, and both grow with the spans. Of the other reports `summary` and
-`energy` read each value of the frame once.
+The frame of a run contains each output at each record; both numbers grow with the spans. `summary` and `energy` read
+each value of the frame once.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ import ropeway as rw
 
 
 def main(spans: Annotated[int, typer.Option(help="Spans of the shorter line.")] = 100) -> None:
-    """Times of each report for the shorter and the longer line, and their ratio by the size of the frames."""
+    """Print times of each report for the shorter and the longer line, their ratios, and the ratio of the frames'
+    sizes."""
     results = [rw.simulate(lines.driven(n), 5.0, progress=False) for n in (spans, 3 * spans)]
     reports: dict[str, Callable[[rw.Result], Any]] = {
         "frame": lambda result: result.full_frame,

@@ -1,4 +1,4 @@
-"""Optimal schedules against constant speed and a tuned threshold response, and what they take.
+"""Optimal schedules against constant speed and a tuned threshold response, with their computing times.
 
 python benchmarks/schedules.py --spans 20
 """
@@ -44,13 +44,14 @@ def line(spans: int, response: rw.ThresholdResponse | None = None) -> rw.System:
 
 
 def simulated(spans: int, until: float, response: rw.ThresholdResponse | None = None) -> rw.Result:
-    """Constant speed, or a response, from the balanced line."""
+    """A run at constant speed or with a response, from the balanced line."""
     start = rw.balanced(line(spans, response))
     return rw.simulate(start.model, until, every=0.5, start=start, progress=False)
 
 
 def tuned(spans: int, until: float, objective: str, target: float, trials: int) -> tuple[dict[str, float], float]:
-    """The best threshold response that a search finds within about so many simulations: its objectives, its time."""
+    """Objectives of the best threshold response from a search with about `trials` simulations, and the time of the
+    search."""
     begin = time.perf_counter()
 
     def response(x: np.ndarray) -> rw.ThresholdResponse:
@@ -73,15 +74,15 @@ def tuned(spans: int, until: float, objective: str, target: float, trials: int) 
 def main(
     spans: Annotated[int, typer.Option(help="Number of spans.")] = 20,
     until: Annotated[float, typer.Option(help="Length of the schedule [s].")] = 120.0,
-    trials: Annotated[int, typer.Option(help="Simulations to tune a threshold response with; 0: none.")] = 100,
+    trials: Annotated[int, typer.Option(help="Simulations for tuning a threshold response; 0: none.")] = 100,
     starts: Annotated[int, typer.Option(help="Different starts for each objective.")] = 3,
 ) -> None:
-    """Plans each objective, from several starts, and prints what it comes to against the alternatives."""
+    """Plan each objective from several starts, and print its value against the alternatives."""
     system = line(spans)
     rest = rw.balanced(system)
     intervals = round(until / 2.0)
     table = Table(
-        "objective", "constant", "tuned", "optimised", "starts apart %", "rounds", "solver s", "wall s", "search s"
+        "objective", "constant", "tuned", "optimised", "spread of starts %", "rounds", "solver s", "wall s", "search s"
     )
     checks = Table("objective", "crossings ms", "peak N", "variables", "constraints", "force kN", "power kW")
     constant = simulated(spans, until)

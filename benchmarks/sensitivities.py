@@ -1,4 +1,4 @@
-"""Exact derivatives against central differences: their time and their agreement, in one run.
+"""Exact derivatives against central differences: time and agreement, in one run.
 
 python benchmarks/sensitivities.py
 """
@@ -20,7 +20,8 @@ from ropeway.systems.modelling.assembly import assemble
 
 
 def main(spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None) -> None:
-    """At rest by every load's mass, and over 60 s with crossings by five quantities, hydraulic drives included."""
+    """Derivatives at rest with respect to every load's mass, and over 60 s with crossings with respect to five
+    quantities, with hydraulic drives."""
     table = Table("spans", "what", "derivatives", "first s", "exact s", "differences s", "ratio", "agreement")
     for n in spans or (20, 100):
         for row in (_at_rest(n), _in_time(n)):
@@ -49,8 +50,8 @@ def _at_rest(n: int) -> tuple[str, ...]:
         ends = [rw.equilibrium(eq.model, parameters={name: eq[name] + h}, start=eq) for h in (0.05, -0.05)]
         expected[:, j] = [(ends[0][o] - ends[1][o]) / 0.1 for o in of]
     times.append(time.perf_counter() - begin)
-    miss = float(np.abs(frame.to_numpy() - expected).max() / np.abs(expected).max())
-    return _row("at rest", frame.size, (times[0], times[1], times[2]), miss)
+    error = float(np.abs(frame.to_numpy() - expected).max() / np.abs(expected).max())
+    return _row("at rest", frame.size, (times[0], times[1], times[2]), error)
 
 
 def _in_time(n: int) -> tuple[str, ...]:
@@ -65,7 +66,7 @@ def _in_time(n: int) -> tuple[str, ...]:
         frame = rw.sensitivities(result, of=of, to=list(steps))
         times.append(time.perf_counter() - begin)
     begin = time.perf_counter()
-    miss = 0.0
+    error = 0.0
     for name, h in steps.items():
         ends = []
         for step in (h, -h):
@@ -73,9 +74,9 @@ def _in_time(n: int) -> tuple[str, ...]:
             ends.append(rw.simulate(model, 60.0, every=5.0, start=moved, tolerance=1e-10, progress=False).frame[of])
         expected = ((ends[0] - ends[1]) / (2.0 * h)).to_numpy()
         found = frame.xs(name, axis=1, level="to")[of].to_numpy()
-        miss = max(miss, float(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3)))
+        error = max(error, float(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3)))
     times.append(time.perf_counter() - begin)
-    return _row("60 s", len(of) * len(steps), (times[0], times[1], times[2]), miss)
+    return _row("60 s", len(of) * len(steps), (times[0], times[1], times[2]), error)
 
 
 if __name__ == "__main__":

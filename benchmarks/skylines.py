@@ -1,5 +1,4 @@
-"""How long does a skyline's load path take, and its payload? Each once as the library does it, and station by station
-from a system of its own.
+"""Time of a skyline's load path and payload study; the load path also with a separate system for each station.
 
     python benchmarks/skylines.py
 
@@ -55,7 +54,7 @@ def corridor() -> rw.SkylineRig:
 
 
 def one_by_one() -> None:
-    """Each station as a system that is assembled and solved from cold."""
+    """Solve each station from a cold start in a separate system."""
     rig = six_spans()
     for x in STATIONS:
         rw.equilibrium(rig.system(rig.span_of(float(x)), float(x), payload=1500.0))

@@ -1,11 +1,11 @@
-"""Equilibria of many variants of a line: local processes, a Dask cluster, killed half-way and taken up again.
+"""Equilibria of many variants of a line: local processes, a Dask cluster, and a sweep killed half-way and resumed.
 
     python benchmarks/sweep.py
     python benchmarks/sweep.py --cases 1000 --workers 4
 
-The driven line of 20 spans; each variant has other masses (100 to 500 kg) of all loads and other heights (1 m up or
-down) of all supports. Times count from the call to the table: processes started, models assembled. Every table must be
-that of the local processes, to the last bit.
+The driven line of 20 spans; each variant has different masses (100 to 500 kg) of all loads and different heights (1 m
+up or down) of all supports. Times are from the call to the table, including the start of processes and assembly. Every
+table must equal that of the local processes to the last bit.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import ropeway as rw
 
 
 def variants(line: rw.System, count: int) -> pd.DataFrame:
-    """Other masses and heights for a line."""
+    """Variants of masses and heights of a line."""
     model = rw.assemble(line)
     bounds = {f"{load}.mass": (100.0, 500.0) for load in rw.equilibrium(model).loads["load"]}
     for name, value in zip(model.p.names, model.p.values, strict=True):
@@ -37,7 +37,7 @@ def variants(line: rw.System, count: int) -> pd.DataFrame:
 
 
 def timed(label: str, run: Callable[[], pd.DataFrame], known: pd.DataFrame | None = None) -> pd.DataFrame:
-    """Runs, prints the time, and compares with the table known. Raises AssertionError where they differ."""
+    """Runs, prints the time, and compares the table with `known`. Raises AssertionError for a difference."""
     before = time.perf_counter()
     table = run()
     spent = time.perf_counter() - before
@@ -48,7 +48,7 @@ def timed(label: str, run: Callable[[], pd.DataFrame], known: pd.DataFrame | Non
 
 
 def killed(path: Path, count: int, workers: int) -> int:
-    """Runs the sweep in a process of its own and kills it half-way; returns how many rows it has left."""
+    """Runs the sweep in a separate process and kills it half-way. Returns the number of rows in its journal."""
     options = ["--cases", str(count), "--workers", str(workers), "--path", str(path)]
     process = subprocess.Popen([sys.executable, __file__, *options])
     journal = path.with_name(f"{path.name}.journal")
@@ -60,7 +60,7 @@ def killed(path: Path, count: int, workers: int) -> int:
 
 
 def rows_in(journal: Path) -> int:
-    """Rows that stand in a journal: after its first line, each whole line is a list of them."""
+    """Number of rows in a journal: after its first line, each complete line is a list of rows."""
     chunks = journal.read_bytes().split(b"\n")[1:-1] if journal.exists() else []
     return sum(len(json.loads(line)) for line in chunks)
 
@@ -70,7 +70,7 @@ def main(
     workers: Annotated[int, typer.Option(help="Number of processes.")] = 2,
     path: Annotated[Path | None, typer.Option(help="Only write the table there.")] = None,
 ) -> None:
-    """Prints the times."""
+    """Print the times."""
     line = lines.driven(20)
     table = variants(line, cases)
     if path is not None:
@@ -89,7 +89,7 @@ def main(
     _on_dask(line, table, workers, known)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "sweep.parquet"
-        label = f"taken up again after {killed(file, cases, workers)} rows"
+        label = f"resumed after {killed(file, cases, workers)} rows"
         timed(label, lambda: rw.sweep(line, table, workers=workers, path=file), known)
 
 

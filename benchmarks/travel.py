@@ -1,8 +1,8 @@
-"""How fast a line travels: minutes of it with loads over idlers and control sheaves, and the loads counted.
+"""Speed of a travelling line: minutes of travel with loads over idlers and control sheaves, with a count of the loads.
 
     python benchmarks/travel.py --spans 10 --until 60
 
-Each line runs in a process of its own, so that its peak memory is its own.
+Each line runs in a separate process, which gives its peak memory.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ropeway.systems.modelling.assembly import assemble
 
 
 class Run(NamedTuple):
-    """Times [s], numbers of crossings (loads put on and taken off among them), loads, memory [MiB]."""
+    """Times [s], numbers of crossings (including loads put on and taken off), loads, memory [MiB]."""
 
     prepared: float
     again: float
@@ -40,8 +40,8 @@ class Run(NamedTuple):
 
 
 def travel(spans: int, until: float, tolerance: float) -> Run:
-    """One line in time. `prepared`: assembly and equilibrium; `spent`: the run, from there, with making its
-    integrator; `again`: a second run of the same model."""
+    """One line over time. `prepared` is the time of assembly and equilibrium, `spent` that of the run with building its
+    integrator, `again` that of a second run of the same model."""
     base = _memory()
     begin = time.perf_counter()
     model = assemble(lines.driven(spans))
@@ -66,7 +66,7 @@ def travel(spans: int, until: float, tolerance: float) -> Run:
 
 
 def _memory() -> float:
-    """Peak of this process so far [MiB]."""
+    """Peak memory of this process so far [MiB]."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
@@ -75,7 +75,7 @@ def main(
     until: Annotated[float, typer.Option(help="Time of travel [s], at 1 m/s.")] = 600.0,
     tolerance: Annotated[float, typer.Option(help="Tolerance of IDAS.")] = 1e-6,
 ) -> None:
-    """Prints the table."""
+    """Print the table."""
     table = Table(title=f"{until:g} s of travel at 1 m/s, two loads a span, IDAS tolerance {tolerance:g}")
     for name in ("spans", "prepare [s]", "run [s]", "again [s]", "x real time", "crossings", "crossings/s"):
         table.add_column(name, justify="right")

@@ -10,6 +10,7 @@ import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.components.notebook_table import html_of
 from ropeway.components.whole_files import whole
 
 NOISE = 1e-12
@@ -143,7 +144,12 @@ def _write_parquet(frame: pd.DataFrame, file: Path) -> None:
 
 
 class Tabular:
-    """A result or study whose `frame` can be written."""
+    """A result or study whose `frame` can be written, and shown in a notebook."""
+
+    def _repr_html_(self) -> str:
+        """Its name and the beginning of its frame, for notebooks."""
+        frame: Any = getattr(self, "frame")  # noqa: B009 each subclass has one
+        return html_of(repr(self), plain(frame))
 
     def to_csv(self, path: str | Path) -> Path:
         """Write the frame, units in its header; returns the path. Raises WriteError."""

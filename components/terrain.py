@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,11 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.clearance import Clearance, least_height, under_line
 from ropeway.components.errors import InputError
 from ropeway.components.map_frame import MapFrame
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope_piece import Piece
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _STATIONS = table.TableLayout({"station": "m", "elevation": "m"}, "station,elevation\n0,846.4\n10,840.1")
 
@@ -234,6 +239,22 @@ class Profile:
                 f"{self!r} has no map coordinates", "Make it with from_dem or from_points, or give it a map_frame"
             )
         return self.map_frame
+
+    def plot(self) -> Figure:
+        """Plot the ground to scale.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        figure = new_figure(figsize=(10.0, 3.6), layout="constrained")
+        axis = figure.subplots()
+        axis.fill_between(self.station, self.elevation, self.elevation.min(), color="0.88", lw=0)
+        axis.plot(self.station, self.elevation, color="0.35", lw=1.3)
+        axis.set(xlabel="station [m]", ylabel="elevation [m]")
+        axis.set_aspect("equal", adjustable="datalim")
+        axis.grid(alpha=0.3)
+        return figure
 
     def elevation_at(self, station: float) -> float:
         """Elevation at a station.

@@ -9,7 +9,7 @@ from multiprocessing import parent_process
 from threading import Lock
 
 _SHOWN = Lock()
-"""Held while a bar is shown: there is one at a time."""
+"""Lock of the visible bar: only one is shown at a time."""
 
 
 @contextmanager

@@ -15,6 +15,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+import ropeway as rw
 from ropeway.__main__ import app
 from ropeway.cli_options import errors_on_one_line
 from ropeway.components.errors import RopewayWarning
@@ -235,3 +236,57 @@ def test_loads_that_are_too_heavy_are_named(line: str, command: Command) -> None
     assert "too heavy" in done.stderr
     assert "Newton" not in done.stderr
     assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("kind", ["standing", "live", "gravity", "running"])
+def test_a_new_project_is_edited_and_studied(kind: str, tmp_path: Path, command: Command) -> None:
+    assert command("new", "slope.json", "--kind", kind).exit_code == 0
+    text = (tmp_path / "slope.json").read_text()
+    assert "// The carriage: mass [kg]" in text
+    (tmp_path / "slope.json").write_text(text.replace('"mass": 450', '"mass": 300'))
+    done = command("payload", "slope.json", "--spacing", "160", "--clearance", "0", "--out", "p")
+    assert done.exit_code == 0, done.stderr
+    assert "Largest payload" in done.stdout
+    assert rw.load("slope.json").carriage.mass == 300.0
+    again = command("new", "slope.json")
+    assert "exists" in again.stderr
+    assert "Choose standing, live" in command("new", "b.json", "--kind", "flying").stderr
+
+
+def test_a_new_line_is_simulated_with_a_report(tmp_path: Path, command: Command) -> None:
+    command("new", "line.json", "--kind", "monocable")
+    done = command("simulate", "line.json", "--until", "3", "--report", "line.html", "--out", "o")
+    assert done.exit_code == 0, done.stderr
+    assert (tmp_path / "line.html").stat().st_size > 1e6
+    wrong = command("payload", "line.json")
+    assert "The project holds a System" in wrong.stderr
+    (tmp_path / "line.json").write_text((tmp_path / "line.json").read_text().replace('"tension": 45', '"tensoin": 45'))
+    assert (
+        "line.json, line 9, tensoin: there is no such field. Is tension meant?"
+        in command("simulate", "line.json").stderr
+    )
+
+
+def test_variants_are_compared(tmp_path: Path, command: Command) -> None:
+    command("new", "a.json")
+    (tmp_path / "b.json").write_text(
+        (tmp_path / "a.json").read_text().replace('"tension": 70.0e3', '"tension": 90.0e3')
+    )
+    done = command("compare", "a.json", "b.json", "--out", "c")
+    assert done.exit_code == 0, done.stderr
+    table = pd.read_csv(tmp_path / "c" / "comparison.csv", index_col=0)
+    assert list(table.index) == ["a", "b"]
+    assert table.loc["b", "payload [kg]"] > table.loc["a", "payload [kg]"]
+    assert (tmp_path / "c" / "comparison.png").stat().st_size > 5000
+    assert "Give two or more" in command("compare", "a.json").stderr
+
+
+def test_version_and_ropes_of_ones_own(tmp_path: Path, command: Command) -> None:
+    assert command("--version").stdout.strip() == f"ropeway {rw.__version__}"
+    (tmp_path / "ours.csv").write_text("name,diameter [mm],mass_per_length,breaking_load [kN]\nours,22,2.4,425\n")
+    assert "ours" in command("ropes", "--catalogue", "ours.csv", "--search", "our").stdout
+    corridor = str(EXAMPLES / "corridor.csv")
+    options = ("--skyline", "ours", "--catalogue", "ours.csv", "--tail", "480", "--spacing", "160", "--kind", "live")
+    done = command("payload", corridor, *options)
+    assert done.exit_code == 0, done.stderr
+    assert "Give --mainline" in command("payload", corridor, "--kind", "running").stderr

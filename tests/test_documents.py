@@ -23,6 +23,10 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/catalogue.md",
         "docs/reports.md",
         "docs/gis.md",
+        "docs/index.md",
+        "docs/errors.md",
+        "docs/faq.md",
+        "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
     ],
 )
@@ -40,7 +44,7 @@ def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_every_public_name_is_listed() -> None:
     listed = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "names.md").read_text()))
     assert set(rw.__all__) <= listed
-    named = re.findall(r"`rw\.(\w+)", "".join(p.read_text() for p in (ROOT / "docs").glob("*.md")))
+    named = re.findall(r"`rw\.(\w+)", "".join(p.read_text() for p in (ROOT / "docs").rglob("*.md")))
     assert all(hasattr(rw, name) for name in named)
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
@@ -168,6 +169,36 @@ class Result(RunData):
         options = ReportOptions(project, units, labels, more)
         style = options.style
         return write_report(path, self.model.name, sections_of(self, self.summary(), style), options)
+
+    def animate(self, path: str | Path, *, frames: int = 120, rate: int = 12) -> Path:
+        """Write the line with its loads as a moving picture.
+
+        Parameters
+        ----------
+        path : str or Path
+            Ends with .gif, .mp4 (needs ffmpeg) or .html (a page with a player, extra `report`).
+        frames : int, default 120
+            Most pictures of a GIF or MP4.
+        rate : int, default 12
+            Pictures a second.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        InputError
+            An unknown format, a number that is not above zero, or a missing package.
+        WriteError
+            The file could not be written.
+        """
+        from ropeway.systems.results.animation import animate
+
+        self._require_rope()
+        check.count(frames, "animate", "frames", 10_000)
+        check.positive(float(rate), "animate", "rate", "1/s")
+        return animate(self, path, max(frames, 2), rate)
 
     def plot(self, components: Sequence[str] | None = None) -> Figure:
         """Plot tensions over time, with SWL and MBL.

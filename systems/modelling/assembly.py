@@ -1,5 +1,5 @@
-"""From declarations to the flat model: each component's equations become one CasADi function per kind, called
-once per component and joined at the ports; then the structure is checked before anything is solved."""
+"""Assembly of the flat model from declarations. The equations of each kind of component become one CasADi function,
+which is called once per component; the calls are joined at the ports. The structure is checked before any solve."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     system : System
         The declarations.
     slots : sequence of sequence of int, optional
-        Smallest number of load slots of each span of each run; by default as many as the loads need.
+        Smallest numbers of load slots in each span of each run; by default as many as the loads need.
 
     Returns
     -------
@@ -66,11 +66,11 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
 
 
 def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Sequence[int]] | None = None) -> Model:
-    """As `assemble`, with functions that systems of like components can share."""
+    """As `assemble`, with functions that systems with the same kinds of components can share."""
     system.require_complete()
     runs = find_runs(system)
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
-        raise InputError("slots does not fit the system", "Give a number of slots for each span of each run")
+        raise InputError("slots does not fit the system", "Give the number of slots of each span of each run")
     starts = [run_start(run, system.gravity) for run in runs]
     sites = _sites(system, runs, starts, slots)
     own = {c.name: functions.variables_of(c, sites[c.name]) for c in system.components.values()}
@@ -114,7 +114,7 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
 def _sites(
     system: System, runs: Sequence[Run], starts: Sequence[RunStart], slots: Sequence[Sequence[int]] | None
 ) -> dict[str, Site]:
-    """Scales and starts of each component, from the ropes that touch it."""
+    """Scales and initial guesses of each component, from its ropes."""
     sites: dict[str, Site] = {}
     for r, (run, start) in enumerate(zip(runs, starts, strict=True)):
         counts = slot_counts(run, start.counts)
@@ -122,19 +122,19 @@ def _sites(
             counts = tuple(max(a, b) for a, b in zip(counts, slots[r], strict=True))
         for k, span in enumerate(run.spans):
             tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))
-            # Each span by its own tension: sections of one rope can differ a hundredfold.
+            # Each span has its own scale: tensions of sections of one rope can differ by a factor of 100.
             force = max(float(np.linalg.norm(tension)), 1e-3 * start.scale)
             sites[span.name] = Site(force, float(start.chord[k]), counts[k], tension)
         for node in run.nodes:
-            here = Site(start.scale, float(np.mean(start.chord)))
+            site = Site(start.scale, float(np.mean(start.chord)))
             known = sites.get(node.name)
-            if known is None or known.force < here.force:
-                sites[node.name] = here
+            if known is None or known.force < site.force:
+                sites[node.name] = site
     return {name: sites.get(name, Site(1.0, 1.0)) for name in system.components}
 
 
 def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: System) -> VariableTable:
-    """All variables of one kind, arrays as name[1], name[2], ..."""
+    """All variables of one kind. Arrays are name[1], name[2], ..."""
     stop_if_interrupted()
     names: list[str] = []
     units: list[str] = []
@@ -172,7 +172,7 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
 
 
 def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
-    def where(kind: Kind, names: Sequence[str]) -> np.ndarray:
+    def positions(kind: Kind, names: Sequence[str]) -> np.ndarray:
         index = tables[kind].index
         return np.array([index.get(name, -1) for name in names], dtype=int)
 
@@ -188,19 +188,21 @@ def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
         while f"{s.name}.slot_mass[{n + 1}]" in discrete:
             n += 1
         count.append(n)
-    ways = [(node, node.through(seat) or seat, seat) for node, seat in zip(run.nodes, run.seats, strict=True)]
-    ends = [[(node, out) for node, out, _ in ways[:-1]], [(node, arrives) for node, _, arrives in ways[1:]]]
+    passages = [(node, node.through(seat) or seat, seat) for node, seat in zip(run.nodes, run.seats, strict=True)]
+    ends = [[(node, out) for node, out, _ in passages[:-1]], [(node, arrives) for node, _, arrives in passages[1:]]]
     return RunLayout(
-        travel=Travel(where(Kind.STATE, travel), where(Kind.ALGEBRAIC, travel)),
+        travel=Travel(positions(Kind.STATE, travel), positions(Kind.ALGEBRAIC, travel)),
         slots=LoadSlots(count=np.array(count), **first),
-        length_start=where(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
-        mass_per_length=where(Kind.PARAMETER, [f"{s.name}.mass_per_length" for s in run.spans]),
-        compliance=where(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
-        force=where(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
-        held=where(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
-        held_travel=where(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
-        aside=np.array([where(Kind.ALGEBRAIC, [f"{n.name}.{seat.offset}_rope" for n, seat in end]) for end in ends]),
-        grip=where(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
+        length_start=positions(Kind.PARAMETER, [f"{s.name}.length_start" for s in run.spans]),
+        mass_per_length=positions(Kind.PARAMETER, [f"{s.name}.mass_per_length" for s in run.spans]),
+        compliance=positions(Kind.PARAMETER, [f"{s.name}.compliance" for s in run.spans]),
+        force=positions(Kind.ALGEBRAIC, [f"{s.name}.force_x" for s in run.spans]),
+        held=positions(Kind.DISCRETE, [f"{n.name}.held" for n in run.nodes]),
+        held_travel=positions(Kind.DISCRETE, [f"{n.name}.held_travel" for n in run.nodes]),
+        aside=np.array(
+            [positions(Kind.ALGEBRAIC, [f"{n.name}.{seat.offset}_rope" for n, seat in end]) for end in ends]
+        ),
+        grip=positions(Kind.PARAMETER, [f"{n.name}.grip" for n in run.nodes]),
     )
 
 
@@ -222,7 +224,7 @@ def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, VariableTa
         for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
             balance = node.balance_at(seat)
             if balance is not None and seat.travel is not None:
-                # At a rope's end travel winds rope in and so raises the tension.
+                # At the end of a rope, travel winds rope in and raises the tension.
                 sign = -1.0 if k == len(run.nodes) - 1 else 1.0
                 travel = unknowns[f"{node.name}.{seat.travel}"]
                 found.append(Balance(travel, residuals[f"{node.name}.{balance}"], sign))
@@ -233,7 +235,7 @@ def _balances(system: System, runs: Sequence[Run], tables: dict[Kind, VariableTa
 
 
 def _check_structure(model: Model, system: System) -> None:
-    """As many equations as unknowns, and a matching between them. Raises UnbalancedSystemError."""
+    """Checks that equations and unknowns are equal in number and have a matching. Raises UnbalancedSystemError."""
     unknowns, residuals = model.z.names, model.r.names
     if len(unknowns) != len(residuals):
         raise UnbalancedSystemError(
@@ -244,11 +246,11 @@ def _check_structure(model: Model, system: System) -> None:
         return
     match = model.determined
     if np.any(match < 0):
-        lone = [unknowns[i] for i in sorted(set(range(len(unknowns))) - set(match.tolist()))]
+        undetermined = [unknowns[i] for i in sorted(set(range(len(unknowns))) - set(match.tolist()))]
         extra = [residuals[i] for i in np.flatnonzero(match < 0)]
-        owner = component_of(lone[0])
+        owner = component_of(undetermined[0])
         raise UnbalancedSystemError(
-            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: nothing determines {', '.join(lone[:5])}, "
-            f"and {', '.join(extra[:5])} is an equation too many",
-            f"Look at {owner!r}{system.origin(owner, ', added at {}')}",
+            f"Structural rank {int(np.sum(match >= 0))} of {len(unknowns)}: no equation determines "
+            f"{', '.join(undetermined[:5])}, and {', '.join(extra[:5])} is superfluous",
+            f"Check {owner!r}{system.origin(owner, ', added at {}')}",
         )

@@ -1,4 +1,4 @@
-"""Each kind of component as CasADi functions of its variables and ports, made once for all components of the kind."""
+"""CasADi functions of each kind of component in its variables and ports, built once per kind."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 
 SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
-"""What equations read, in the order of the model's arguments."""
+"""Kinds of variables in equations, in the order of the model's arguments."""
 
 
 class ComponentFunctions:
-    """Component functions of one assembly, or of several with like components: one for each kind of component."""
+    """Component functions of one assembly, or of several with the same kinds of components; one for each kind."""
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
         self._declared: set[Hashable] = set()
 
     def variables_of(self, component: Component, site: Site) -> tuple[Variable, ...]:
-        """A component's variables. Raises InputError where they break a rule: asked once for each form."""
+        """A component's variables. Raises InputError for a broken rule; each form is checked once."""
         variables, form = component.variables(site), component.form(site)
         if form not in self._declared:
             component_rules.require_declared(component, variables)
@@ -38,18 +38,17 @@ class ComponentFunctions:
     def demand(
         self, component: Component, sums: tuple[str, ...], site: Site, variables: tuple[Variable, ...]
     ) -> ca.Function:
-        """What a component asks of its source, an entry for each name in `sums`: the same inputs as its equations.
-        Raises InputError where it does not name each."""
+        """Demand of a component on its source, with an entry for each name in `sums` and the same inputs as its
+        equations. Raises InputError unless it has exactly these names."""
         key = ("demand", sums, *_form(component, site, variables))
         if key not in self._functions:
             v, inputs = _symbols(component, variables)
-            asked = component.demand(v)
-            if set(asked) != set(sums):
-                cause = (
-                    f"{component.name!r} asks for {', '.join(asked) or 'nothing'}, its source gives {', '.join(sums)}"
-                )
-                raise InputError(cause, "Let `demand` return each of these")
-            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*(asked[name] for name in sums))])
+            demands = component.demand(v)
+            if set(demands) != set(sums):
+                named, supplied = ", ".join(demands) or "nothing", ", ".join(sums)
+                cause = f"{component.name!r} demands {named}, its source supplies {supplied}"
+                raise InputError(cause, "Return exactly the source's names from `demand`")
+            self._functions[key] = ca.Function("demand", inputs, [ca.vertcat(*(demands[name] for name in sums))])
         return self._functions[key]
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
@@ -63,7 +62,7 @@ class ComponentFunctions:
 
 @checked
 def check_component(component: Component) -> None:
-    """Check a component of your own, as scikit-learn's `check_estimator` checks an estimator.
+    """Check a user-defined component, as scikit-learn's `check_estimator` checks an estimator.
 
     The assembly of a system makes the same checks.
 
@@ -91,7 +90,8 @@ def check_component(component: Component) -> None:
 
 
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
-    """Components of one form share their functions: a driven input is not where an open one is."""
+    """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
+    kind."""
     return (component.form(site), tuple(v.kind for v in variables))
 
 
@@ -104,7 +104,7 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
     def stacked(kind: Kind, by_name: Any) -> Any:
         return ca.vertcat(ca.DM(0, 1), *(by_name[var.name] for var in variables if var.kind is kind))
 
-    # On the node at the other side of the port the force is the opposite.
+    # The force on the node at the other side of the port is opposite.
     forces = [
         ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
         for port in component.ports
@@ -125,7 +125,7 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
 
 
 def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
-    """Symbols for all that a component's equations read, as attributes and as inputs of its function."""
+    """Symbols of a component's equations, as attributes and as inputs of its function."""
     sym = ca.MX.sym if component.external else ca.SX.sym
     time, gravity = sym("t"), sym("gravity")
     v = SimpleNamespace(time=time, gravity=gravity)
@@ -140,11 +140,11 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
     ports = []
     for port in component.ports:
         symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
-        three = (symbol[0], symbol[1], symbol[2])
+        vector_3d = (symbol[0], symbol[1], symbol[2])
         if isinstance(port, RopeEnd):
-            setattr(v, port.name, SimpleNamespace(position=three, travel=symbol[3]))
+            setattr(v, port.name, SimpleNamespace(position=vector_3d, travel=symbol[3]))
         else:
-            setattr(v, port.name, SimpleNamespace(force=three, carried=symbol[3], speed=symbol[4]))
+            setattr(v, port.name, SimpleNamespace(force=vector_3d, carried=symbol[3], speed=symbol[4]))
         ports.append(symbol)
     names = (*component.sums, *component.shares)
     signals = sym("signals", len(names))

@@ -1,4 +1,4 @@
-"""The flat differential-algebraic equations: the one thing that every solver takes."""
+"""The flat differential-algebraic equations, the input of every solver."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from ropeway.systems.modelling.system import System
 
 @dataclass(frozen=True)
 class VariableTable:
-    """All variables of one kind, in the order of their vector: parallel tuples and arrays of shape (n,). `hidden`:
-    names of those that results do not show."""
+    """All variables of one kind in the order of their vector: parallel tuples and arrays of shape (n,). `hidden` has
+    the names that results omit."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -36,12 +36,12 @@ class VariableTable:
 
     @cached_property
     def index(self) -> dict[str, int]:
-        """Place of each name."""
+        """Position of each name."""
         return {name: i for i, name in enumerate(self.names)}
 
     @cached_property
     def shown(self) -> tuple[int, ...]:
-        """Places of those that results show."""
+        """Positions of the variables that results show."""
         return tuple(i for i, name in enumerate(self.names) if name not in self.hidden)
 
     def __len__(self) -> int:
@@ -50,14 +50,14 @@ class VariableTable:
 
 @dataclass(frozen=True)
 class Travel:
-    """Where the travel of each support of a run stands, shapes (supports,): its place in the states or in
-    the algebraic variables, -1 where it is not there; in neither it is zero."""
+    """Positions of the travels of a run's supports, shapes (supports,), in the states or in the algebraic variables; -1
+    where absent. A travel in neither is zero."""
 
     state: np.ndarray
     algebraic: np.ndarray
 
     def read(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Travels [m] out of the states and algebraic variables."""
+        """Travels [m] from the states and algebraic variables."""
         q = np.zeros(len(self.state))
         (in_x, from_x), (in_z, from_z) = self._places
         q[in_x] = x[from_x]
@@ -65,22 +65,22 @@ class Travel:
         return q
 
     def write(self, q: np.ndarray, x: np.ndarray, z: np.ndarray) -> None:
-        """Puts travels into the states and algebraic variables."""
+        """Writes travels to the states and algebraic variables."""
         (in_x, from_x), (in_z, from_z) = self._places
         x[from_x] = q[in_x]
         z[from_z] = q[in_z]
 
     @cached_property
     def _places(self) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-        """The supports whose travel is a state, and the places of these; the same for algebraic variables."""
+        """Supports with a travel among the states, and its positions; the same for algebraic variables."""
         in_x, in_z = np.flatnonzero(self.state >= 0), np.flatnonzero(self.algebraic >= 0)
         return (in_x, self.state[in_x]), (in_z, self.algebraic[in_z])
 
 
 @dataclass(frozen=True)
 class LoadSlots:
-    """Where a run's load slots stand in the discrete vector: for each span the first of its slots of each
-    kind (spans,), and how many there are (spans,)."""
+    """Positions of a run's load slots in the discrete vector: the first slot of each kind in each span (spans,), and
+    the number of slots (spans,)."""
 
     count: np.ndarray
     mass: np.ndarray
@@ -101,9 +101,8 @@ class LoadSlots:
     def write(
         self, d: np.ndarray, run: Run, passed: np.ndarray, start: np.ndarray, spans: np.ndarray | None = None
     ) -> None:
-        """Fills the slots of all spans, or of some, with the loads that `passed` puts there; `start`
-        (supports,) is the rope at each support at zero travel [m]. `d` (..., nd) and `passed` (..., supports) can
-        be those of many records."""
+        """Fills the slots of all or of some spans according to `passed`. `start` (supports,) is the rope coordinate at
+        each support at zero travel [m]. `d` (..., nd) and `passed` (..., supports) may contain many records."""
         span, slot = self._cells if spans is None else _cells(spans, self.count[spans])
         loads = run.loads
         if len(loads.place) == 0:
@@ -121,7 +120,7 @@ class LoadSlots:
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each slot of some spans its span, and its number there."""
+    """Span and number of each slot of some spans."""
     span = np.repeat(spans, count)
     first = np.concatenate([[0], np.cumsum(count)[:-1]])
     return span, np.arange(len(span)) - np.repeat(first, count)
@@ -129,10 +128,10 @@ def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 @dataclass(frozen=True)
 class RunLayout:
-    """A run's places in the vectors of the model: travels, slots, each span's starting length, mass per length,
-    compliance and tension vector, (spans,), and where idlers can hold a load, (supports,), -1 where they cannot;
-    `aside`, (2, spans): rope beside the node that each end of a span is at, -1 where it starts at the node;
-    `grip`: the travel that a rough saddle's friction counts from, -1 where there is none."""
+    """Positions of a run's variables in the vectors of the model: travels, slots, initial length, mass per length,
+    compliance and tension vector of each span (spans,). `held` (supports,) is -1 for supports that cannot hold a load.
+    `aside` (2, spans) is the rope between a node and the end of a span, -1 for a span that ends at the node. `grip` is
+    the reference travel of a saddle's friction, -1 without one."""
 
     travel: Travel
     slots: LoadSlots
@@ -146,7 +145,7 @@ class RunLayout:
     grip: np.ndarray
 
     def start(self, p: np.ndarray) -> np.ndarray:
-        """The rope at each support at zero travel [m], shape (supports,)."""
+        """Rope coordinate at each support at zero travel [m], shape (supports,)."""
         found = np.zeros(len(self.length_start) + 1)
         p[self.length_start].cumsum(out=found[1:])
         return found
@@ -157,16 +156,15 @@ class RunLayout:
         return np.flatnonzero(self.held >= 0)
 
     def free(self, z: np.ndarray) -> np.ndarray:
-        """By how much each span is longer than the rope between its nodes, (spans,) [m]: on shoes it is shorter."""
+        """Length of each span minus the rope between its nodes (spans,) [m]; negative on shoes."""
         more, less = np.where(self.aside >= 0, z[self.aside], 0.0)
         return np.asarray(more - less)
 
 
 @dataclass(frozen=True)
 class Balance:
-    """A travel in the algebraic variables and the residual that lets rope run until tensions balance, or a
-    free node's coordinate and the sum of forces along it.
-    sign: +1 where more travel lowers the residual of a stable line, -1 where it raises it."""
+    """A travel among the algebraic variables and the residual of its tension balance, or a free node's coordinate and
+    the sum of forces along it. `sign` is +1 if more travel lowers the residual of a stable line, -1 if it raises it."""
 
     travel: int
     residual: int
@@ -175,7 +173,7 @@ class Balance:
 
 @dataclass(frozen=True)
 class Limits:
-    """All limits of a model, parallel: the place of the output, its bounds, what happens, and to whom."""
+    """All limits of a model as parallel arrays: position of the output, bounds, event and component."""
 
     output: np.ndarray
     low: np.ndarray
@@ -184,7 +182,7 @@ class Limits:
     components: tuple[str, ...]
 
     def broken(self, outputs: np.ndarray) -> np.ndarray:
-        """Which limits are broken by outputs of shape (..., ny): booleans of shape (..., limits)."""
+        """Limits exceeded by outputs of shape (..., ny), as booleans of shape (..., limits)."""
         values = outputs[..., self.output]
         return np.asarray((values < self.low) | (values > self.high))
 
@@ -196,8 +194,8 @@ _Made = TypeVar("_Made")
 def kept_with_model(
     make: Callable[Concatenate[Model, _Arguments], _Made],
 ) -> Callable[Concatenate[Model, _Arguments], _Made]:
-    """A function of a model, such as a solver made for it, that is evaluated once: the model keeps what it returns, for
-    as long as it lives itself. Threads that are first at the same time get one answer."""
+    """Decorator of a function of a model, such as one that builds a solver: the model caches the result for its own
+    lifetime. Threads that call it at the same time get the same object."""
 
     @wraps(make)
     def kept(model: Model, /, *args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Made:
@@ -264,7 +262,7 @@ class Model:
 
     @cached_property
     def derived(self) -> dict[Hashable, Any]:
-        """What functions decorated with `kept_with_model` have made from it; not copied to other processes."""
+        """Cached results of functions decorated with `kept_with_model`; not copied to other processes."""
         return {}
 
     def __repr__(self) -> str:
@@ -278,12 +276,12 @@ class Model:
 
     @cached_property
     def external(self) -> bool:
-        """Whether compiled code is a part of it: then there is no scalar graph of the whole."""
+        """Whether the model contains external compiled code; it then has no scalar graph."""
         return any(c.external for c in self.system.components.values())
 
     @property
     def sym(self) -> Callable[..., Any]:
-        """Makes symbols that its functions take in numerical work: scalar graphs where there are."""
+        """Constructor of symbols for its functions: scalar symbols unless the model is external."""
         make: Callable[..., Any] = ca.MX.sym if self.external else ca.SX.sym
         return make
 
@@ -324,7 +322,7 @@ class Model:
 
     @cached_property
     def determined(self) -> np.ndarray:
-        """For each residual the algebraic variable that it is matched with, shape (nz,); -1 where there is none."""
+        """The algebraic variable matched with each residual, shape (nz,); -1 without a match."""
         pattern = self.dae.jac_sparsity(1, 2)
         graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
         return np.asarray(maximum_bipartite_matching(graph, perm_type="column"))
@@ -335,14 +333,14 @@ class Model:
 
 
 def component_of(name: str) -> str:
-    """The component that a variable belongs to, `a.c1` for one of a subsystem."""
+    """The component of a variable, such as `a.c1` in a subsystem."""
     return name.rpartition(".")[0] or name
 
 
 def nearest(name: str, names: Sequence[str]) -> str:
-    """A hint for a name that does not exist: the names of the same component, or a few that are near."""
+    """A hint for an unknown name: names of the same component, or a few similar ones."""
     import difflib
 
     same = [n for n in names if n.startswith(component_of(name) + ".")]
     found = same[:12] or difflib.get_close_matches(name, names, n=5, cutoff=0.5)
-    return f"Did you mean {', '.join(found)}?" if found else "Look at the frame for the names there are"
+    return f"Did you mean {', '.join(found)}?" if found else "See the frame for all names"

@@ -1,4 +1,4 @@
-"""All components called in one graph: rope pieces first, then the nodes with the forces on them."""
+"""The graph of all component calls: rope pieces first, then the nodes with the forces on them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ropeway.systems.modelling.signal_connections import differences
 from ropeway.systems.modelling.system import System
 
 _RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3
-"""Places in the results of a component's function; from the last on a force for each rope end."""
+"""Positions in the results of a component's function. The forces of its rope ends follow from the last one on."""
 
 
 class EquationGraph:
@@ -56,9 +56,9 @@ class EquationGraph:
         ode, y = (ca.vertcat(ca.MX(0, 1), *(self.results[n][i] for n in self.variables)) for i in (_RATES, _OUTPUTS))
         alg = self._residuals(y)
         arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
-        if self.external:  # all the rest as one scalar graph
-            rest = ca.Function("rest", [*arguments, *self.external], [ode, alg, y]).expand()
-            ode, alg, y = rest(*arguments, *self.external.values())
+        if self.external:  # the remaining equations as one scalar graph
+            scalar_graph = ca.Function("rest", [*arguments, *self.external], [ode, alg, y]).expand()
+            ode, alg, y = scalar_graph(*arguments, *self.external.values())
         names = ["t", "x", "z", "u", "p", "d"]
         stop_if_interrupted()
         dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
@@ -66,7 +66,7 @@ class EquationGraph:
         return dae, ca.Function("outputs", arguments, [y], names, ["y"])
 
     def _call_ropes(self) -> None:
-        """Components with rope ends: what pulls at the seats."""
+        """Calls components with rope ends, which give the forces on the seats."""
         for c in self.system.components.values():
             if not any(isinstance(port, RopeEnd) for port in c.ports):
                 continue
@@ -75,28 +75,28 @@ class EquationGraph:
             self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
 
     def _call_sources(self) -> dict[str, ca.MX]:
-        """Sources, with the sums of all demands; returns the shares of each component that is fed."""
+        """Calls sources with the sums of all demands. Returns the shares of each component that a source feeds."""
         fed: dict[str, list[Component]] = defaultdict(list)
         for name, feeding in self.system.supplies.items():
             fed[feeding].append(self.system.components[name])
         shares: dict[str, ca.MX] = {}
         for source in (c for c in self.system.components.values() if c.sums):
-            asked = ca.MX(len(source.sums), 1)
+            demands = ca.MX(len(source.sums), 1)
             for c in fed[source.name]:
                 demand = self.component_functions.demand(c, source.sums, self.sites[c.name], self.variables[c.name])
-                asked = asked + demand(*self._inputs(c, ca.MX(len(c.shares), 1), self._forces(c)))
-            self.results[source.name] = self._call(source, asked, self._forces(source))
+                demands = demands + demand(*self._inputs(c, ca.MX(len(c.shares), 1), self._forces(c)))
+            self.results[source.name] = self._call(source, demands, self._forces(source))
             names = [v.name for v in self.variables[source.name] if v.kind is Kind.OUTPUT]
-            given = dict(zip(names, ca.vertsplit(self.results[source.name][_OUTPUTS]), strict=True))
-            shares.update({c.name: ca.vertcat(*(given[name] for name in c.shares)) for c in fed[source.name]})
+            values = dict(zip(names, ca.vertsplit(self.results[source.name][_OUTPUTS]), strict=True))
+            shares.update({c.name: ca.vertcat(*(values[name] for name in c.shares)) for c in fed[source.name]})
         return shares
 
     def _residuals(self, outputs: ca.MX) -> ca.MX:
-        """Of all components, and of the inputs that others drive."""
+        """Residuals of all components, and of the inputs that others drive."""
 
         def quantity(component: str, name: str) -> ca.MX:
-            place = self.tables[Kind.OUTPUT].index.get(f"{component}.{name}")
-            return self._variable(component, name) if place is None else outputs[place]
+            index = self.tables[Kind.OUTPUT].index.get(f"{component}.{name}")
+            return self._variable(component, name) if index is None else outputs[index]
 
         parts = [
             part
@@ -107,7 +107,7 @@ class EquationGraph:
 
     def _call(self, component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> Sequence[ca.MX]:
         f = self.component_functions.get(component, self.sites[component.name], self.variables[component.name])
-        # A function of one output, as that of a part without ports, returns it bare.
+        # `call` returns a list also for a function with one output.
         out: Sequence[ca.MX] = f.call(self._inputs(component, signals, ports))
         if not component.external:
             return out
@@ -123,11 +123,11 @@ class EquationGraph:
         """Position and travel of the rope at a seat."""
         node = seat.owner.name
         travel = ca.MX(0.0) if seat.travel is None else self._variable(node, seat.travel)
-        there = ca.vertcat(*(self._variable(node, axis) for axis in "xyz"), travel)
+        position = ca.vertcat(*(self._variable(node, axis) for axis in "xyz"), travel)
         if seat.offset is None:
-            return there
+            return position
         aside = [self._variable(node, f"{seat.offset}_{name}") for name in ("x", "z", "rope")]
-        return there + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
+        return position + ca.vertcat(aside[0], 0.0, aside[1], aside[2])
 
     def _forces(self, component: Component) -> list[ca.MX]:
         """Force and speed of the rope at each seat; zero at a seat left open."""
@@ -141,14 +141,14 @@ class EquationGraph:
 
     def _variable(self, component: str, name: str) -> ca.MX:
         for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER):
-            place = self.tables[kind].index.get(f"{component}.{name}")
-            if place is not None:
-                return self.vectors[kind][place]
+            index = self.tables[kind].index.get(f"{component}.{name}")
+            if index is not None:
+                return self.vectors[kind][index]
         raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
 
 
 def _split(kind: Kind, vector: ca.MX, variables: Mapping[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
-    """Each component's part of a vector."""
+    """The part of a vector that belongs to each component."""
     offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
     for owned in variables.values():
         offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))

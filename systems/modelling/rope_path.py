@@ -2,7 +2,7 @@
 
 Loads keep their order along the rope, so the discrete state of a run is one integer per support: the number of loads
 that have passed it. Span k holds the loads from passed[k + 1] to passed[k] - 1; the last of them is the nearest to its
-end a. A crossing adds or subtracts one, so no load can be lost or counted twice.
+end a. A crossing changes the integer by one, so no load can be lost or counted twice.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Loads:
     first: int = 0
 
     def sorted(self, material: np.ndarray) -> Loads:
-        """With positions of pinned loads from the rope at the supports, in order.
+        """The loads in order, with positions of pinned loads from the rope coordinates at the supports.
 
         `material` (supports,): the rope coordinate at each support.
         """
@@ -61,7 +61,7 @@ class Loads:
 class Run:
     """A rope through consecutive spans; `nodes` has one more element than `spans`.
 
-    `seats`: where the rope arrives at each node, and where it leaves the first.
+    `seats` has the seat where the rope arrives at each node, and where it leaves the first one.
     """
 
     nodes: tuple[Node, ...]
@@ -72,7 +72,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """First and last support."""
+        """Names of the first and the last support."""
         return f"{self.nodes[0].name} ... {self.nodes[-1].name}"
 
     @property
@@ -86,21 +86,21 @@ class Run:
         return np.array([node.at for node in self.nodes])
 
     def start(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
-        """Start of span k, (x, y, z) [m], from a function that reads a variable."""
+        """Start of span k, (x, y, z) [m]. `read` returns the value of a variable."""
         return _place(self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k], read)
 
     def end(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
-        """End of span k, as `start`; on a shoe it differs from the start of the next one."""
+        """End of span k, as `start`. On a shoe it differs from the start of the next span."""
         return _place(self.seats[k + 1], read)
 
     @property
     def closed(self) -> bool:
-        """Whether the rope is endless: it ends where it begins, at a driven wheel."""
+        """Whether the rope is endless: it ends at its first node, a driven wheel."""
         return self.nodes[0] is self.nodes[-1]
 
     @property
     def around(self) -> int:
-        """Number of loads that circulate on an endless rope, else 0."""
+        """Number of circulating loads on an endless rope, otherwise 0."""
         return 0 if self.feed is None else self.feed.around or 0
 
     @property
@@ -120,10 +120,10 @@ def _place(seat: Seat, read: Callable[[str], Numbers]) -> np.ndarray:
 
 
 def passed(place: np.ndarray, material: np.ndarray) -> np.ndarray:
-    """Number of loads beyond each support, shape (supports,).
+    """Number of loads that have passed each support, shape (supports,).
 
-    Those whose position `place` (descending) exceeds the rope coordinate at the support. Loads that are on a support
-    have not passed it.
+    A load has passed if its position `place` (descending) exceeds the rope coordinate at the support. A load on a
+    support has not passed it.
     """
     count = np.searchsorted(-place, -material, side="left")
     return np.asarray(np.minimum.accumulate(count))
@@ -146,7 +146,7 @@ def find_runs(system: System) -> tuple[Run, ...]:
             if end != "a":
                 raise UnbalancedSystemError(
                     f"Spans {name!r} and {other!r} both arrive at {owner!r}",
-                    "A rope runs from end a to end b: swap one",
+                    "A rope runs from end a to end b: swap the ends of one span",
                 )
             follows[name] = other
     starts = [name for name in spans if name not in follows.values()]
@@ -164,7 +164,7 @@ def find_runs(system: System) -> tuple[Run, ...]:
 
 
 def _cuts(spans: Iterable[str], follows: Mapping[str, str], starts: Sequence[str], system: System) -> list[str]:
-    """For each endless rope the span that starts at its first driven wheel. Raises UnbalancedSystemError."""
+    """The span of each endless rope that starts at its first driven wheel. Raises UnbalancedSystemError."""
     open_ended = set(starts)
     for start in starts:
         while start in follows:
@@ -195,7 +195,7 @@ def _seat(node: Node, name: str) -> Seat:
 def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans: tuple[Span, ...]) -> Run:
     if any(span.rope != spans[0].rope for span in spans):
         raise InputError(
-            f"Rope {spans[0].name} ... {spans[-1].name} has several kinds of rope", "Use one rope in all spans"
+            f"Rope {spans[0].name} ... {spans[-1].name} contains different ropes", "Use one rope in all spans"
         )
     if all(s.travel is not None for s in seats) and all(n.drive_speed is None for n in nodes):
         raise UnbalancedSystemError(
@@ -214,7 +214,7 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
     else:
         hung = [h for h in system.hung if h.spans[0].name in index]
         if hung and nodes[0] is nodes[-1]:
-            raise InputError(f"Load {hung[0].load.name!r} hangs on an endless rope", "Use feed there")
+            raise InputError(f"Load {hung[0].load.name!r} hangs on an endless rope", "Use feed for an endless rope")
         names = tuple(h.load.name for h in hung)
         first = np.array([index[h.spans[0].name] for h in hung], dtype=int)
         single = np.array([len(h.spans) == 1 for h in hung], dtype=bool)
@@ -230,16 +230,16 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
 
 
 def _around(feed: Feed, length: float) -> Feed:
-    """Feed of an endless rope: as many loads as fit, evenly spaced."""
+    """Feed of an endless rope, with as many evenly spaced loads as fit."""
     count = max(1, round(length / feed.spacing))
     masses = tuple(feed.masses[i % len(feed.masses)] for i in range(count))
     return replace(feed, spacing=length / count, masses=masses, around=count)
 
 
 def fed(feed: Feed, length: float) -> Loads:
-    """Loads of a feed on `length` metres of rope; the last is half a spacing behind the first support.
+    """Loads of a feed on `length` metres of rope. The last one is half a spacing behind the first support.
 
-    The next few wait there; on an endless rope, those that circulate.
+    The next few loads wait behind it. An endless rope has its circulating loads only.
     """
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     foremost = np.array([(on_line - 0.5) * feed.spacing])
@@ -264,7 +264,7 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
 def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, behind: int) -> Loads:
     """The `around` loads of an endless rope, repeated for `ahead` revolutions before and `behind` revolutions after.
 
-    They are listed from `begin` on; repeated loads are a rope's `length` [m] apart.
+    The list begins with load `begin`. Repeated loads are one rope `length` [m] apart.
     """
     revolution, load = np.divmod(np.arange(-ahead * around, (behind + 1) * around), around)
     load += begin
@@ -281,23 +281,24 @@ def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, beh
 def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
     """`passed` for `rope` (supports,) at each support.
 
-    Loads hung by the user stay on the line, pinned ones in their spans.
+    Loads hung by the user stay on the line; pinned loads stay in their spans.
     """
-    beyond = passed(run.loads.place, rope)
+    count = passed(run.loads.place, rope)
     pinned = np.flatnonzero(run.loads.pinned >= 0)
     if len(pinned):
         span = run.loads.pinned[pinned]
-        least, most = np.zeros_like(beyond), np.full_like(beyond, len(run.loads.place))
+        least, most = np.zeros_like(count), np.full_like(count, len(run.loads.place))
         np.maximum.at(least, span, pinned + 1)
         np.minimum.at(most, span + 1, pinned)
-        beyond = np.clip(beyond, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
+        count = np.clip(count, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
     if run.feed is None:
-        beyond[0], beyond[-1] = len(run.loads.place), 0
-    return beyond
+        count[0], count[-1] = len(run.loads.place), 0
+    return count
 
 
 def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]:
-    """Slots of each span: for its present loads (`counts`), and on a moving line for as many as fit in its length."""
+    """Slots of each span: for its present loads (`counts`), and on a moving line for all loads that fit in its
+    length."""
     place = run.loads.place
     gaps = np.diff(-place)
     gap = run.feed.spacing if run.feed is not None else (gaps[gaps > 0.0].min() if np.any(gaps > 0.0) else np.inf)
@@ -312,14 +313,14 @@ def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]
 def rounded_up(slots: int) -> int:
     """A number of slots rounded up to three binary digits from 32 on.
 
-    Spans with many loads then share functions.
+    Spans with many loads can then share functions.
     """
     step = 1 << max(0, slots.bit_length() - 3) if slots > 32 else 1
     return -(-slots // step) * step
 
 
 def drive_speeds(runs: Sequence[Run]) -> dict[tuple[str, str], tuple[str, str]]:
-    """Component and variable with the speed of the nearest drive, for each seat of a rope."""
+    """Component and variable with the speed of the nearest drive for each seat of a rope."""
     found = {}
     for run in runs:
         driven = [k for k, node in enumerate(run.nodes) if node.drive_speed is not None]

@@ -1,6 +1,6 @@
-"""Clocks: what control sheaves decide at samples, and when it takes effect.
+"""Clocks: decisions of control sheaves at samples, and their delayed effects.
 
-Every update is a CasADi function of the model's vectors, so that an exported model can carry it along.
+Every update is a CasADi function of the model's vectors, so an exported model can contain it.
 """
 
 from __future__ import annotations
@@ -19,14 +19,13 @@ from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
 
 Precedence = Callable[[str], tuple[str, str]]
-"""For a component the subsystem that it belongs to, and who acts first there."""
+"""Function of a component's name: its subsystem, and the precedence rule there."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """Ticks at `phase`, `phase + period`, ... [s]. `update(t, x, z, u, p, d)` gives the new values of the
-    `entries` of the discrete vector; `corrections` are those of them that change the line's motion, with the
-    sheaves that they belong to."""
+    """Ticks at `phase`, `phase + period`, ... [s]. `update(t, x, z, u, p, d)` gives new values of the `entries` of the
+    discrete vector. `corrections` maps the entries that change the line's motion to their sheaves."""
 
     period: float
     phase: float
@@ -41,9 +40,9 @@ def clocks(
     outputs: ca.Function,
     index: Mapping[Kind, Mapping[str, int]],
 ) -> tuple[Clock, ...]:
-    """The clocks of responses, given by their components in the order of the rope. Delayed effects come before
-    samples at the same time. `precedence_of`: the subsystem that a sheave belongs to, and the precedence there;
-    `index`: place of each variable in its vector."""
+    """The clocks of responses, in the order of their components on the rope. Delayed effects precede samples at the
+    same time. `precedence_of` gives the subsystem of a sheave and its precedence rule, `index` the position of each
+    variable in its vector."""
     by_period: dict[float, dict[str, Response]] = defaultdict(dict)
     by_effect: dict[tuple[float, float], dict[str, Response]] = defaultdict(dict)
     for name, response in responses.items():
@@ -60,7 +59,7 @@ def clocks(
 
 
 def responses_of(runs: Sequence[Run]) -> dict[str, Response]:
-    """The responses along the ropes, by the name of their component, each once."""
+    """The responses along the ropes by the name of their component, without repetition."""
     found = ((node.name, response_of(node)) for run in runs for node in run.nodes)
     return {name: response for name, response in found if response is not None}
 
@@ -73,7 +72,7 @@ def _sample(
     y: ca.MX,
     index: Any,
 ) -> Clock:
-    """All responses of one period decide; those that may act do."""
+    """The clock of one period: all responses decide, and those with permission act."""
     decisions = {}
     for name, response in group.items():
         function, variables = _rule(response)
@@ -98,7 +97,7 @@ def _sample(
 
 
 def _grants(precedence: str, wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> list[ca.MX]:
-    """Which of those that want to act may."""
+    """Permissions of the sheaves that want to act."""
     n = len(wants)
     need = [ca.if_else(w, r, -1e30) for w, r in zip(wants, needs, strict=True)]
 
@@ -109,8 +108,8 @@ def _grants(precedence: str, wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> 
             free = free * (1 - wants[k])
         return grants
 
-    def ahead(k: int, others: Sequence[int]) -> ca.MX:
-        """Whether k needs more than the others; the one earlier on the rope wins a draw."""
+    def has_priority(k: int, others: Sequence[int]) -> ca.MX:
+        """Whether the need of k exceeds that of the others. The first on the rope wins a tie."""
         grant = wants[k]
         for j in others:
             grant = grant * (need[k] >= need[j] if k < j else need[k] > need[j])
@@ -121,15 +120,15 @@ def _grants(precedence: str, wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> 
     if precedence == "downstream first":
         return first(range(n - 1, -1, -1))
     if precedence == "worst first":
-        return [ahead(k, [j for j in range(n) if j != k]) for k in range(n)]
+        return [has_priority(k, [j for j in range(n) if j != k]) for k in range(n)]
     if precedence == "neighbours locked out":
-        return [ahead(k, [j for j in (k - 1, k + 1) if 0 <= j < n]) for k in range(n)]
+        return [has_priority(k, [j for j in (k - 1, k + 1) if 0 <= j < n]) for k in range(n)]
     return list(wants)
 
 
 @dataclass(frozen=True)
 class _Names:
-    """Variables (name, size) that a rule reads, and those that it sets."""
+    """Variables (name, size) that a rule reads and sets."""
 
     inputs: tuple[tuple[str, int], ...]
     outputs: tuple[tuple[str, int], ...]
@@ -151,7 +150,7 @@ def _rule(response: Response) -> tuple[ca.Function, _Names]:
 
 
 def _effect(period: float, phase: float, group: Mapping[str, Response], point: Sequence[ca.MX], index: Any) -> Clock:
-    """The oldest waiting decision of each response becomes its correction."""
+    """The clock of a delay: the oldest queued decision of each response becomes its correction."""
     entries, values, corrections = [], [], {}
     for name, response in group.items():
         oldest = _places(f"{name}.response_waiting", response.waiting, index[Kind.DISCRETE])[0]
@@ -159,7 +158,7 @@ def _effect(period: float, phase: float, group: Mapping[str, Response], point: S
         entries.append(entry)
         corrections[entry] = name
         values.append(point[5][oldest])
-    # Before the first sample nothing waits: the first effect comes one phase after it.
+    # The queue is empty before the first sample; the first effect is one phase after it.
     return Clock(
         period,
         period + phase,

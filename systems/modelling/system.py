@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import TypeVar, overload
+from typing import TYPE_CHECKING, TypeVar, overload
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -14,6 +14,7 @@ from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.ground import Ground
 from ropeway.components.load import Load
 from ropeway.components.node import Node
+from ropeway.components.notebook_table import html_of
 from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
@@ -23,6 +24,9 @@ from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_fo
 from ropeway.systems.modelling.port_connections import connect
 from ropeway.systems.modelling.subsystem import Subsystem, include
 from ropeway.systems.modelling.user_code import caller
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
@@ -76,6 +80,39 @@ class System(Declarations):
             f"<System {self.name!r}: {len(self.components) - spans} components, {spans} spans, {len(self.hung)} loads"
             f"{feeds}>"
         )
+
+    def _repr_html_(self) -> str:
+        """Its components in a table, for notebooks."""
+        rows = [
+            {
+                "name": str(name),
+                "kind": type(c).__name__,
+                "place [m]": ", ".join(f"{v:g}" for v in c.at) if isinstance(c, Node) else "",
+                "length [m]": c.length if isinstance(c, Span) else float("nan"),
+            }
+            for name, c in self.components.items()
+        ]
+        return html_of(repr(self), rows)
+
+    def plot(self, view: str = "elevation") -> Figure:
+        """Plot the supports as they are declared, with straight spans.
+
+        Parameters
+        ----------
+        view : {"elevation", "3d"}, default "elevation"
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            There is no support, or no such view.
+        """
+        from ropeway.systems.modelling.system_plot import system_figure
+
+        return system_figure(self, view)
 
     @property
     def precedence(self) -> str:

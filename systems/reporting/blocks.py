@@ -175,13 +175,16 @@ def _packed(arrays: Sequence[np.ndarray]) -> str:
 
 
 def _clean(value: Any) -> Any:
-    """Values as JSON: six digits are enough to draw, and what is not finite is null."""
-    if isinstance(value, np.ndarray):
+    """Values as JSON: seven digits, of map coordinates centimetres, are enough to draw; what is not finite is null."""
+    if hasattr(value, "tolist") and not isinstance(value, np.generic):  # an array, or a column of a frame
         return _clean(value.tolist())
     if isinstance(value, Mapping):
         return {key: _clean(v) for key, v in value.items()}
     if isinstance(value, (list, tuple)):
         return [_clean(v) for v in value]
     if isinstance(value, (float, np.floating)):
-        return float(f"{value:.7g}") if math.isfinite(value) else None
+        if not math.isfinite(value):
+            return None
+        number = float(value)
+        return round(number, 2) if abs(number) > 1e5 else float(f"{number:.7g}")
     return value.item() if isinstance(value, np.generic) else value

@@ -1,1 +1,1 @@
-"""Floor 5: what a run leaves: data, tables and pictures."""
+"""Floor 5: results of a run as data, tables and figures."""

@@ -8,8 +8,8 @@ from ropeway.components.errors import InputError
 
 
 class Labels(dict[str, str]):
-    """A dictionary that does not change. pandas copies all that is in `attrs` deeply at every operation on a frame,
-    which takes longer the more columns there are; what does not change need not be copied."""
+    """An immutable dictionary. pandas makes a deep copy of `attrs` in every operation on a frame, which takes time in
+    proportion to the columns. An immutable object needs no copy."""
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Labels:
         return self
@@ -19,8 +19,8 @@ class Labels(dict[str, str]):
 
     def _refuse(self, *args: Any, **named: Any) -> NoReturn:
         raise InputError(
-            "The labels of a frame are shared by its copies and do not change",
-            'Give the frame others: frame.attrs["units"] = {**frame.attrs["units"], "column": "kN"}',
+            "The labels of a frame are shared with its copies and cannot change",
+            'Assign new labels: frame.attrs["units"] = {**frame.attrs["units"], "column": "kN"}',
         )
 
     __setitem__ = __delitem__ = __ior__ = update = setdefault = _refuse

@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
 
 def drive_powers(result: RunData) -> pd.DataFrame:
-    """Power of each drive into the rope [W] at all records, a column a sheave."""
+    """Power of each drive into the rope [W] at all records, one column per sheave."""
     driving = {node.name: node.drive_power for node in each_node(result.runs) if node.drive_power is not None}
     powers = result.full_frame[[f"{name}.{output}" for name, output in driving.items()]]
     return powers.set_axis(list(driving), axis="columns")
 
 
 def power(result: RunData) -> pd.DataFrame:
-    """Power of the drives into the rope: index sheave, and `line` for all; mean, highest and lowest power [W],
-    energy pulled and recovered [J]."""
+    """Power of the drives into the rope. Index sheave, and `line` for the sum; columns mean, highest and lowest power
+    [W], pulled and recovered energy [J]."""
     time, powers = result.times, drive_powers(result)
     values = {name: powers[name].to_numpy() for name in powers}
     if values:
@@ -45,11 +45,10 @@ def power(result: RunData) -> pd.DataFrame:
 def energy(result: RunData) -> pd.Series:
     """The energy balance of a run [J].
 
-    drives (work of the control sheaves' drives), ends (work of drums and of supports that move, and energy of the rope
-    that drums pay out or wind in), loads (weight put on and taken off), take_up (work that components take from
-    outside, as a tensioned return) go in; gravity, elastic, kinetic (of the components) is what is gained; friction
-    and crossings (what a line loses when it jumps as a load passes an idler) is what is spent; residual is the rest,
-    zero but for the integration.
+    Inputs are drives (work of the control sheaves' drives), ends (work of drums and moving supports, and energy of rope
+    that drums pay out or wind in), loads (weight put on and taken off), take_up (external work on components such as a
+    tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are friction and crossings
+    (energy lost when a line jumps as a load passes an idler). The residual is zero except for the integration error.
     """
     frame, times = result.full_frame, result.times
     still = np.diff(times) == 0.0
@@ -62,7 +61,7 @@ def energy(result: RunData) -> pd.Series:
     gravity = np.diff(frame.filter(regex=r"\.gravity_energy$").sum(axis=1))
     kinetic = parts.pop("kinetic")
     work = parts["drives"] + parts["ends"] + parts["loads"] + parts["take_up"] - parts["friction"]
-    left = work - elastic - gravity - kinetic
+    remainder = work - elastic - gravity - kinetic
     return pd.Series(
         {
             **{name: value.sum() for name, value in parts.items() if name != "friction"},
@@ -70,8 +69,8 @@ def energy(result: RunData) -> pd.Series:
             "elastic": elastic.sum(),
             "kinetic": kinetic.sum(),
             "friction": parts["friction"].sum(),
-            "crossings": left[still].sum(),
-            "residual": left[~still].sum(),
+            "crossings": remainder[still].sum(),
+            "residual": remainder[~still].sum(),
         },
         name="energy [J]",
     )
@@ -83,13 +82,13 @@ def _add(parts: dict[str, np.ndarray], more: Mapping[str, np.ndarray]) -> None:
 
 
 def _mean(values: np.ndarray | pd.Series) -> np.ndarray:
-    """In each interval between records."""
+    """Mean in each interval between records."""
     array = np.asarray(values)
     return (array[1:] + array[:-1]) / 2.0
 
 
 def _drives(node: Node) -> bool:
-    """Whether a node drives a rope that runs over it."""
+    """Whether a node drives a through-running rope."""
     return node.drive_speed is not None and node.through(node.arriving) is not None
 
 
@@ -97,40 +96,40 @@ def _rope_work(result: RunData, r: int) -> dict[str, np.ndarray]:
     """Work of supports and loads on a rope in each interval, by kind."""
     frame, run = result.full_frame, result.runs[r]
     weight, strain = run.rope.mass_per_length * result.parameters[0], run.rope.strain
-    none = np.zeros(len(result.times) - 1)
-    parts = {"drives": none, "ends": none, "loads": _load_work(result, r), "friction": none}
+    zeros = np.zeros(len(result.times) - 1)
+    parts = {"drives": zeros, "ends": zeros, "loads": _load_work(result, r), "friction": zeros}
     last, moves = len(run.nodes) - 1, np.diff(result.times) > 0.0
     for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
-        coming = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
-        going = None if k == last else frame[f"{run.spans[k].name}.tension_a"]
+        tension_in = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
+        tension_out = None if k == last else frame[f"{run.spans[k].name}.tension_a"]
         parts["ends"] = parts["ends"] + _shift_work(result, r, k)
         if f"{node.name}.{seat.travel}" not in frame or (run.closed and k == last):
             continue
         if run.closed and k == 0:
-            coming = frame[f"{run.spans[-1].name}.tension_b"]
-        moved = np.diff(frame[f"{node.name}.{seat.travel}"])
-        if coming is None or going is None:
-            tension, sign = (going, -1.0) if coming is None else (coming, 1.0)
+            tension_in = frame[f"{run.spans[-1].name}.tension_b"]
+        travel_steps = np.diff(frame[f"{node.name}.{seat.travel}"])
+        if tension_in is None or tension_out is None:
+            tension, sign = (tension_out, -1.0) if tension_in is None else (tension_in, 1.0)
             carried = strain.potential(np.asarray(tension)) - weight * _coordinate(result, node, "z")
-            parts["ends"] = parts["ends"] + sign * _mean(carried) * moved
+            parts["ends"] = parts["ends"] + sign * _mean(carried) * travel_steps
             continue
-        gained = _mean(strain.potential(coming) - strain.potential(going)) * moved
+        work_done = _mean(strain.potential(tension_in) - strain.potential(tension_out)) * travel_steps
         if _drives(node):
-            parts["drives"] = parts["drives"] + gained
+            parts["drives"] = parts["drives"] + work_done
         else:
-            parts["friction"] = parts["friction"] - gained * moves
+            parts["friction"] = parts["friction"] - work_done * moves
     return parts
 
 
 def _coordinate(result: RunData, node: Node, axis: str) -> np.ndarray | float:
-    """Of a node, over time where it moves [m]."""
+    """Coordinate of a node [m]; for a moving node, its values over time."""
     name = f"{node.name}.{axis}"
-    place = result.model.p.index.get(name)
-    return result.full_frame[name].to_numpy() if place is None else float(result.parameters[place])
+    index = result.model.p.index.get(name)
+    return result.full_frame[name].to_numpy() if index is None else float(result.parameters[index])
 
 
 def _shift_work(result: RunData, r: int, k: int) -> np.ndarray | float:
-    """Work on a rope of a node that moves, by the forces at the rope's ends there."""
+    """Work of a moving node on a rope, from the forces at the rope's ends there."""
     run, frame, work = result.runs[r], result.full_frame, 0.0
     node, first = run.nodes[k], result.model.layouts[r].force
     for i, axis in enumerate("xyz"):
@@ -146,23 +145,23 @@ def _shift_work(result: RunData, r: int, k: int) -> np.ndarray | float:
 
 
 def _own_work(result: RunData, node: Node) -> dict[str, np.ndarray]:
-    """What a component takes from outside, stores and loses in each interval: what it gives goes into ropes, its own
-    motion and its losses."""
+    """External work, stored energy and losses of a component in each interval. Its work on ropes is external work minus
+    stored energy and losses."""
     own = node.energies(lambda name: result.full_frame[f"{node.name}.{name}"].to_numpy())
-    none = np.zeros(len(result.times))
-    kinetic, supplied = np.diff(none + own.kinetic), np.diff(none + own.supplied)
-    lost = _mean(none + own.loss) * np.diff(result.times)
-    given = lost + kinetic - supplied
+    zeros = np.zeros(len(result.times))
+    kinetic, supplied = np.diff(zeros + own.kinetic), np.diff(zeros + own.supplied)
+    losses = _mean(zeros + own.loss) * np.diff(result.times)
+    given = losses + kinetic - supplied
     return {
         "drives" if _drives(node) else "ends": given,
         "kinetic": kinetic,
-        "friction": lost,
+        "friction": losses,
         "take_up": supplied,
     }
 
 
 def _load_work(result: RunData, r: int) -> np.ndarray:
-    """Energy that loads bring with them when they are put on, or take away."""
+    """Energy added by loads that are put on, and removed by loads that are taken off."""
     work, run = np.zeros(len(result.times) - 1), result.runs[r]
     if run.closed:
         return work

@@ -1,4 +1,4 @@
-"""Safe working load and breaking load in a picture of tensions."""
+"""Safe working load and breaking load in a figure of tensions."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NEAR = 0.5
-"""Share of a limit from which on a picture shows its line: below it the curves would be squeezed flat."""
+"""Share of a limit above which a figure shows its line. Below it the line would compress the curves."""
 
 NOISE = 1e-6
-"""Relative distance above a limit that is none: a payload brings a tension just to its limit."""
+"""Relative tolerance above a limit: the tension of a largest payload is at its limit."""
 
 ABOVE: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "borderaxespad": 0.1, "frameon": False}
-"""A legend above its panel: inside it would lie on the curves."""
+"""Position of a legend above its panel, clear of the curves."""
 
 
 class LimitLine(NamedTuple):
-    """A limit of a tension [N], its name, the colour and the style of its line."""
+    """A limit of a tension [N] with its name, and the colour and style of its line."""
 
     value: float
     name: str
@@ -36,7 +36,7 @@ class LimitLine(NamedTuple):
 
 
 def limits_of(rope: Rope, of: str = "", colour: str = "tab:red") -> list[LimitLine]:
-    """SWL and MBL of a rope; of: which rope, where there are several."""
+    """SWL and MBL of a rope. `of` names the rope if there are several."""
     owner = f" {of}" if of else ""
     return [
         LimitLine(rope.safe_working_load, f"SWL{owner} (MBL / {rope.safety_factor:g})", colour, "--"),
@@ -45,29 +45,29 @@ def limits_of(rope: Rope, of: str = "", colour: str = "tab:red") -> list[LimitLi
 
 
 def draw_limits(axis: Axes, ropes: Sequence[tuple[float, Sequence[LimitLine]]]) -> None:
-    """Draws the limits of ropes that the tensions come near, and names the others in the legend; ropes: the highest
-    tension [N] of each, and its limits. A tension above a limit of its rope is said in the picture.
+    """Draws the limits near the tensions and names the others in the legend. `ropes` has the highest tension [N] of
+    each rope and its limits. A text in the figure reports a tension above a limit.
 
     The axis [kN] begins at zero and includes all tensions and limits drawn.
     """
     drawn = [highest for highest, _ in ropes]
-    reach = max(drawn, default=0.0)
-    far, beyond = [], []
+    highest_of_all = max(drawn, default=0.0)
+    not_drawn, exceeded = [], []
     for highest, limits in ropes:
         for limit in limits:
-            if reach >= NEAR * limit.value:
+            if highest_of_all >= NEAR * limit.value:
                 axis.axhline(limit.value / 1e3, color=limit.colour, ls=limit.style, lw=1.2, label=limit.text)
                 drawn.append(limit.value)
             else:
-                far.append(limit.text)
+                not_drawn.append(limit.text)
         if over := [limit for limit in limits if highest > (1.0 + NOISE) * limit.value]:
-            beyond.append(f"{at_least(highest / 1e3, 1)} kN: above {max(over).text}")
-    if far:
-        axis.plot([], [], ls="", label=f"not drawn: {', '.join(far)}")
+            exceeded.append(f"{at_least(highest / 1e3, 1)} kN: above {max(over).text}")
+    if not_drawn:
+        axis.plot([], [], ls="", label=f"not drawn: {', '.join(not_drawn)}")
     top = max(drawn, default=0.0) / 1e3
     axis.set_ylim(0.0, 1.08 * top if top > 0.0 else 1.0)
-    if beyond:
+    if exceeded:
         axis.text(
-            0.01, 0.97, "\n".join(beyond), transform=axis.transAxes, va="top", color="tab:red", fontsize="small",
+            0.01, 0.97, "\n".join(exceeded), transform=axis.transAxes, va="top", color="tab:red", fontsize="small",
             zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
         )  # fmt: skip

@@ -13,18 +13,18 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.statics.equilibrium import Equilibrium
 
 _POINTS = 33
-"""Points of a span, besides its loads and the vertices of the ground."""
+"""Points of a span in addition to its loads and the vertices of the ground."""
 _SHORT = 1e-9
-"""A length that is none [m]."""
+"""Length that counts as zero [m]."""
 _SLACK = 20.0
-"""A piece's span over twice its catenary's parameter is taken as at most this: its rope hangs straight down then."""
+"""Upper bound of a piece's span over twice its catenary's parameter, at which the rope hangs straight down."""
 
 
 def heights(model: Model, read: Callable[[str], np.ndarray]) -> np.ndarray:
     """Smallest height of each span with its loads above the ground, at all records of a run.
 
-    A rope between loads is the catenary of its mean stretch: to about 1e-4 of its sag. The record in which a span is
-    lowest is measured exactly by `Equilibrium.clearance`.
+    The rope between loads is a catenary with its mean stretch, exact to about 1e-4 of its sag. `Equilibrium.clearance`
+    gives the exact height at the lowest record of a span.
 
     Parameters
     ----------
@@ -72,9 +72,9 @@ def _span_heights(ground: Ground, nodes: np.ndarray, parameter: np.ndarray) -> n
     ground : Ground
         The ground.
     nodes : ndarray, shape (records, n, 3)
-        Its ends, and between them its loads in order.
+        Ends of the span with its loads between them, in order.
     parameter : ndarray, shape (records,)
-        Of the catenaries between them [m]: horizontal tension over weight.
+        Parameter of the catenaries between them [m]: horizontal tension over weight.
     """
     along = np.hypot(*(nodes[..., :2] - nodes[:, :1, :2]).transpose(2, 0, 1))
     lowest = _lowest(nodes[..., 2] - ground.elevations(nodes[..., 0], nodes[..., 1]))
@@ -90,35 +90,35 @@ def _span_heights(ground: Ground, nodes: np.ndarray, parameter: np.ndarray) -> n
     run = np.take_along_axis(np.diff(along), piece, 1)
     rise = np.take_along_axis(np.diff(nodes[..., 2]), piece, 1)
     a = np.maximum(parameter[:, None], run / (2.0 * _SLACK))
-    half = run / (2.0 * a)
-    turn = half - np.arcsinh(rise / (2.0 * a * np.sinh(np.maximum(half, _SHORT))))
-    z = z + a * (np.cosh((x - first) / a - turn) - np.cosh(turn))
-    still = np.ptp(nodes[:, [0, -1], :2], axis=0).max() < _SHORT
-    at = nodes[: 1 if still else None, :1, :2]
+    half_ratio = run / (2.0 * a)
+    lowest_point = half_ratio - np.arcsinh(rise / (2.0 * a * np.sinh(np.maximum(half_ratio, _SHORT))))
+    z = z + a * (np.cosh((x - first) / a - lowest_point) - np.cosh(lowest_point))
+    fixed_ends = np.ptp(nodes[:, [0, -1], :2], axis=0).max() < _SHORT
+    at = nodes[: 1 if fixed_ends else None, :1, :2]
     at = at + share[None, :, None] * (nodes[: len(at), -1:, :2] - at)
     return np.fmin(lowest, _lowest(z - ground.elevations(at[..., 0], at[..., 1])))
 
 
-def _lowest(over: np.ndarray) -> np.ndarray:
-    """The least of each row, inf where there is no ground."""
-    return np.asarray(np.fmin.reduce(np.where(np.isnan(over), np.inf, over), axis=1))
+def _lowest(heights: np.ndarray) -> np.ndarray:
+    """The least value of each row; inf without ground."""
+    return np.asarray(np.fmin.reduce(np.where(np.isnan(heights), np.inf, heights), axis=1))
 
 
 def clearance(
     names: Sequence[str], heights: np.ndarray, line_at: Callable[[int], Equilibrium], times: np.ndarray
 ) -> pd.DataFrame:
-    """As `Equilibrium.clearance`, each span at the record in which it is lowest, with its time [s].
+    """As `Equilibrium.clearance`, each span at its lowest record, with the time [s].
 
     Parameters
     ----------
     names : sequence of str
-        Of the spans.
+        Names of the spans.
     heights : ndarray, shape (records, spans)
-        As from `heights`.
+        Heights from `heights`.
     line_at : callable
-        The line at a record.
+        Function that returns the line at a record.
     times : ndarray, shape (records,)
-        Of the records [s].
+        Times of the records [s].
     """
     lowest = np.argmin(heights, axis=0)
     rows: dict[str, pd.Series[float]] = {}

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.node import Node
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope import Rope
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.rope_path import Run
@@ -63,13 +64,11 @@ def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
     """Elevation with rope, loads and supports (and the ground, where it is known), tension along the rope, the plan
     where supports do not stand in one line, and the map where the line lies on one, of a line at one time. `ground`:
     over the horizontal distance along the line, by default that of its system."""
-    from matplotlib.figure import Figure
-
     ways = [_way(line.points(r)) for r in range(len(line.runs))]
     plan_needed = any(np.ptp(w.sideways(*line.points(r)[:, :2].T)) > 1e-3 for r, w in enumerate(ways))
     heights = [2.4, 1.3, 0.9] if plan_needed else [2.4, 1.3]
     frame = line.model.system.map_frame
-    figure = Figure(figsize=(11.0 if frame is None else 13.5, 2.0 * sum(heights)), layout="constrained")
+    figure = new_figure(figsize=(11.0 if frame is None else 13.5, 2.0 * sum(heights)), layout="constrained")
     columns = [1.0] if frame is None else [4.4, 1.0]
     grid = figure.add_gridspec(len(heights), len(columns), height_ratios=heights, width_ratios=columns)
     elevation = figure.add_subplot(grid[0, 0])

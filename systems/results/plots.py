@@ -1,4 +1,4 @@
-"""Pictures of a run: tensions and powers over time. matplotlib is imported when one is drawn."""
+"""Figures of a run: tensions and powers over time. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ropeway.components.errors import UnknownNameError
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.dae_model import nearest
 from ropeway.systems.results.energy_balance import drive_powers, power
@@ -20,27 +21,24 @@ if TYPE_CHECKING:
     from ropeway.systems.results.run_data import RunData
 
 _FIRST = 4
-"""Idlers shown where there is no control sheave."""
+"""Number of idlers shown on a line without control sheaves."""
 
 _SHEAVES = 10
-"""Control sheaves with a line of their own in a picture of powers: more colours cannot be told apart."""
+"""Control sheaves with a separate line in a figure of powers; more colours would be indistinguishable."""
 
 _COLOURS = ("tab:red", "tab:purple", "tab:brown", "tab:pink")
-"""Of the limits of several ropes."""
+"""Colours of the limits of several ropes."""
 
 KWH = 3.6e6
 """One kilowatt-hour [J]."""
 
 
 def tensions_over_time(result: RunData, components: Sequence[str] | None = None) -> Figure:
-    """Tension on both sides of each control sheave (or of `components`, or of the first idlers where there is no
-    control sheave) over time, against SWL and MBL.
+    """Tension on both sides of each control sheave over time, against SWL and MBL.
 
-    Above the range of all spans with the limits that it comes near, below each sheave in detail. Raises
-    UnknownNameError.
+    `components` selects other components; a line without control sheaves shows its first idlers. The upper panel shows
+    the range of all spans with nearby limits, the lower panels each sheave in detail. Raises UnknownNameError.
     """
-    from matplotlib.figure import Figure
-
     frame, nodes = result.full_frame, [node for run in result.runs for node in run.nodes]
     if components is None:
         components = list(dict.fromkeys(n.name for n in nodes if n.drive_power is not None))
@@ -51,7 +49,7 @@ def tensions_over_time(result: RunData, components: Sequence[str] | None = None)
             raise UnknownNameError(f"{name!r} has no tension_in", nearest(name, list(frame.columns)))
     time = frame.index.to_numpy()
     rows = len(components)
-    figure = Figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
+    figure = new_figure(figsize=(10.0, 3.2 + 1.7 * rows), layout="constrained")
     axes = figure.subplots(1 + rows, 1, sharex=True, height_ratios=[1.9] + [1.0] * rows, squeeze=False)[:, 0]
     figure.suptitle(f"{result.model.name}: rope tension")
     _all_spans(axes[0], result, time)
@@ -97,19 +95,17 @@ def _ropes(result: RunData) -> list[tuple[float, list[LimitLine]]]:
 
 
 def power_over_time(result: RunData) -> Figure:
-    """Power of each control sheave into the rope over time; energy that each has pulled and recovered.
+    """Power of each control sheave into the rope over time, and its pulled and recovered energy.
 
-    Raises UnknownNameError when the line has no control sheave.
+    Raises UnknownNameError for a line without control sheaves.
     """
-    from matplotlib.figure import Figure
-
     table, powers = power(result), drive_powers(result) / 1e3
     if table.empty:
         raise UnknownNameError(f"{result.model.name!r} has no control sheave", "Only driven sheaves have power")
     sheaves = table.drop(index="line")
-    figure = Figure(figsize=(11.0, 5.0), layout="constrained")
+    figure = new_figure(figsize=(11.0, 5.0), layout="constrained")
     over_time, energies = figure.subplots(1, 2, width_ratios=[2.4, 1.0])
-    # A dashed line with a jump at each crossing looks solid: its width marks the sum.
+    # The jumps at crossings make a dashed line look solid, so its width marks the sum.
     over_time.plot(powers.index, powers.sum(axis=1), color="0.2", lw=2.0, label="all drives")
     for name in sheaves.index[:_SHEAVES]:
         over_time.plot(powers.index, powers[name], lw=1.0, label=name)

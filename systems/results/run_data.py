@@ -1,4 +1,4 @@
-"""What a simulation leaves: states at many times, outputs when they are asked for, events, files."""
+"""Results of a simulation: states at many times, outputs on request, events, files."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from ropeway.systems.statics.line_records import Record, restored, restored_poin
 from ropeway.systems.statics.line_state import LineState
 
 _BATCH = 64
-"""Records that are restored together."""
+"""Number of records that are restored together."""
 
 
 class Event(NamedTuple):
-    """Something that happened at a component at a time [s]: `value` is the load's number or the quantity in question,
-    `load` the load's name."""
+    """An event of a component at a time [s]. `value` is the load's number or the relevant quantity, `load` the load's
+    name."""
 
     time: float
     component: str
@@ -45,7 +45,7 @@ class Event(NamedTuple):
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class RunData(Tabular):
-    """What a run leaves: records, and what follows from them by the model. Its fields: see `rw.Result`."""
+    """Records of a run, and quantities derived from them by the model. Fields as in `rw.Result`."""
 
     model: Model
     runs: tuple[Run, ...]
@@ -58,7 +58,7 @@ class RunData(Tabular):
 
     @property
     def times(self) -> np.ndarray:
-        """Times of all records [s]; an event has two records of one time."""
+        """Times of all records [s]. An event has two records at the same time."""
         return np.array([r.time for r in self.records])
 
     @cached_property
@@ -70,29 +70,30 @@ class RunData(Tabular):
         return y, z
 
     def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
-        """Outputs and algebraic variables at records `which`, and the certificate of those that a run has not solved
+        """Outputs and algebraic variables at records `which`, and the certificate of those that the run has not solved
         itself. Raises SimulationError for a record that fails."""
         y, z = np.empty((len(which), len(self.model.y))), np.empty((len(which), len(self.model.z)))
 
         def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
             done = 0
             for points, passed in self._batches(which.tolist()):
-                here = slice(done, done + len(points))
-                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
-                states, done = zip(points, passed, self.exact[which[here]], strict=True), here.stop
-                yield from ((point, beyond) for point, beyond, known in states if not known)
+                block = slice(done, done + len(points))
+                y[block], z[block] = outputs_at(self.model, points), [point.z for point in points]
+                states, done = zip(points, passed, self.exact[which[block]], strict=True), block.stop
+                yield from ((point, counts) for point, counts, known in states if not known)
 
         return y, z, self._certified(which[~self.exact[which]], inexact())
 
     @cached_property
     def checks(self) -> Certificate:
-        """The certificate of all records: of each check the worst. Raises SimulationError for a record that fails."""
+        """The certificate of all records, with the worst of each check. Raises SimulationError for a record that
+        fails."""
         others = np.flatnonzero(~self.exact)
         return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
 
     @cached_property
     def _exact_checks(self) -> Certificate:
-        """The certificate of the records that a run has solved itself."""
+        """The certificate of the records that the run has solved itself."""
         solved = np.flatnonzero(self.exact)
         return self._certified(solved, self._points(solved.tolist()))
 
@@ -103,17 +104,17 @@ class RunData(Tabular):
         return self.checks.frame.assign(time=[times[c.record] for c in self.checks.checks])
 
     def require_certified(self) -> None:
-        """Checks the records that a run has solved itself. Raises SimulationError, with the result before the first one
-        that fails."""
+        """Checks the records that the run has solved itself. Raises SimulationError with the result before the first
+        record that fails."""
         _ = self._exact_checks
 
     def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-        """The solved points of records `which`, and the loads passed."""
+        """The solved points of records `which`, and the numbers of loads passed."""
         for points, passed in self._batches(which):
             yield from zip(points, passed, strict=True)
 
     def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
-        """As `_points`, some records together."""
+        """As `_points`, in batches of records."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part]
@@ -122,13 +123,13 @@ class RunData(Tabular):
             yield points, passed
 
     def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
-        """The certificate of records `which`, whose points and loads passed they are. Raises SimulationError."""
+        """The certificate of records `which`, with their points and numbers of loads passed. Raises SimulationError."""
         found = certify_records(self.model, self.runs, states).numbered(which.tolist())
         self._require(found, found.failed.record if found.failed else 0)
         return found
 
     def _require(self, certificate: Certificate, i: int) -> None:
-        """Raises SimulationError, with the result before record i, where a check fails."""
+        """Raises SimulationError with the result before record i if a check fails."""
         try:
             certificate.require(self.model)
         except EquilibriumError as error:
@@ -159,13 +160,13 @@ class RunData(Tabular):
 
     @cached_property
     def full_frame(self) -> pd.DataFrame:
-        """As `frame`, at all records: both sides of each event."""
+        """As `frame`, but at all records, including both sides of each event."""
         return self._table(np.arange(len(self.records)), *self._solved)
 
     @cached_property
     @interruptible
     def frame(self) -> pd.DataFrame:
-        """Outputs, travels and inputs over time [s], one row every interval; units in `attrs["units"]`."""
+        """Outputs, travels and inputs over time [s], one row per interval; units in `attrs["units"]`."""
         which = np.flatnonzero(self.on_grid)
         if "_solved" in self.__dict__:
             return self._table(which, *(values[which] for values in self._solved))
@@ -192,7 +193,7 @@ class RunData(Tabular):
     @interruptible
     def heights(self) -> np.ndarray:
         """Least height of each span with its loads over the ground at all records, shape (records, spans) [m]. Raises
-        InputError where the system has no ground."""
+        InputError for a system without ground."""
         return line_clearance.heights(self.model, self._column)
 
     def _column(self, name: str) -> np.ndarray:
@@ -208,19 +209,19 @@ class RunData(Tabular):
 
     @cached_property
     def clearance(self) -> pd.DataFrame:
-        """Height over the ground, each span when it is lowest: index span; columns rope_clearance, the least of the
-        rope and its loads, the station of the ground there, load_clearance, that of the lowest load [m], time [s].
-        Raises InputError where the system has no ground."""
+        """Least height of each span over the ground. Index span; columns rope_clearance (least of the rope and its
+        loads), the station of the ground there, load_clearance (of the lowest load) [m], time [s]. Raises InputError
+        for a system without ground."""
         names = [span.name for run in self.runs for span in run.spans]
         return line_clearance.clearance(names, self.heights, self.record, self.times)
 
     @cached_property
     def events(self) -> pd.DataFrame:
-        """What happened, in order of time: columns time [s], component, event, value, load.
+        """Events in order of time: columns time [s], component, event, value, load.
 
-        Crossings and loads put on, taken off, held and released (value: the load's number); responses (value: the
-        correction [m/s]) and interventions; limits reached (tension above SWL or MBL, lift-off; value: the output that
-        tells; below clearance, where the line has one; value: the height over the ground [m]).
+        Events are crossings and loads put on, taken off, held and released (value: the load's number), responses
+        (value: the correction [m/s]), interventions, and limits exceeded (tension above SWL or MBL, lift-off; value:
+        the output concerned). A line with a clearance also has below clearance (value: the height over the ground [m]).
         """
         found = sorted([*self.noted, *self._limits_reached(), *self._below_clearance()], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
@@ -228,7 +229,7 @@ class RunData(Tabular):
 
     def _limits_reached(self) -> list[Event]:
         limits = self.model.limits
-        broken = limits.broken(self.outputs)
+        exceeded = limits.broken(self.outputs)
         return [
             Event(
                 float(self.records[i].time),
@@ -236,22 +237,22 @@ class RunData(Tabular):
                 limits.events[j],
                 float(self.outputs[i, limits.output[j]]),
             )
-            for i, j in zip(*np.nonzero(_begins(broken)), strict=True)
+            for i, j in zip(*np.nonzero(_onsets(exceeded)), strict=True)
         ]
 
     def _below_clearance(self) -> list[Event]:
-        """Where a span comes below the clearance that the line has to keep."""
+        """Events of spans that fall below the line's clearance."""
         ground = self.model.system.ground
         if ground is None or ground.clearance is None:
             return []
         names = [span.name for run in self.runs for span in run.spans]
         return [
             Event(float(self.records[i].time), names[k], "below clearance", float(self.heights[i, k]))
-            for i, k in zip(*np.nonzero(_begins(self.heights < ground.clearance)), strict=True)
+            for i, k in zip(*np.nonzero(_onsets(self.heights < ground.clearance)), strict=True)
         ]
 
     def record(self, i: int) -> Equilibrium:
-        """The line at a record, by its place in `full_frame`. Raises SimulationError where its certificate fails."""
+        """The line at a record, by its index in `full_frame`. Raises SimulationError if its certificate fails."""
         check.index(i, len(self.records), "Result.record", "i")
         return self._line(self._state(i), i)
 
@@ -261,6 +262,6 @@ class RunData(Tabular):
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 
 
-def _begins(broken: np.ndarray) -> np.ndarray:
-    """Where limits come to be broken, of booleans (records, limits)."""
-    return np.asarray(broken & ~np.vstack([np.zeros((1, broken.shape[1]), dtype=bool), broken[:-1]]))
+def _onsets(exceeded: np.ndarray) -> np.ndarray:
+    """Records at which limits become exceeded, from booleans (records, limits)."""
+    return np.asarray(exceeded & ~np.vstack([np.zeros((1, exceeded.shape[1]), dtype=bool), exceeded[:-1]]))

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Summary:
-    """The safety report of a run. supports: a row each (highest and lowest tension with their times, least
-    support force, grip and relief); spans: a row each (highest tension over SWL and MBL, lowest tension,
-    largest sag below the chord); `str()` gives the text."""
+    """The safety report of a run. `supports` has a row per support (highest and lowest tension with times, least
+    support force, grip and relief), `spans` a row per span (highest tension over SWL and MBL, lowest tension, largest
+    sag below the chord). `str()` gives the text."""
 
     supports: pd.DataFrame
     spans: pd.DataFrame
@@ -36,23 +36,23 @@ class Summary:
 
 @interruptible
 def summary(result: RunData) -> Summary:
-    """The safety report; forces in N, times in s, from both sides of every event."""
+    """The safety report, with forces in N and times in s, from both sides of every event."""
     spans = pd.DataFrame(_span_rows(result))
-    happened = result.events
-    held = Counter(happened.loc[happened["event"] == "load held", "component"])
+    events = result.events
+    held = Counter(events.loc[events["event"] == "load held", "component"])
     supports = pd.DataFrame([_support_row(result, node, held[node.name]) for node in each_node(result.runs)])
     return Summary(supports.set_index("support"), spans.set_index("span"), _text(result, supports, spans))
 
 
 def _span_rows(result: RunData) -> list[dict[str, object]]:
-    """A row a span; each record in which a span sags most is made once for all spans."""
+    """One row per span. Each record with the largest sag of a span is created once for all spans."""
     frame = result.full_frame
     every = [(run, span.name) for run in result.runs for span in run.spans]
-    slackest = [int(frame[f"{name}.horizontal"].to_numpy().argmin()) for _, name in every]
+    lowest_record = [int(frame[f"{name}.horizontal"].to_numpy().argmin()) for _, name in every]
     rows: dict[str, dict[str, object]] = {}
-    for low in sorted(set(slackest)):
+    for low in sorted(set(lowest_record)):
         line = result.record(low)
-        for (run, name), own in zip(every, slackest, strict=True):
+        for (run, name), own in zip(every, lowest_record, strict=True):
             if own == low:
                 rows[name] = _span_row(frame, run, low, line.profile(name, 201), name)
     return [rows[name] for _, name in every]
@@ -101,7 +101,7 @@ def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
 
 
 def _ends_at(runs: Sequence[Run], node: Node) -> list[str]:
-    """The tensions of the ropes at a node, as names of outputs."""
+    """Names of the outputs with rope tensions at a node."""
     found = []
     for run in runs:
         for k, other in enumerate(run.nodes):
@@ -124,10 +124,10 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
         f"largest sag {sag['largest_sag']:.2f} m in {sag['span']} at {sag['sag_at']:.1f} s",
     ]
     for column, sign, words in (
-        ("least_support_force", -1.0, "Supports from which the rope lifts off (least support force [N])"),
+        ("least_support_force", -1.0, "Supports where the rope lifts off (least support force [N])"),
         ("least_grip_margin", -1.0, "Drives on which the rope slips (least grip margin)"),
         ("relief_open_time", 1.0, "Drives with an open relief valve (time [s])"),
-        ("loads_held", 1.0, "Hold-down supports that a load could not pass (number of loads)"),
+        ("loads_held", 1.0, "Hold-down supports that held a load (number of loads)"),
         ("time_outside_range", 1.0, "Control sheaves outside their tension range (time [s])"),
     ):
         if column in supports:
@@ -142,5 +142,5 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
 
 
 def each_node(runs: Sequence[Run]) -> list[Node]:
-    """All nodes, each once."""
+    """All nodes without repetition."""
     return list({node.name: node for run in runs for node in run.nodes}.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +13,16 @@ from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.map_frame import MapFrame
+from ropeway.components.notebook_table import html_of
 from ropeway.systems.modelling.system import System
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.guylines import string_guylines
 from ropeway.systems.rigs.rig_kind import RigKind
 from ropeway.systems.rigs.rig_parts import RigParts
 from ropeway.systems.rigs.rope_paths import string_haulback, string_mainline
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STEEPEST = 0.98
 """Sine of the steepest slope of a shoe on which a carriage can stand."""
@@ -83,6 +88,35 @@ class SkylineRig(RigParts):
     def __repr__(self) -> str:
         stations = ", ".join(f"{node.name} at {node.at[0]:g} m" for node in self.stands)
         return f"<SkylineRig {self.name!r}: {stations}>"
+
+    def _repr_html_(self) -> str:
+        """Its spars and supports in a table, for notebooks."""
+        rows = [
+            {"name": node.name, "kind": type(node).__name__, "station [m]": node.at[0], "top [m]": node.at[2]}
+            for node in self.stands
+        ]
+        return html_of(repr(self), rows)
+
+    def plot(self, view: str = "elevation") -> Figure:
+        """Plot the ground, spars, supports and the bare skyline.
+
+        Parameters
+        ----------
+        view : {"elevation", "3d"}, default "elevation"
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            To scale in elevation.
+
+        Raises
+        ------
+        InputError
+            There is no such view.
+        """
+        from ropeway.systems.rigs.rig_plot import rig_figure
+
+        return rig_figure(self, view)
 
     @property
     def map_frame(self) -> MapFrame | None:

@@ -248,7 +248,8 @@ def test_every_argument_has_a_valid_value() -> None:
 
 SLOW = {
     "receding_horizon", "tune_response", "set_up", "SchedulePlan", "SchedulePlan.at", "SchedulePlan.robustness",
-    "optimise_schedule", "Result.report", "SchedulePlan.report", "PayloadStudy.report", "Inhaul.report",
+    "optimise_schedule", "Result.report", "Result.animate",
+    "SchedulePlan.report", "PayloadStudy.report", "Inhaul.report",
     "load_path_report", "Result.plot", "Result.plot_line", "fmu.export", "inhaul",
     "tension_history", "payload", "optimise_supports", "load_path", "balanced",
 }  # fmt: skip

@@ -140,7 +140,7 @@ def test_handbook_functions_refuse_what_has_no_result(call: Callable[[rw.LoadedS
 
 
 def test_too_little_tension_is_an_error_not_nan() -> None:
-    with pytest.raises(rw.SlackRopeError, match="A tension of 900 is too little"):
+    with pytest.raises(rw.SlackRopeError, match="A tension of 900 is too low"):
         rw.exact_load(rw.LoadedSpan(170.0, 18.0), 30.0, np.array([2e5, 900.0]), "clamped")
 
 

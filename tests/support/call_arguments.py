@@ -58,6 +58,7 @@ def instances() -> dict[str, Callable[[], Any]]:
             "carriage", mass=300.0, support=rw.IntermediateSupport("s", at=(9.0, 9.0), radius=3.0)
         ),
         "CatenaryCurve": lambda: rw.CatenaryCurve(120.0, -8.0, 900.0),
+        "Comparison": lambda: rw.Comparison((), pd.DataFrame({"x": [1.0]})),
         "ConstructionStretch": lambda: rw.ConstructionStretch(0.03),
         "ControlSheave": lambda: rw.ControlSheave("c", drive=drive(), response=response(), **at),
         "DieselHydraulicUnit": lambda: rw.DieselHydraulicUnit(
@@ -197,6 +198,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "carriage_mass": 140.0, "gravity": 9.8,
         },
         "carriages": dict,
+        "compare": lambda: {"names": ["a", "b"], "safety_factor": 3.0, "clearance": None},
         "places": lambda: {"of": rig()},
         "export_gis": lambda: {
             "what": rig(), "path": folder() / "rig.kml", "stations": pd.DataFrame(POSITIONS), "view": "plan"

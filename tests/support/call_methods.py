@@ -20,6 +20,7 @@ from support.call_objects import (
     folder,
     grounded,
     guyed,
+    line,
     log,
     plan,
     rest,
@@ -135,6 +136,9 @@ def methods() -> dict[str, Callable[[], Call]]:
         "PayloadStudy.report": lambda: Call(
             rw.payload(rig(), stations=[150.0]).report, {"path": folder() / "payload.html"}
         ),
+        "Result.animate": lambda: Call(run().animate, {"path": folder() / "run.gif", "frames": 2, "rate": 10}),
+        "SkylineRig.plot": lambda: Call(rig().plot, {"view": "elevation"}),
+        "System.plot": lambda: Call(line().plot, {"view": "3d"}),
         "Result.report": lambda: Call(run().report, {"path": folder() / "run.html"}),
         "SchedulePlan.report": lambda: Call(plan().report, {"path": folder() / "plan.html"}),
         "Rope.from_construction": lambda: Call(

@@ -1,1 +1,1 @@
-"""The sources' methods, on numbers and arrays; of the systems it needs gravity alone."""
+"""Methods of the sources, on numbers and arrays. The folder uses only the gravity constant of the systems."""

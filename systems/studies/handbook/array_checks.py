@@ -12,25 +12,25 @@ from ropeway.systems.studies.handbook.array_roots import Array
 
 
 def require(value: ArrayLike, what: str, test: Any, words: str) -> None:
-    """Raises InputError unless all values are finite and pass a test."""
+    """Raises InputError unless all values are finite and pass `test`."""
     array = np.asarray(value, dtype=float)
     bad = ~(np.isfinite(array) & test(array))
     if bad.any():
         raise InputError(f"{what} is {float(array[bad].flat[0])!r}", f"It must be {words}")
 
 
-def alike(*values: ArrayLike) -> None:
-    """Raises InputError unless arrays stand side by side: of one shape, or shapes that broadcast."""
+def require_broadcast(*values: ArrayLike) -> None:
+    """Raises InputError unless arrays broadcast."""
     try:
         np.broadcast_shapes(*(np.shape(v) for v in values))
     except ValueError:
         shapes = " and ".join(dict.fromkeys(str(np.shape(v)) for v in values if np.ndim(v)))
-        raise InputError(f"Arrays of shapes {shapes} do not stand side by side", "Give arrays of one length") from None
+        raise InputError(f"Arrays of shapes {shapes} do not broadcast", "Give arrays of one length") from None
 
 
 def finite(value: ArrayLike, what: str) -> Array:
-    """A result as an array. Raises InputError where it is none."""
+    """A result as an array. Raises InputError for a value that is not finite."""
     array = np.asarray(value, dtype=float)
     if not np.isfinite(array).all():
-        raise InputError(f"The {what} is beyond all numbers", "Check the units: a value is far too large or too small")
+        raise InputError(f"The {what} is not finite", "Check the units: a value is far too large or too small")
     return array

@@ -1,4 +1,4 @@
-"""Roots of one equation in one unknown, for whole arrays side by side."""
+"""Roots of one equation in one unknown, element by element for arrays."""
 
 from __future__ import annotations
 
@@ -13,40 +13,40 @@ _STEP = 1e-30  # complex step: derivatives to rounding
 
 
 def complex_step(function: Callable[[Any], Any]) -> Callable[[Array], tuple[Any, Any]]:
-    """Value and derivative, to rounding, of an analytic function that takes complex arrays."""
+    """Value and derivative, exact to rounding, of an analytic function that takes complex arrays."""
 
-    def both(x: Array) -> tuple[Any, Any]:
+    def value_and_derivative(x: Array) -> tuple[Any, Any]:
         value = function(x + 1j * _STEP)
         return value.real, value.imag / _STEP
 
-    return both
+    return value_and_derivative
 
 
 def newton(function: Callable[[Array], tuple[Any, Any]], start: Numbers, *, scale: float | None = None) -> Array:
-    """Undamped Newton's method, element by element, for a function that gives its value and derivative.
+    """Undamped Newton's method, element by element, for a function that returns its value and derivative.
 
-    Meant for convex functions started on the root's steep side, where every step goes towards the root.
-    scale: what a step is small against, by default the unknown itself. NaN where it does not converge.
+    It suits convex functions with a start on the steep side of the root, where every step approaches the root. `scale`
+    is the reference of the step tolerance, by default the unknown itself. NaN where the method does not converge.
     """
     x = np.array(start, dtype=float)
-    size, error, done = np.abs(x), np.full(x.shape, np.inf), np.zeros(x.shape, dtype=bool)
+    size, error, finished = np.abs(x), np.full(x.shape, np.inf), np.zeros(x.shape, dtype=bool)
     with np.errstate(all="ignore"):
         for _ in range(100):
             value, slope = function(x)
-            move = -value / slope
-            x = x + move
-            before, error, size = error, np.abs(move), np.abs(x) if scale is None else np.full(x.shape, scale)
-            # to rounding, or no nearer than before; NaN is done too
-            done |= (error <= 1e-15 * size) | ((error >= before) & (error <= 1e-9 * size)) | np.isnan(error)
-            if done.all():
+            step = -value / slope
+            x = x + step
+            before, error, size = error, np.abs(step), np.abs(x) if scale is None else np.full(x.shape, scale)
+            # converged to rounding, or no longer improving; NaN ends too
+            finished |= (error <= 1e-15 * size) | ((error >= before) & (error <= 1e-9 * size)) | np.isnan(error)
+            if finished.all():
                 break
         return np.where(error <= 1e-9 * size, x, np.nan)[()]
 
 
 def rising(function: Callable[[Array], Any], low: Numbers, high: Numbers) -> Array:
-    """Root of a rising function between `low` and `high`, element by element: false position after Anderson
-    and Björck, every fourth step a bisection. NaN of the function counts as below the root; NaN is returned
-    where no root lies between.
+    """Root of an increasing function between `low` and `high`, element by element: false position after Anderson and
+    Björck, with a bisection every fourth step. A NaN of the function counts as below the root. The result is NaN where
+    the bracket has no root.
     """
     a, b = (np.array(v, dtype=float) for v in np.broadcast_arrays(low, high))
     with np.errstate(all="ignore"):

@@ -1,10 +1,10 @@
-"""How long a rope was before it hung where it hangs: Lyons' three methods.
+"""Unstretched length of a hanging rope: Lyons' three methods.
 
 Lyons, C.K. (2008): Considering cable stretch in logging applications. International Journal of Forest
-Engineering 19(1): 29-35; equation numbers are his, corrected. Given are the stretched length and the force at
-support A: horizontal tension H and V_A, the upward force of the support on the rope. The weight W = w L0 belongs
-to the unstretched length that is asked for, so each method is an implicit equation; it is solved here.
-Numbers or arrays alike. The dimensionless forms are in `lyons_cases`.
+Engineering 19(1): 29-35; equation numbers are his, with corrections. The stretched length and the force at support A
+are given: the horizontal tension H, and V_A, the upward force of the support on the rope. The weight W = w L0 depends
+on the unknown unstretched length, so each method is an implicit equation, which is solved here. Arguments are numbers
+or arrays. The dimensionless forms are in `lyons_cases`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ropeway.components.catenary import Strain
 from ropeway.components.errors import InputError
 from ropeway.components.rope import ConstructionStretch, Elastic, Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
-from ropeway.systems.studies.handbook.array_checks import alike, finite, require
+from ropeway.systems.studies.handbook.array_checks import finite, require, require_broadcast
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 
 StretchMethod = Literal["average tension", "elastic", "elastic and construction"]
@@ -32,18 +32,20 @@ StretchMethod = Literal["average tension", "elastic", "elastic and construction"
 @checked
 @dataclass(frozen=True, eq=False, slots=True)
 class UnstretchedLength:
-    """An unstretched length and what goes with it, as `rw.unstretched_length` returns it. `float()` gives the length.
+    """An unstretched length with stretch and end forces, as `rw.unstretched_length` returns it.
+
+    `float()` gives the length.
 
     Parameters
     ----------
     length : array
-        Unstretched [m].
+        Unstretched length [m].
     stretch : array
-        Stretched less unstretched length [m].
+        Stretched minus unstretched length [m].
     weight : array
-        Of the rope [N].
+        Weight of the rope [N].
     tension_a, tension_b : array
-        At both ends [N].
+        Tensions at both ends [N].
     vertical_a, vertical_b : array
         Upward forces of the supports on the rope [N].
     method : {"average tension", "elastic", "elastic and construction"}
@@ -86,26 +88,26 @@ def unstretched_length(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> UnstretchedLength:
-    """Unstretched length of a rope that hangs at rest, from its stretched length.
+    """Find the unstretched length of a rope at rest from its stretched length.
 
     Parameters
     ----------
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     length : float or array
-        Stretched [m].
+        Stretched length [m].
     horizontal : float or array
         Horizontal tension [N].
     vertical : float or array
         Upward force of support A on the rope [N], negative where the rope leaves A upwards.
     method : {"average tension", "elastic", "elastic and construction"}, default "elastic"
-        "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. Too short,
-        by a relative W/EA times the less of 1/4 and W/(12 H) at most; 4.5e-5 in Lyons' cases 1 to 4. No construction
-        stretch: 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq. 11): exact for eps =
-        T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope under the highest
-        tension of its life; k of the rope's own ConstructionStretch, or Lyons' 0.0414 if it has none.
+        "average tension" (eq. 3, Kendrick & Sessions 1991): Hooke's law with the mean of the end tensions. It is too
+        short by a relative error of at most W/EA times the lesser of 1/4 and W/(12 H); 4.5e-5 in Lyons' cases 1 to 4.
+        It omits construction stretch: 0.44 % too long for a new rope at a third of its breaking load. "elastic" (eq.
+        11): exact for eps = T/EA. "elastic and construction" (eq. 19): exact for eps = T/EA + k (T/MBL)^2, a new rope
+        under its highest tension so far. k is that of the rope's ConstructionStretch, or Lyons' 0.0414 by default.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
@@ -115,7 +117,7 @@ def unstretched_length(
     Raises
     ------
     InputError
-        A value is out of its range, or no unstretched length fits the force.
+        A value is out of range, or no unstretched length fits the force.
 
     Examples
     --------
@@ -123,13 +125,13 @@ def unstretched_length(
     249.574
     """
     rope = rope_of(rope)
-    alike(length, horizontal, vertical)
+    require_broadcast(length, horizontal, vertical)
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     h, v = _force(horizontal, vertical)
     total = np.asarray(length, dtype=float)
     weight = rope.mass_per_length * gravity
     strain = strain_law(rope, construction=method == "elastic and construction")
-    force = (h, 0.0, -v)  # z up, in the direction of travel
+    force = (h, 0.0, -v)  # z up, in the direction from A to B
 
     def stretched(unstretched: Any) -> Any:
         if method == "average tension":
@@ -141,7 +143,7 @@ def unstretched_length(
     found = newton(complex_step(lambda unstretched: stretched(unstretched) - total), start)
     if np.isnan(found).any():
         raise InputError(
-            "No unstretched length fits this force: the rope is folded, or its strain is out of all reason",
+            "No unstretched length fits this force: the rope is folded, or its strain is implausible",
             "Check the horizontal tension, V_A and the rope's stiffness",
         )
     end = weight * found - v
@@ -160,14 +162,14 @@ def stretched_position(
     method: StretchMethod = "elastic",
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Distance along the stretched rope of stations along the unstretched one.
+    """Find distances along the stretched rope for stations along the unstretched rope.
 
     Eq. 10, and eq. 18 with construction stretch.
 
     Parameters
     ----------
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     stations : float or array
         Unstretched distances s from support A [m].
     horizontal : float or array
@@ -177,7 +179,7 @@ def stretched_position(
     method : {"elastic", "elastic and construction"}, default "elastic"
         As for `rw.unstretched_length`.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
@@ -187,7 +189,7 @@ def stretched_position(
     Raises
     ------
     InputError
-        A value is out of its range, or the method is "average tension".
+        A value is out of range, or the method is "average tension".
 
     Examples
     --------
@@ -196,10 +198,10 @@ def stretched_position(
     100.1725
     """
     rope = rope_of(rope)
-    alike(stations, horizontal, vertical)
+    require_broadcast(stations, horizontal, vertical)
     require(stations, "stations [m]", lambda v: v >= 0.0, "zero or more")
     if method == "average tension":
-        raise InputError("The average tension says nothing of points inside the rope", 'Use "elastic"')
+        raise InputError("The average tension does not give positions inside the rope", 'Use "elastic"')
     h, v = _force(horizontal, vertical)
     strain = strain_law(rope, construction=method == "elastic and construction")
     weight = rope.mass_per_length * gravity
@@ -222,9 +224,9 @@ def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) 
     Parameters
     ----------
     safety_factors : array_like
-        MBL/T of each measurement, two or more.
+        MBL/T of two or more measurements.
     elongations : array_like
-        Share of the length, 0.005 for 0.5 %.
+        Elongation over length, 0.005 for 0.5 %.
 
     Returns
     -------
@@ -234,7 +236,7 @@ def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) 
     Raises
     ------
     InputError
-        Values are missing, out of range or all the same.
+        Values are missing, out of range or all equal.
 
     Examples
     --------

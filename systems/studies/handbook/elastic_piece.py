@@ -1,4 +1,4 @@
-"""One elastic rope piece between two points, for a tension at its start, a horizontal tension or a length."""
+"""An elastic rope piece between two points, for a tension at its start, a horizontal tension or a length."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from ropeway.systems.studies.handbook.inextensible_catenary import vertical_at
 
 
 class ElasticPiece(NamedTuple):
-    """A rope piece from its start over (run, rise) [m]: weight per unstretched metre, strain, the tension vector
-    at its start (vertical > 0 where it rises), its unstretched length [m]. Arrays, any one unit of force."""
+    """A rope piece over (run, rise) [m]: weight per unstretched metre, strain, tension vector at its start (vertical >
+    0 where it rises), unstretched length [m]. Arrays in any consistent unit of force."""
 
     run: Array
     rise: Array
@@ -29,7 +29,8 @@ class ElasticPiece(NamedTuple):
     def between(
         cls, run: Array, rise: Array, weight: Array, strain: Strain, horizontal: Array, length: Array
     ) -> ElasticPiece:
-        """A start for `solve`: the inextensible rope of a horizontal tension, with its length shrunk."""
+        """Initial guess of `solve`: the inextensible rope of a horizontal tension, with its length reduced by the
+        strain."""
         vertical = -vertical_at(weight * run / (2.0 * horizontal), run, -rise, weight)
         stretched = length / (1.0 + strain.at(horizontal * np.hypot(1.0, rise / run)))
         return cls(run, rise, weight, strain, horizontal, vertical, stretched)
@@ -46,8 +47,8 @@ class ElasticPiece(NamedTuple):
         horizontal: Numbers | None = None,
         length: Numbers | None = None,
     ) -> ElasticPiece:
-        """By Newton's method, with one of these given: the tension at the start, the horizontal tension, or the
-        unstretched length. NaN where it does not converge."""
+        """Newton's method for a given tension at the start, horizontal tension, or unstretched length. NaN where it
+        does not converge."""
         (given,) = (v for v in (tension, horizontal, length) if v is not None)
         *known, wanted = np.broadcast_arrays(*self[:3], *self[4:], np.asarray(given, dtype=float))
         shape = wanted.shape
@@ -64,8 +65,8 @@ class ElasticPiece(NamedTuple):
                 [piece.reach[0] / run - 1.0, (piece.reach[2] - rise) / run, condition / wanted - 1.0], axis=-1
             )
 
-        def relative_step(u: Array, move: Array) -> Array:
-            return np.max(np.abs(move[:, [0, 2]] / u[:, [0, 2]]), axis=1)
+        def relative_step(u: Array, step: Array) -> Array:
+            return np.max(np.abs(step[:, [0, 2]] / u[:, [0, 2]]), axis=1)
 
         roots = solve_side_by_side(residual, np.column_stack(unknown), relative_step, longest=0.5)
         x = roots.unknowns
@@ -77,9 +78,9 @@ class ElasticPiece(NamedTuple):
         """Vertical distance [m] from the chord down to the rope, at a share of the run."""
         force = (self.horizontal, 0.0, self.vertical)
 
-        def miss(station: Any) -> Any:
+        def sag_condition(station: Any) -> Any:
             return catenary.segment(force, self.weight, station, self.strain).reach[0] / self.run - share
 
-        station = newton(complex_step(miss), share * self.length)
+        station = newton(complex_step(sag_condition), share * self.length)
         reach = catenary.segment(force, self.weight, station, self.strain).reach
         return np.asarray(share * self.rise - reach[2])

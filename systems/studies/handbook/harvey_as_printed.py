@@ -1,7 +1,7 @@
-"""Harvey (2013) as printed: his own sums, his roundings and misprints, to reproduce his numbers only.
+"""Harvey (2013) as printed, with his roundings and misprints, only to reproduce his numbers.
 
-Nothing here is right; the corrected methods are in `payload_methods`. Sections and equations are those of the
-report; forces in any one unit, his are kgf.
+All results here contain his errors; the corrected methods are in `payload_methods`. Sections and equations are those of
+the report. Forces are in any consistent unit; his are in kgf.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _A_LOW, _A_HIGH = 50.0, 2000.0
 
 
 class Belly(NamedTuple):
-    """Appendix 5's result: catenary parameter a [m], length s [m] and moment arm e [m] of the piece."""
+    """Result of Appendix 5: catenary parameter a [m], length s [m] and moment arm e [m] of the piece."""
 
     parameter: float
     length: float
@@ -42,15 +42,15 @@ class LinkSum(NamedTuple):
 def belly(run: float, drop: float, *, tolerance: float = 1e-4) -> Belly:
     """Appendix 5: bisection for the catenary that is level at the carriage, a(cosh(d/a) - 1) = v.
 
-    Physically wrong: it implies H = 410 to 3483 kgf where the rope has 18,000. The upper end of the bracket is
-    returned, as by his code. His listing's tolerance of 0.001 m on the height gives his 1000.96 m (true 1000.83),
-    but 117.94 and 335.81 m; his other numbers, 204.04, 148.35, 335.80 and 117.93 m, need 0.0001. Raises
-    InputError where his code would never end.
+    Physically wrong: it implies H = 410 to 3483 kgf where the rope has 18,000. The function returns the upper end of
+    the bracket, as his code does. His listing's tolerance of 0.001 m on the height gives his 1000.96 m (true 1000.83),
+    but 117.94 and 335.81 m; his other numbers, 204.04, 148.35, 335.80 and 117.93 m, need 0.0001. Raises InputError
+    where his code would not terminate.
     """
     if not _has_belly(run, drop):
         raise InputError(
-            f"A piece {run} m long and {drop} m high has no belly of parameter {_A_LOW:g} to {_A_HIGH:g} m",
-            "Harvey's program runs for ever on it; use kendrick_iteration",
+            f"A piece {run} m long and {drop} m high has no catenary parameter in {_A_LOW:g} to {_A_HIGH:g} m",
+            "Harvey's program does not terminate; use kendrick_iteration",
         )
     low, high, count, v_low = _A_LOW, _A_HIGH, 0, np.inf
     while abs(drop - v_low) >= tolerance:
@@ -81,7 +81,7 @@ def modified_moment_balance_printed(line: LoadedSpan, weight: Numbers, tension: 
 def rigid_link_sum(line: LoadedSpan, weight: Numbers, tension: Numbers) -> LinkSum:
     """App. 4.3: T1 and T2 along the links, the whole weight of both taken off, T2 = T1 - (L2/h2)(R1 - R2).
 
-    The lower link cancels out of the sum: P = T1 (sin1 + sin2) - 2 R1 - C.
+    The lower link cancels: P = T1 (sin1 + sin2) - 2 R1 - C.
     """
     upper = np.hypot(line.run_upper, line.drop_upper)
     lower = np.hypot(line.run_lower, line.drop_lower)

@@ -5,7 +5,7 @@ y = y0 + a cosh((x - x0)/a) with the catenary parameter a = H/w; his Appendix 1 
 which draws the 300 kN rope of Figure 3 with a sag of 372 m instead of 0.82 m. Written with
 u = span/(2 a) and beta = asinh(rise/(2 a sinh u)), so that nothing cancels for a taut rope.
 
-Everything takes numbers or arrays alike. Weights and tensions in any one unit of force.
+Arguments are numbers or arrays. Weights and tensions are in any consistent unit of force.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from scipy.optimize import minimize_scalar
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, SlackRopeError
-from ropeway.systems.studies.handbook.array_checks import alike, finite, require
+from ropeway.systems.studies.handbook.array_checks import finite, require, require_broadcast
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex_step, newton
 
 
 class EndForces(NamedTuple):
-    """What the rope does at its ends, in the unit of weight times metres.
+    """Forces of the rope at its ends, in the unit of weight times metres.
 
-    Vertical: upward force of the support on the rope, negative where the rope leaves its support upwards.
+    Vertical forces are upward forces of the supports on the rope, negative where the rope leaves its support upwards.
     """
 
     horizontal: Array
@@ -43,16 +43,16 @@ class CatenaryCurve:
     Parameters
     ----------
     span : float or array
-        Horizontal distance of the ends, above zero [m].
+        Horizontal distance between the ends, above zero [m].
     rise : float or array
-        Height of the end over the start [m].
+        Height of the end above the start [m].
     parameter : float or array
         Catenary parameter a = H/w, above zero [m].
 
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
 
     Examples
     --------
@@ -69,7 +69,7 @@ class CatenaryCurve:
             object.__setattr__(self, field, np.asarray(getattr(self, field), dtype=float))
         require(self.span, "span [m]", lambda v: v > 0.0, "above zero")
         require(self.rise, "rise [m]", np.isfinite, "finite")
-        alike(self.span, self.rise, self.parameter)
+        require_broadcast(self.span, self.rise, self.parameter)
         require(self.parameter, "catenary parameter H/w [m]", lambda v: v > 0.0, "above zero")
 
     @property
@@ -91,7 +91,7 @@ class CatenaryCurve:
         return np.asarray(self.span) / 2.0 - np.asarray(self.parameter) * self._beta
 
     def height(self, x: Numbers) -> Array:
-        """Height of the rope over its start.
+        """Height of the rope above its start.
 
         Parameters
         ----------
@@ -101,7 +101,7 @@ class CatenaryCurve:
         Returns
         -------
         array
-            z over the start [m].
+            z relative to the start [m].
         """
         return finite(_height(self._u, self.span, self.rise, np.asarray(x)), "height")
 
@@ -121,7 +121,7 @@ class CatenaryCurve:
         return finite(np.sinh(np.asarray(x) / self.parameter - self._u + self._beta), "slope")
 
     def station(self, slope: Numbers) -> Array:
-        """Where the rope has a slope.
+        """Station at which the rope has a given slope.
 
         Parameters
         ----------
@@ -156,7 +156,7 @@ class CatenaryCurve:
         Parameters
         ----------
         weight : float or array
-            Per metre, in any unit of force.
+            Weight per metre, in any unit of force.
 
         Returns
         -------
@@ -181,18 +181,18 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
     Parameters
     ----------
     span : float or array
-        Horizontal distance of the ends [m].
+        Horizontal distance between the ends [m].
     rise : float or array
-        Height of the end over the start [m].
+        Height of the end above the start [m].
     horizontal : float or array
         Horizontal tension, in any unit of force.
     weight : float or array
-        Per metre, in the same unit.
+        Weight per metre, in the same unit.
 
     Returns
     -------
     CatenaryCurve
-        Of parameter horizontal/weight.
+        The catenary with parameter horizontal/weight.
 
     Raises
     ------
@@ -204,7 +204,7 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
     >>> float(catenary_for_horizontal(100.0, 0.0, 5000.0, 20.0).parameter)
     250.0
     """
-    alike(span, rise, horizontal, weight)
+    require_broadcast(span, rise, horizontal, weight)
     require(horizontal, "horizontal tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
     return CatenaryCurve(span, rise, np.asarray(horizontal) / np.asarray(weight))
@@ -217,28 +217,28 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
     Parameters
     ----------
     span : float or array
-        Horizontal distance of the ends [m].
+        Horizontal distance between the ends [m].
     rise : float or array
-        Height of the end over the start [m].
+        Height of the end above the start [m].
     length : float or array
-        Of the rope [m].
+        Length of the rope [m].
 
     Returns
     -------
     CatenaryCurve
-        With that length.
+        The catenary with that length.
 
     Raises
     ------
     InputError
-        The rope is not longer than its chord; Harvey's code returns the chord then.
+        The rope is not longer than its chord. (Harvey's code returns the chord.)
 
     Examples
     --------
     >>> round(float(catenary_for_length(100.0, 0.0, 101.0).parameter), 2)
     204.43
     """
-    alike(span, rise, length)
+    require_broadcast(span, rise, length)
     d, h, s = (np.asarray(v, dtype=float) for v in (span, rise, length))
     require(d, "span [m]", lambda v: v > 0.0, "above zero")
     chord = np.hypot(d, h)
@@ -258,30 +258,30 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
     Parameters
     ----------
     span : float or array
-        Horizontal distance of the ends [m].
+        Horizontal distance between the ends [m].
     rise : float or array
-        Height of the end over the start [m].
+        Height of the end above the start [m].
     sag : float or array
-        Below the chord [m].
+        Sag below the chord [m].
     at : float or array, default 0.5
-        Share of the span at which the sag is given, between 0 and 1.
+        Position of the sag as a share of the span, between 0 and 1.
 
     Returns
     -------
     CatenaryCurve
-        With that sag.
+        The catenary with that sag.
 
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
 
     Examples
     --------
     >>> round(float(catenary_for_sag(100.0, 0.0, 5.0).parameter), 2)
     250.83
     """
-    alike(span, rise, sag, at)
+    require_broadcast(span, rise, sag, at)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(sag, "sag [m]", lambda v: v > 0.0, "above zero")
     require(at, "station of the sag, share of the span,", lambda v: (v > 0.0) & (v < 1.0), "between 0 and 1")
@@ -295,37 +295,37 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
 
 @checked
 def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers) -> CatenaryCurve:
-    """The catenary for the tension at its start: the taut one of two.
+    """The catenary for a tension at its start: the taut one of the two solutions.
 
     Parameters
     ----------
     span : float or array
-        Horizontal distance of the ends [m].
+        Horizontal distance between the ends [m].
     rise : float or array
-        Height of the end over the start [m].
+        Height of the end above the start [m].
     tension : float or array
-        At the start, in any unit of force.
+        Tension at the start, in any unit of force.
     weight : float or array
-        Per metre, in the same unit.
+        Weight per metre, in the same unit.
 
     Returns
     -------
     CatenaryCurve
-        The taut one.
+        The taut catenary.
 
     Raises
     ------
     InputError
         A value is not above zero, or arrays do not broadcast.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
     >>> round(float(catenary_for_tension(100.0, 0.0, 5000.0, 20.0).parameter), 2)
     244.88
     """
-    alike(span, rise, tension, weight)
+    require_broadcast(span, rise, tension, weight)
     require(span, "span [m]", lambda v: v > 0.0, "above zero")
     require(tension, "tension", lambda v: v > 0.0, "above zero")
     require(weight, "weight per metre", lambda v: v > 0.0, "above zero")
@@ -336,7 +336,7 @@ def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight:
 
 
 def minimum_tension(span: float, rise: float, weight: float) -> float:
-    """The least tension at the start of a rope from (0, 0) to (span, rise) that its own weight allows."""
+    """The least possible tension at the start of a rope from (0, 0) to (span, rise) under its own weight."""
     best = minimize_scalar(
         lambda v: float(_start_tension(np.exp(v), span, -rise)), bounds=(-20.0, 5.0), method="bounded"
     )
@@ -344,23 +344,23 @@ def minimum_tension(span: float, rise: float, weight: float) -> float:
 
 
 def taut_u(span: Numbers, drop: Numbers, tension: Numbers, weight: Numbers) -> Array:
-    """u = w span/(2 H) of the taut catenary with a tension at its start, its end `drop` lower; NaN where the
-    tension is too little for the rope's own weight.
+    """u = w span/(2 H) of the taut catenary with a tension at its start, its end `drop` lower; NaN where the tension is
+    too low for the rope's own weight.
 
-    T = (w/2)(s coth u + drop), a convex function of 1/u: Newton's method from H = T cos(chord), which is
-    never too low, runs down to the taut root without overshoot.
+    T = (w/2)(s coth u + drop), a convex function of 1/u: Newton's method from H = T cos(chord), which is never too low,
+    decreases to the taut root without overshoot.
     """
     d, h, t, w = (np.asarray(v, dtype=float) for v in (span, drop, tension, weight))
-    bound = t + w * np.maximum(-h, 0.0)  # T at the upper end
+    upper_tension = t + w * np.maximum(-h, 0.0)  # T at the upper end
 
-    def miss(q: Array) -> tuple[Array, Array]:
+    def residual(q: Array) -> tuple[Array, Array]:
         u, p = 1.0 / q, q * np.sinh(1.0 / q)
         cosh, s = np.cosh(u), np.sqrt(h * h + d * d * p * p)
         coth = q * cosh / p
         slope = d * d * p * (cosh - p) * q / s * coth - s / (u * p) ** 2
         return (s * coth + h) / 2.0 - t / w, -u * u * slope / 2.0
 
-    inverse = newton(miss, 2.0 * bound / (w * np.hypot(d, h)))
+    inverse = newton(residual, 2.0 * upper_tension / (w * np.hypot(d, h)))
     return np.where(inverse > 0.0, 1.0 / inverse, np.nan)
 
 
@@ -371,18 +371,18 @@ def length_between(u: Any, span: Numbers, rise: Numbers) -> Any:
 
 def vertical_at(u: Any, span: Numbers, drop: Numbers, weight: Numbers) -> Any:
     """Upward force of the support on the start of a catenary whose end is `drop` lower:
-    (w/2)(drop coth u + s). Its end needs w s less that much."""
+    (w/2)(drop coth u + s). The support at its end carries the rest of w s."""
     return np.asarray(weight) / 2.0 * (drop / np.tanh(u) + length_between(u, span, drop))
 
 
 def too_little(span: Numbers, rise: Numbers, tension: Numbers, weight: Numbers, bad: Array) -> SlackRopeError:
-    """The error for the first place where `bad` says that a rope's tension at its start is too low."""
+    """The error of the first element of `bad`, whose tension at the start is too low."""
     values = np.broadcast_arrays(span, rise, tension, weight, bad)
     d, h, t, w = (float(v[values[-1]].flat[0]) for v in values[:-1])
     return SlackRopeError(
-        f"A tension of {t:.6g} is too little for the rope's own weight between its supports, {d:.6g} m apart "
-        f"and {h:.6g} m up: that needs {minimum_tension(d, h, w):.6g}",
-        "Raise the tension, or put a support between",
+        f"A tension of {t:.6g} is too low for the rope's own weight between supports {d:.6g} m apart "
+        f"and {h:.6g} m different in height: it needs {minimum_tension(d, h, w):.6g}",
+        "Raise the tension, or add a support between them",
     )
 
 

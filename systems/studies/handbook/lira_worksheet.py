@@ -1,8 +1,8 @@
-"""The LIRA handbook's single-span skyline worksheet, its nomographs replaced by what they show.
+"""The LIRA handbook's single-span skyline worksheet, with computed values in place of its nomographs.
 
 New Zealand Cable Logging Handbook (LIRA 1983, Figure 5.20) in Harvey (2013), App. 4.6. The nomographs are not in
-the sources. Fig. A.1 and A.2/A.3 are computed exactly; Fig. A.4 to A.17 depend on the handbook's unknown
-modulus: here the rope's own stiffness is used (Harvey's readings imply EA = 4.9, 4.0 and 3.7e7 N).
+the sources. Fig. A.1 and A.2/A.3 are computed exactly; Fig. A.4 to A.17 depend on the handbook's unknown modulus; they
+use the rope's own stiffness here (Harvey's readings imply EA = 4.9, 4.0 and 3.7e7 N).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ropeway.components.annotation_checks import PositiveNumbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import SlackRopeError
-from ropeway.systems.studies.handbook.array_checks import alike
+from ropeway.systems.studies.handbook.array_checks import require_broadcast
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
 from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_length
@@ -25,7 +25,7 @@ from ropeway.systems.studies.handbook.payload_methods import cable_factor, load_
 
 
 class Readings(NamedTuple):
-    """What a user read from the nomographs.
+    """A user's readings from the nomographs.
 
     Fig. A.1, Fig. A.2/A.3, Fig. A.4-A.17 (share of the span), and the remaining tension as rounded for the load factor.
     """
@@ -60,25 +60,25 @@ def lira_worksheet(
     strain: Strain | None = None,
     readings: Readings | None = None,
 ) -> Worksheet:
-    """Fill in the worksheet for one or many spans, in any one unit of force.
+    """Fill in the worksheet for one or many spans, in any consistent unit of force.
 
-    Error of the payload about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded deflection; here
-    it is the unloaded one, for which it asks.
+    The error of the payload is about -0.07 % (superposition). Harvey's last box reads Fig. A.1 at the loaded
+    deflection; here it uses the unloaded one, as the worksheet requires.
 
     Parameters
     ----------
     line : LoadedSpan
         The span with its carriage.
     weight : float or array
-        Of the rope per metre.
+        Weight of the rope per metre.
     tension : float or array
-        Safe working load at the upper support.
+        Tension at the upper support, the safe working load.
     carriage_weight : float or array, default 0.0
-        Taken off the gross load.
+        Weight of the carriage, subtracted from the gross load.
     strain : Strain, optional
-        Of the rope, for the unloaded deflection; None for an inextensible rope.
+        Strain of the rope, for the unloaded deflection; None for an inextensible rope.
     readings : Readings, optional
-        Read from the nomographs, instead of computed.
+        Readings from the nomographs, instead of computed values.
 
     Returns
     -------
@@ -88,9 +88,9 @@ def lira_worksheet(
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
@@ -98,7 +98,7 @@ def lira_worksheet(
     >>> round(float(sheet.gross))
     85801
     """
-    alike(*line.parts, weight, tension, carriage_weight)
+    require_broadcast(*line.parts, weight, tension, carriage_weight)
     if readings is None:
         one, per_load = cable_factor(line), load_factor(line)
     else:
@@ -117,15 +117,15 @@ def lira_worksheet(
 
 
 def unloaded_deflection(line: LoadedSpan, weight: Numbers, tension: Numbers, strain: Strain) -> Array:
-    """Mid-span deflection of the bare rope, as a share of the span, after the load of a clamped carriage is
-    taken off; tension: at the upper support under load. Exact. Raises SlackRopeError."""
+    """Mid-span deflection of the bare rope as a share of the span, after the load of a clamped carriage is removed.
+    `tension` is that at the upper support under load. Exact. Raises SlackRopeError."""
     loaded = elastic_state(line, weight, tension, strain, "clamped")
     length = loaded.length_upper + loaded.length_lower
     if np.isnan(length).any():
-        raise SlackRopeError("The tension is too little for the rope's own weight", "Raise the tension")
+        raise SlackRopeError("The tension is too low for the rope's own weight", "Raise the tension")
     span, w = np.asarray(line.span, dtype=float), np.asarray(weight, dtype=float)
     rise = -np.asarray(line.chord_slope) * span
-    # An elastic rope may be shorter than its chord: the start is a rope a little longer.
+    # An elastic rope may be shorter than its chord: the initial guess is slightly longer.
     start = catenary_for_length(span, rise, np.maximum(length, 1.0001 * line.chord))
     bare = ElasticPiece.between(span, rise, w, strain, w * np.asarray(start.parameter), length)
     return np.asarray(bare._replace(length=length).solve(length=length).sag(0.5) / span)

@@ -1,8 +1,8 @@
-"""The longest rope that hangs clear of a terrain profile.
+"""The longest rope that clears a terrain profile.
 
-Harvey (2013), section 2.2.6 and Appendix 2, with his Table 3 exact instead of printed: he replaces the
-terrain by a polynomial and compares nodes; here the terrain is piecewise linear, and the rope is tested at
-its vertices and, where it runs parallel to a piece of terrain, inside that piece.
+Harvey (2013), section 2.2.6 and Appendix 2, with exact values for his Table 3. He replaces the terrain by a polynomial
+and compares nodes. Here the terrain is piecewise linear; the rope is tested at its vertices and, where it is parallel
+to a piece of terrain, inside that piece.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ropeway.systems.studies.handbook.inextensible_catenary import CatenaryCurve
 class LongestRope:
     """A bare rope that just touches the clearance line, as `rw.longest_rope` returns it.
 
-    `length` [m]; `curve`: as seen from the left support; `touches`: the station where it touches [m]; `start`: the left
+    `length` in m; `curve` relative to the left support; `touches`, the station of contact [m]; `start`, the left
     support (x, z) [m].
     """
 
@@ -43,7 +43,7 @@ class LongestRope:
         return self.start[1] + self.curve.height(np.asarray(x) - self.start[0])
 
     def forces(self, weight: float) -> EndForces:
-        """End forces for a weight per metre; start is the left support."""
+        """End forces for a weight per metre. The start is the left support."""
         return self.curve.forces(weight)
 
 
@@ -61,23 +61,23 @@ def longest_rope(
     Parameters
     ----------
     stations : array_like
-        Of the terrain [m], increasing, over the whole span; straight between.
+        Stations of the terrain [m], increasing, over the whole span. The terrain is straight between them.
     elevations : array_like
-        Of the terrain at these stations [m].
+        Elevations of the terrain at these stations [m].
     headspar, tailspar : tuple of float
         Supports (x, z) [m].
     clearance : float, default 0.0
-        Of the rope over the terrain, measured vertically [m].
+        Vertical clearance of the rope over the terrain [m].
 
     Returns
     -------
     LongestRope
-        Its length, curve and where it touches the clearance line.
+        Length, curve and point of contact with the clearance line.
 
     Raises
     ------
     InputError
-        The profile is invalid, or does not reach over the span.
+        The profile is invalid, or does not cover the span.
     SlackRopeError
         No rope clears the terrain.
 
@@ -92,7 +92,7 @@ def longest_rope(
     require(clearance, "clearance [m]", lambda v: v >= 0.0, "zero or more")
     (ax, az), (bx, bz) = sorted((float(p[0]), float(p[1])) for p in (headspar, tailspar))
     if not ax < bx:
-        raise InputError(f"Both supports stand at station {ax} m", "A span needs two stations")
+        raise InputError(f"Both supports are at station {ax} m", "Give two different stations")
     if ax < x[0] or bx > x[-1]:
         raise InputError(
             f"The supports at {ax} m and {bx} m are not both on the profile, {x[0]} m to {x[-1]} m",
@@ -105,8 +105,8 @@ def longest_rope(
     slope = np.diff(ground) / np.diff(at)
     if ground[0] > 0.0 or ground[-1] > rise or np.any(ground[1:-1] >= rise * at[1:-1] / span):
         raise SlackRopeError(
-            f"The terrain reaches the chord of the supports, or comes nearer to it than the clearance of {clearance} m",
-            "Raise the supports or ask for less clearance",
+            f"The terrain reaches the chord of the supports, or its clearance is below {clearance} m",
+            "Raise the supports or reduce the clearance",
         )
 
     def nearest(log_u: float) -> tuple[float, float]:
@@ -114,7 +114,7 @@ def longest_rope(
         tangent = curve.station(slope)
         place = np.concatenate([at[1:-1], np.clip(tangent, at[:-1], at[1:])])
         level = np.concatenate([ground[1:-1], ground[:-1] + slope * (place[len(at) - 2 :] - at[:-1])])
-        inside = (place > 0.0) & (place < span)  # at its ends the rope is held
+        inside = (place > 0.0) & (place < span)  # the ends of the rope are fixed
         gap = np.where(inside, curve.height(place) - level, np.inf)
         k = int(np.argmin(gap))
         return float(gap[k]), float(place[k])

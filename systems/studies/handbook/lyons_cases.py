@@ -1,7 +1,7 @@
-"""Lyons' dimensionless forms, his twelve cases, and the tension that draws them together.
+"""Lyons' dimensionless forms, his twelve cases, and the tension that relates them.
 
 Lyons (2008), eq. 20-26, Table 2 and Figure 2. phi = V_A/W, chi = H/W, beta = W/EA, tau = MBL/W; psi is the
-unstretched over the stretched length. W is taken alike in all three, as Lyons does.
+unstretched over the stretched length. W is the same in all three, as in Lyons.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ropeway.systems.studies.handbook.array_checks import require
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 
 DENSITY = 9300.0
-"""Of the metal of a 6x19 IWRC rope [kg/m3] (Lyons, p. 32)."""
+"""Density of the metal of a 6x19 IWRC rope [kg/m3] (Lyons, p. 32)."""
 
 STRENGTH_OVER_STIFFNESS = (0.010, 0.025)
 """Range of MBL/EA = beta tau of steel wire ropes: 0.0183 to 0.0187 for Lyons', 0.0147 to 0.0199 for the EN 12385-4
@@ -30,7 +30,7 @@ constructions and grades with his modulus."""
 
 
 class Case(NamedTuple):
-    """A row of Table 2; tau is inf where only elastic stretch is looked at; slope = phi/chi at support A."""
+    """A row of Table 2. tau is inf for elastic stretch only; slope = phi/chi at support A."""
 
     number: int
     beta: float
@@ -53,7 +53,7 @@ CASES = tuple(
         ]
     )
 )
-"""Lyons' Table 2. Cases 7 to 10 are no rope's: beta tau is 0.0030 and 0.111."""
+"""Lyons' Table 2. Cases 7 to 10 fit no rope: beta tau is 0.0030 and 0.111."""
 
 
 def psi_average(beta: Numbers, phi: Numbers, chi: Numbers) -> Array:
@@ -79,8 +79,8 @@ def psi_construction(
 ) -> Array:
     """Unstretched over stretched length with construction stretch; exact (eq. 25).
 
-    As printed, eq. 25 ends in -2 asinh(phi/chi), where the factor 1/2 is already taken out; it should be
-    -asinh(phi/chi), with which Lyons computed his figure.
+    As printed, eq. 25 ends in -2 asinh(phi/chi), although the factor 1/2 is already outside. The correct term is
+    -asinh(phi/chi), which Lyons used for his figure.
     """
     b, p, c = _dimensionless(beta, phi, chi)
     require(tau, "tau", lambda v: v > 0.0, "above zero")
@@ -92,7 +92,7 @@ def psi_construction(
 def flexibility(
     length: Numbers, *, density: float = DENSITY, modulus: float = MODULUS, gravity: float = GRAVITY
 ) -> Array:
-    """beta = W/EA = rho g L0/E of a rope of unstretched `length` [m], whatever its diameter (p. 32)."""
+    """beta = W/EA = rho g L0/E of a rope of unstretched `length` [m], independent of its diameter (p. 32)."""
     require(length, "length [m]", lambda v: v > 0.0, "above zero")
     return density * gravity * np.asarray(length) / modulus
 
@@ -103,7 +103,7 @@ def strength(mass_per_length: Numbers, breaking_load: Numbers, length: Numbers, 
 
 
 def taut_phi(tension: Numbers, chord_slope: Numbers, weight: Numbers, length: Numbers) -> Array:
-    """phi = V_A/W of a short tight rope, its tension [N] taken alike at both ends; weight [N/m] (eq. 26)."""
+    """phi = V_A/W of a short tight rope with equal tension [N] at both ends; weight in N/m (eq. 26)."""
     return np.asarray(tension) * np.sin(np.arctan(chord_slope)) / (np.asarray(weight) * np.asarray(length))
 
 
@@ -123,13 +123,13 @@ def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
     Parameters
     ----------
     phi : array_like
-        V_A/W: upward force of support A over the weight of the rope.
+        V_A/W: ratio of the upward force of support A to the weight of the rope.
 
     Returns
     -------
     DataFrame
         Columns: case, phi, ratio (psi_inf/psi_E of cases 1-4, psi_inf/psi_EC of 5-12), utilisation: T_A/MBL (NaN in
-        cases 1-4), possible: whether a rope can have the case's beta and tau and stand its tension.
+        cases 1-4), possible: whether a rope can have the case's beta and tau and withstand its tension.
 
     Raises
     ------

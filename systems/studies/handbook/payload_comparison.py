@@ -1,4 +1,4 @@
-"""All payload methods side by side with the exact payload, and with what Harvey (2013) printed."""
+"""Comparison of all payload methods with the exact payload and with the numbers of Harvey (2013)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ropeway.systems.studies.handbook.payload_exact import Joint, catenary_clamp
 from ropeway.systems.studies.handbook.payload_methods import METHODS, Method, payload_for_tension
 
 UNITS = {"chord_slope": "1", "payload": "kg", "error": "1", "error_rolling": "1", "as_printed": "kg", "printed": "kg"}
-"""Units of the comparison's columns."""
+"""Units of the columns of the comparison."""
 
 
 @checked
@@ -37,45 +37,45 @@ def compare_payload_methods(
     as_printed: bool = False,
     gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
-    """Payload of every method on one span at several chord slopes.
+    """Compare the payloads of all methods on one span at several chord slopes.
 
     Parameters
     ----------
     span : float
-        Horizontal distance of the supports [m].
+        Horizontal distance between the supports [m].
     deflection : float
         Vertical distance from the chord to the carriage [m].
     chord_slopes : sequence of float
-        Fall from the upper support over the span, 0.2 for 20 %.
+        Slopes of the chord down from the upper support, 0.2 for 20 %.
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     tension : float, optional
-        At the upper support [N]; by default the rope's safe working load.
+        Tension at the upper support [N]; by default the rope's safe working load.
     carriage_mass : float, default 0.0
-        [kg].
+        Mass of the carriage [kg].
     carriage : float, default 0.5
         Distance of the carriage from the upper support, as a share of the span.
     as_printed : bool, default False
-        Whether what the sources printed is added.
+        Whether to add the printed results of the sources.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     DataFrame
-        One row for each method and slope. Columns: method, chord_slope, payload [kg], error: relative, of the payload
-        against the exact clamped one (inextensible rope, equal horizontal tension on both sides of the carriage), and
-        error_rolling against the exact rolling one (equal tension, horizontal mainline). The rows "elastic catenary"
-        have the rope's own stretch. as_printed adds as_printed: payload of the source's formula or readings with their
-        faults; printed: the number in Harvey (2013), Table 2, where the span is his; and the erratum. His rigid-link
-        sums have rows of their own, as printed only.
+        One row for each method and slope. Columns: method, chord_slope, payload [kg], error (relative to the exact
+        clamped payload: inextensible rope, equal horizontal tension on both sides of the carriage), error_rolling
+        (relative to the exact rolling payload: equal tension, horizontal mainline). The rows "elastic catenary" include
+        the rope's own stretch. `as_printed` adds the columns as_printed (payload of the source's formula or readings
+        with their errors), printed (the number in Harvey (2013), Table 2, for his span) and erratum. His rigid-link
+        sums have separate rows, as printed only.
 
     Raises
     ------
     InputError
-        A value is out of its range.
+        A value is out of range.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
@@ -105,8 +105,8 @@ def compare_payload_methods(
     for column, joint in (("error", "clamped"), ("error_rolling", "rolling")):
         table[column] = table["payload"] / np.tile(payloads[f"catenary, {joint}"], len(payloads)) - 1.0
     if as_printed:
-        his = _is_harveys(line, weight / gravity, pull / gravity, carriage_mass)
-        table = _with_printed(table, line, weight / gravity, pull / gravity, carriage_mass, his)
+        harveys_span = _is_harveys(line, weight / gravity, pull / gravity, carriage_mass)
+        table = _with_printed(table, line, weight / gravity, pull / gravity, carriage_mass, harveys_span)
     table.attrs["units"] = {name: UNITS.get(name, "") for name in table.columns}
     return table
 
@@ -123,16 +123,16 @@ def method_errors(
     methods: Sequence[str] | None = None,
     gravity: Positive = GRAVITY,
 ) -> pd.DataFrame:
-    """Error of each method's gross load against the exact one, over a grid of spans.
+    """Find the error of each method's gross load over a grid of spans.
 
     Parameters
     ----------
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     span : float
-        Horizontal distance of the supports [m].
+        Horizontal distance between the supports [m].
     tension : float
-        At the upper support [N].
+        Tension at the upper support [N].
     slopes : array_like
         Chord slopes of the grid.
     deflections : array_like
@@ -142,22 +142,22 @@ def method_errors(
     methods : sequence of str, optional
         Names in `METHODS`; by default all.
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     DataFrame
         Index method; columns: reference, lowest, highest, mean absolute error (relative), and slope, deflection and
-        carriage where it is worst. A rolling method is measured against the rolling catenary.
+        carriage of the worst error. The reference of a rolling method is the rolling catenary.
 
     Raises
     ------
     InputError
-        A value is out of its range.
+        A value is out of range.
     UnknownNameError
         There is no such method.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
@@ -189,21 +189,26 @@ def method_errors(
 
 def _elastic(rope: Rope, joint: str) -> Method:
     def method(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-        how: Joint = "rolling" if joint == "rolling" else "clamped"
-        return elastic_state(line, weight, tension, rope.strain, how).gross
+        typed: Joint = "rolling" if joint == "rolling" else "clamped"
+        return elastic_state(line, weight, tension, rope.strain, typed).gross
 
     return method
 
 
 def _with_printed(
-    table: pd.DataFrame, line: LoadedSpan, weight_kgf: float, tension_kgf: float, carriage_mass: float, his: bool
+    table: pd.DataFrame,
+    line: LoadedSpan,
+    weight_kgf: float,
+    tension_kgf: float,
+    carriage_mass: float,
+    harveys_span: bool,
 ) -> pd.DataFrame:
-    """The comparison with the columns as_printed, printed and erratum, and Harvey's own sums as further rows."""
+    """The comparison with the columns as_printed, printed and erratum, and rows for Harvey's own sums."""
     slopes = np.asarray(line.chord_slope)
     rows = []
     for name, source in TABLE_2.items():
         values = np.broadcast_to(source.method(line, weight_kgf, tension_kgf) - carriage_mass, slopes.shape)
-        numbers = dict(zip(SLOPES, source.payloads, strict=True)) if his else {}
+        numbers = dict(zip(SLOPES, source.payloads, strict=True)) if harveys_span else {}
         rows += [
             (name, slope, value, numbers.get(round(float(slope), 9), np.nan), source.erratum)
             for slope, value in zip(slopes, values, strict=True)
@@ -216,6 +221,6 @@ def _with_printed(
 
 
 def _is_harveys(line: LoadedSpan, weight_kgf: float, tension_kgf: float, carriage_mass: float) -> bool:
-    """Whether a span is the one of Harvey's Table 2."""
-    here = [float(v) for v in (line.span, line.deflection, line.carriage, weight_kgf, tension_kgf, carriage_mass)]
-    return bool(np.allclose(here, (200.0, 25.0, 0.5, 3.48, 19600.0, 150.0), rtol=1e-3, atol=0.0))
+    """Whether a span is that of Harvey's Table 2."""
+    values = [float(v) for v in (line.span, line.deflection, line.carriage, weight_kgf, tension_kgf, carriage_mass)]
+    return bool(np.allclose(values, (200.0, 25.0, 0.5, 3.48, 19600.0, 150.0), rtol=1e-3, atol=0.0))

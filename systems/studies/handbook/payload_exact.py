@@ -1,8 +1,8 @@
-"""The exact payload of a span: two catenaries that meet at the carriage.
+"""The exact payload of a span: two catenaries joined at the carriage.
 
-The upper piece is determined by the tension at the upper support. The lower piece keeps one free parameter,
-so the carriage must say more: clamped without any other horizontal force (equal horizontal tensions), or
-free to roll and held by a mainline (equal tensions). All in any one unit of force.
+The tension at the upper support determines the upper piece. The lower piece has one free parameter, so the carriage
+must supply a condition: equal horizontal tensions for a clamped carriage without other horizontal forces, equal
+tensions for a rolling carriage with a mainline. Forces are in any consistent unit.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from ropeway.components.annotation_checks import PositiveNumbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import SlackRopeError
-from ropeway.systems.studies.handbook.array_checks import alike
+from ropeway.systems.studies.handbook.array_checks import require_broadcast
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 from ropeway.systems.studies.handbook.elastic_piece import ElasticPiece
 from ropeway.systems.studies.handbook.inextensible_catenary import length_between, taut_u, vertical_at
 from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 
 Joint = Literal["clamped", "rolling"]
-"""How the carriage holds the skyline."""
+"""Joint of carriage and skyline."""
 
 
 class ExactLoad(NamedTuple):
     """The exact state of a loaded span.
 
-    `gross`: payload and carriage; `pull`: of the mainline on a rolling carriage, horizontal component, towards the
-    upper support; the lengths [m] are unstretched.
+    `gross` is the weight of payload and carriage; `pull` is the horizontal pull of the mainline on a rolling carriage
+    towards the upper support; lengths [m] are unstretched.
     """
 
     gross: Array
@@ -44,16 +44,16 @@ class ExactLoad(NamedTuple):
 
 
 def catenary_clamped(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Gross load for the tension at the upper support: inextensible catenaries with equal horizontal tension.
+    """Gross load for a tension at the upper support: inextensible catenaries with equal horizontal tension.
 
-    Exact. NaN where the tension is too little for the rope's own weight.
+    Exact. NaN where the tension is too low for the rope's own weight.
     """
     return exact_state(line, weight, tension, "clamped").gross
 
 
 def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Gross load for the tension at the upper support: inextensible catenaries with equal tension at the
-    carriage, which a horizontal mainline holds. Exact. NaN where the tension is too little."""
+    """Gross load for a tension at the upper support: inextensible catenaries with equal tension at the carriage and a
+    horizontal mainline. Exact. NaN where the tension is too low."""
     return exact_state(line, weight, tension, "rolling").gross
 
 
@@ -61,20 +61,20 @@ def catenary_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Arr
 def exact_load(
     line: LoadedSpan, weight: PositiveNumbers, tension: PositiveNumbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
-    """The exact state for inextensible rope, in any one unit of force.
+    """Find the exact state of an inextensible rope, in any consistent unit of force.
 
     Parameters
     ----------
     line : LoadedSpan
         The span with its carriage.
     weight : float or array
-        Of the rope per metre.
+        Weight of the rope per metre.
     tension : float or array
-        At the upper support.
+        Tension at the upper support.
     joint : {"clamped", "rolling"}
-        How the carriage holds the skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
+        Joint of carriage and skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
     pull_slope : float or array, default 0.0
-        Rise over run of the mainline, from a rolling carriage towards the upper support.
+        Slope (rise over run) of the mainline from a rolling carriage towards the upper support.
 
     Returns
     -------
@@ -84,16 +84,16 @@ def exact_load(
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
     >>> round(float(exact_load(LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, "clamped").gross))
     85864
     """
-    alike(*line.parts, weight, tension, pull_slope)
+    require_broadcast(*line.parts, weight, tension, pull_slope)
     return _solved(exact_state(line, weight, tension, joint, pull_slope=pull_slope), tension)
 
 
@@ -107,22 +107,22 @@ def elastic_load(
     *,
     pull_slope: Numbers = 0.0,
 ) -> ExactLoad:
-    """The exact state for a rope that stretches, in any one unit of force.
+    """Find the exact state of an elastic rope, in any consistent unit of force.
 
     Parameters
     ----------
     line : LoadedSpan
         The span with its carriage.
     weight : float or array
-        Of the rope per unstretched metre.
+        Weight of the rope per unstretched metre.
     tension : float or array
-        At the upper support.
+        Tension at the upper support.
     strain : Strain
         Coefficients of eps(T) = c1 T + c2 T^2 in the unit of force used (`Rope.strain` with N).
     joint : {"clamped", "rolling"}
-        How the carriage holds the skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
+        Joint of carriage and skyline: clamped with equal horizontal tensions, or rolling with equal tensions.
     pull_slope : float or array, default 0.0
-        Rise over run of the mainline, from a rolling carriage towards the upper support.
+        Slope (rise over run) of the mainline from a rolling carriage towards the upper support.
 
     Returns
     -------
@@ -132,9 +132,9 @@ def elastic_load(
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
@@ -143,18 +143,18 @@ def elastic_load(
     >>> round(float(state.gross))
     85884
     """
-    alike(*line.parts, weight, tension, pull_slope)
+    require_broadcast(*line.parts, weight, tension, pull_slope)
     return _solved(elastic_state(line, weight, tension, strain, joint, pull_slope=pull_slope), tension)
 
 
 def _solved(state: ExactLoad, tension: Numbers) -> ExactLoad:
-    """The state. Raises SlackRopeError where there is none."""
+    """Returns the state. Raises SlackRopeError if none exists."""
     bad = np.isnan(state.gross)
     if bad.any():
         given = float(np.broadcast_to(tension, bad.shape)[bad].flat[0])
         raise SlackRopeError(
-            f"A tension of {given:.6g} is too little for the rope's own weight",
-            "Raise the tension, or allow less deflection",
+            f"A tension of {given:.6g} is too low for the rope's own weight",
+            "Raise the tension, or reduce the deflection",
         )
     return state
 
@@ -162,12 +162,12 @@ def _solved(state: ExactLoad, tension: Numbers) -> ExactLoad:
 def exact_state(
     line: LoadedSpan, weight: Numbers, tension: Numbers, joint: Joint, *, pull_slope: Numbers = 0.0
 ) -> ExactLoad:
-    """As `exact_load`, with NaN where the tension is too little for the rope's own weight."""
+    """As `exact_load`, with NaN where the tension is too low for the rope's own weight."""
     w, t = np.asarray(weight, dtype=float), np.asarray(tension, dtype=float)
     d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower
     u1 = taut_u(d1, h1, t, w)
     horizontal = w * d1 / (2.0 * u1)
-    # Along a load-free piece T_upper - T_lower = w dh: a rolling carriage passes the tension on.
+    # Along a load-free piece T_upper - T_lower = w dh: a rolling carriage transmits the tension.
     u2 = taut_u(d2, h2, t + w * (h2 - h1), w) if joint == "rolling" else w * d2 / (2.0 * horizontal)
     horizontal_lower = w * d2 / (2.0 * u2)
     s1, s2 = length_between(u1, d1, h1), length_between(u2, d2, h2)
@@ -188,7 +188,7 @@ def elastic_state(
     *,
     pull_slope: Numbers = 0.0,
 ) -> ExactLoad:
-    """As `elastic_load`, with NaN where the tension is too little for the rope's own weight."""
+    """As `elastic_load`, with NaN where the tension is too low for the rope's own weight."""
     w = np.asarray(weight, dtype=float)
     stiff = exact_state(line, weight, tension, joint)
     d1, h1, d2, h2 = line.run_upper, line.drop_upper, line.run_lower, line.drop_lower

@@ -1,14 +1,14 @@
-"""The payload methods that practitioners know by name, corrected, with one signature.
+"""The named payload methods of practice, corrected, with one common signature.
 
-Each method is a function `method(line, weight, tension)`: the gross load (payload and carriage) that a span
-carries when the tension at its upper support is `tension`; weight per metre of rope. Numbers or arrays, any
-one unit of force. They return NaN where the tension is too little for the rope's own weight.
-`payload_for_tension` and `tension_for_payload` apply any of them to a rope, in kg and N, and raise instead.
+Each method is a function `method(line, weight, tension)`. It returns the gross load (payload and carriage) of a span
+for a tension at its upper support and a weight per metre of rope. Arguments are numbers or arrays in any consistent
+unit of force. The result is NaN where the tension is too low for the rope's own weight. `payload_for_tension` and
+`tension_for_payload` apply a method to a rope, in kg and N, and raise an error instead.
 
-The carriage may stand anywhere in the span; the sources have it at mid-span, the general forms follow from
-the same balance. "Clamped": equal horizontal tension on both sides of the carriage. Errors given are against
-the exact clamped payload on Harvey's three profiles (2013, App. 4: span 200 m, deflection 12.5 %, chord slope
-0, 10, 20 %), see docs/methods.md for more.
+The carriage may be at any station of the span. The sources have it at mid-span; the general forms follow from the same
+balance. "Clamped" means equal horizontal tension on both sides of the carriage. Stated errors are relative to the exact
+clamped payload on Harvey's three profiles (2013, App. 4: span 200 m, deflection 12.5 %, chord slope 0, 10, 20 %), see
+docs/methods.md for more.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import SlackRopeError
 from ropeway.components.rope import Rope, rope_of
 from ropeway.systems.modelling.system import GRAVITY
-from ropeway.systems.studies.handbook.array_checks import alike, require
+from ropeway.systems.studies.handbook.array_checks import require, require_broadcast
 from ropeway.systems.studies.handbook.array_roots import Array, Numbers, rising
 from ropeway.systems.studies.handbook.inextensible_catenary import catenary_for_sag, minimum_tension
 from ropeway.systems.studies.handbook.kendrick import Weighed, kendrick_iteration, weighed
@@ -31,17 +31,17 @@ from ropeway.systems.studies.handbook.loaded_span import LoadedSpan
 from ropeway.systems.studies.handbook.payload_exact import catenary_clamped, catenary_rolling
 
 Method = Callable[[LoadedSpan, Numbers, Numbers], Array]
-"""Gross load of a span for a weight per metre and a tension at its upper support."""
+"""A payload method: gross load of a span for a weight per metre and a tension at its upper support."""
 
 
 def weightless(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Straight links without weight (Harvey eq. 1; Sessions). Error +4.2, +4.5, +4.8 %."""
+    """Weightless straight links (Harvey eq. 1; Sessions). Error +4.2, +4.5, +4.8 %."""
     nothing = Weighed(np.zeros(np.shape(weight)), 0.0)
     return _clamped(line, tension, nothing, nothing)
 
 
 def parabolic(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Links that weigh w times their horizontal run (Harvey eq. 2; Sessions). For taut, flat ropes. Error
+    """Links with weight w times their horizontal run (Harvey eq. 2; Sessions), for taut, flat ropes. Error
     +0.12, +0.16, +0.24 %."""
     return _clamped(
         line,
@@ -54,15 +54,15 @@ def parabolic(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
 def rigid_link(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
     """Straight heavy links (Hartsough & Miles 1987; Harvey eq. 3-9). Error -0.003 %.
 
-    Harvey's own sums (`harvey_as_printed.rigid_link_sums`) are 2.5 to 3.8 % low: he lets the tension act along
-    the chord and still takes off the whole weight.
+    Harvey's own sums (`harvey_as_printed.rigid_link_sums`) are 2.5 to 3.8 % low: his tension acts along the chord, and
+    he still subtracts the whole weight.
     """
     return _clamped(line, tension, *_straight(line, weight))
 
 
 def rigid_link_rolling(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Straight heavy links, the tension passed on by LoggerPC's rule T_upper - T_lower = w dh, a horizontal
-    mainline. Error -0.003 % of the exact rolling payload."""
+    """Straight heavy links with LoggerPC's rule T_upper - T_lower = w dh and a horizontal mainline. Error -0.003 %,
+    relative to the exact rolling payload."""
     upper, lower = _straight(line, weight)
     at_lower_support = tension + np.asarray(weight) * (line.drop_lower - line.drop_upper)
     return _gross(
@@ -83,20 +83,20 @@ def improved_rigid_link(line: LoadedSpan, weight: Numbers, tension: Numbers) -> 
 
 
 def kendrick(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Kendrick's improved rigid link, iterated (Harvey eq. 15-24 with r = R). Exact, for all tensions above the
-    least one: the same as `catenary_clamped`."""
+    """Kendrick's improved rigid link, iterated (Harvey eq. 15-24 with r = R). Exact for all tensions above the minimum;
+    equal to `catenary_clamped`."""
     h = kendrick_iteration(line.run_upper, line.drop_upper, weight, tension).horizontal
     return _gross(line, h, h, *_catenaries(line, weight, h))
 
 
 def simplified_moment_balance(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """Moments of the whole span about the carriage, T taken in the direction of the chord (Visser 1998; Harvey
-    eq. 28-30 with the true chord length; he has 202 m for 203.961 m). Error +3.6, +6.2, +8.6 %."""
+    """Moments of the whole span about the carriage, with T along the chord (Visser 1998; Harvey eq. 28-30 with the true
+    chord length; he has 202 m for 203.961 m). Error +3.6, +6.2, +8.6 %."""
     return chord_moment_balance(line, weight, tension, line.chord)
 
 
 def chord_moment_balance(line: LoadedSpan, weight: Numbers, tension: Numbers, chord: Numbers) -> Array:
-    """The simplified moment balance for a stated chord length l_d [m]."""
+    """The simplified moment balance for a given chord length l_d [m]."""
     horizontal = np.asarray(tension) * line.span / chord
     return np.asarray(horizontal * line.deflection / _lever(line) - weight * np.asarray(chord) / 2.0)
 
@@ -105,29 +105,29 @@ def modified_moment_balance(
     line: LoadedSpan, weight: Numbers, tension: Numbers, *, coefficient: float = 1.0 / 8.0
 ) -> Array:
     """Harvey's moment balance with the slope of the upper link (his eq. 31, corrected):
-    T = Q l/(4 y cos) + q l^2/(8 y cos^2). Error +0.24, +0.23, +0.23 %; with his coefficient 3/16, where the
-    rope counts one and a half times, -1.75, -1.88, -2.05 %."""
+    T = Q l/(4 y cos) + q l^2/(8 y cos^2). Error +0.24, +0.23, +0.23 %; with his coefficient 3/16, which counts the rope
+    one and a half times, -1.75, -1.88, -2.05 %."""
     cosine = line.run_upper / np.hypot(line.run_upper, line.drop_upper)
     rope = 4.0 * coefficient * weight * np.asarray(line.span) / cosine
     return np.asarray(np.asarray(tension) * cosine * line.deflection / _lever(line) - rope)
 
 
 def lira(line: LoadedSpan, weight: Numbers, tension: Numbers) -> Array:
-    """The LIRA handbook's superposition, with its nomograph factors computed (1983, in Harvey App. 4.6;
+    """The LIRA handbook's superposition with computed nomograph factors (1983, in Harvey App. 4.6;
     the nomographs are not in the sources). Error -0.07 %."""
     rope = cable_factor(line) * np.asarray(weight) * line.span
     return np.asarray((tension - rope) / load_factor(line))
 
 
 def cable_factor(line: LoadedSpan) -> Array:
-    """LIRA's Fig. A.1: tension at the upper support of the bare rope that hangs through the carriage's place,
-    over weight times span."""
+    """LIRA's Fig. A.1: tension at the upper support of a bare rope through the carriage's position, over weight times
+    span."""
     bare = catenary_for_sag(line.span, -np.asarray(line.chord_slope) * line.span, line.deflection, line.carriage)
     return np.asarray(bare.forces(1.0).tension_start / line.span)
 
 
 def load_factor(line: LoadedSpan) -> Array:
-    """LIRA's Fig. A.2 and A.3: tension at the upper support per load, of a rope without weight."""
+    """LIRA's Fig. A.2 and A.3: tension at the upper support per load, for a weightless rope."""
     upper, lower = line.drop_upper / line.run_upper, line.drop_lower / line.run_lower
     return np.asarray(np.hypot(1.0, upper) / (upper + lower))
 
@@ -147,7 +147,7 @@ METHODS: Mapping[str, Method] = MappingProxyType(
         "catenary, rolling": catenary_rolling,
     }
 )
-"""All methods by their names."""
+"""All methods by name."""
 
 
 @checked
@@ -160,7 +160,7 @@ def payload_for_tension(
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Payload for a tension at the upper support, after one of the methods.
+    """Find the payload for a tension at the upper support by one of the methods.
 
     Parameters
     ----------
@@ -169,25 +169,25 @@ def payload_for_tension(
     line : LoadedSpan
         The span with its carriage.
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     tension : float or array
-        At the upper support [N].
+        Tension at the upper support [N].
     carriage_mass : float or array, default 0.0
-        [kg].
+        Mass of the carriage [kg].
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
     array
-        Payload [kg]; negative where the rope cannot even carry the carriage.
+        Payload [kg]; negative where the rope cannot support the carriage alone.
 
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
     SlackRopeError
-        The tension is less than the rope's own weight needs.
+        The tension is too low for the rope's own weight.
 
     Examples
     --------
@@ -196,7 +196,7 @@ def payload_for_tension(
     8754
     """
     rope = rope_of(rope)
-    alike(*line.parts, tension, carriage_mass)
+    require_broadcast(*line.parts, tension, carriage_mass)
     require(tension, "tension [N]", lambda v: v > 0.0, "above zero")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
     weight = rope.mass_per_length * gravity
@@ -216,7 +216,7 @@ def tension_for_payload(
     carriage_mass: Numbers = 0.0,
     gravity: Positive = GRAVITY,
 ) -> Array:
-    """Tension at the upper support for a payload, after one of the methods; of the taut rope.
+    """Find the tension at the upper support of the taut rope for a payload by one of the methods.
 
     Parameters
     ----------
@@ -225,13 +225,13 @@ def tension_for_payload(
     line : LoadedSpan
         The span with its carriage.
     rope : Rope or str
-        Or the name of one in `rw.ropes()`.
+        A rope, or a name from `rw.ropes()`.
     payload : float or array
-        [kg].
+        Payload [kg].
     carriage_mass : float or array, default 0.0
-        [kg].
+        Mass of the carriage [kg].
     gravity : float, default 9.80665
-        [m/s2].
+        Gravitational acceleration [m/s2].
 
     Returns
     -------
@@ -241,9 +241,9 @@ def tension_for_payload(
     Raises
     ------
     InputError
-        A value is out of its range, or arrays do not broadcast.
+        A value is out of range, or arrays do not broadcast.
     SlackRopeError
-        No taut rope through the carriage's place is loaded so little.
+        The payload is too low for a taut rope through the carriage's position.
 
     Examples
     --------
@@ -252,7 +252,7 @@ def tension_for_payload(
     174.3
     """
     rope = rope_of(rope)
-    alike(*line.parts, payload, carriage_mass)
+    require_broadcast(*line.parts, payload, carriage_mass)
     require(payload, "payload [kg]", lambda v: v >= 0.0, "zero or more")
     require(carriage_mass, "carriage_mass [kg]", lambda v: v >= 0.0, "zero or more")
     weight, gross = rope.mass_per_length * gravity, (np.asarray(payload) + carriage_mass) * gravity
@@ -265,16 +265,16 @@ def tension_for_payload(
     tension = rising(lambda t: method(line, weight, t) - gross, 1e-9 * high, high)
     if np.isnan(tension).any():
         raise SlackRopeError(
-            "No taut rope carries so little at this deflection",
-            "Ask for less deflection or more payload",
+            "The payload is too low for a taut rope at this deflection",
+            "Reduce the deflection or increase the payload",
         )
     return tension
 
 
 def link_horizontal(run: Numbers, drop: Numbers, link: Weighed, tension: Numbers) -> Array:
-    """Horizontal tension of a straight link for the tension at its end, the carriage `drop` lower (Harvey eq. 5
-    and 8, so eq. 9; eq. 13 is the same). Moments about the carriage: V d = H h + R e. NaN where the weight
-    alone needs more."""
+    """Horizontal tension of a straight link for a tension at its end, with the carriage `drop` lower (Harvey eq. 5 and
+    8, hence eq. 9; eq. 13 is the same). Moments about the carriage: V d = H h + R e. NaN where the tension is too low
+    for the weight."""
     a, b = np.asarray(drop) / run, link.weight * link.arm / run
     with np.errstate(invalid="ignore"):
         return np.asarray((np.sqrt((1.0 + a * a) * np.square(tension) - b * b) - a * b) / (1.0 + a * a))
@@ -286,7 +286,7 @@ def _clamped(line: LoadedSpan, tension: Numbers, upper: Weighed, lower: Weighed)
 
 
 def _gross(line: LoadedSpan, h_upper: Array, h_lower: Array, upper: Weighed, lower: Weighed) -> Array:
-    """What both links hold up at the carriage: the sum of V - R."""
+    """Vertical force of both links at the carriage: the sum of V - R."""
     d1, d2 = line.run_upper, line.run_lower
     upper_part = (h_upper * line.drop_upper + upper.weight * upper.arm) / d1 - upper.weight
     lower_part = (h_lower * line.drop_lower + lower.weight * lower.arm) / d2 - lower.weight
@@ -309,7 +309,7 @@ def _catenaries(line: LoadedSpan, weight: Numbers, horizontal: Array) -> tuple[W
 
 
 def _lever(line: LoadedSpan) -> Array:
-    """Moment at the carriage of a unit load there, of the simple beam [m]: l/4 at mid-span."""
+    """Moment of a simple beam at the carriage under a unit load there [m]: l/4 at mid-span."""
     return line.run_upper * line.run_lower / np.asarray(line.span)
 
 
@@ -323,6 +323,6 @@ def _too_little(line: LoadedSpan, weight: float, tension: Numbers, bad: Array) -
         else "the piece from the carriage to the lower support needs more"
     )
     return SlackRopeError(
-        f"A tension of {given[first]:.6g} N is too little for the rope's own weight: {needs}",
-        "Raise the tension, or allow less deflection",
+        f"A tension of {given[first]:.6g} N is too low for the rope's own weight: {needs}",
+        "Raise the tension, or reduce the deflection",
     )

@@ -1,8 +1,8 @@
-"""The classic forms of the elastic cable, as Turk (1988, chapter 2) sets them side by side, corrected.
+"""The classic forms of the elastic cable after Turk (1988, chapter 2), corrected.
 
 Irvine's in terms of the unstretched station s, Gonsior's in terms of the slope angle, Sinclair's dimensionless
-recursion for a span with loads. They are one and the same cable, and the same as `components.catenary`, whose
-forms do not cancel and which everything else uses. Turk's equation numbers; any one unit of force and length.
+recursion for a span with loads. All describe the same cable as `components.catenary`, which all other code uses because
+its forms do not cancel. Equation numbers are Turk's; units of force and length are any consistent ones.
 """
 
 from __future__ import annotations
@@ -18,8 +18,7 @@ from ropeway.systems.studies.handbook.array_roots import Array, Numbers
 
 
 class CablePoint(NamedTuple):
-    """Position relative to the start, and tension. z as said by the function: Irvine and Sinclair count it down,
-    Gonsior up."""
+    """Position relative to the start, and tension. z counts down with Irvine and Sinclair, up with Gonsior."""
 
     x: Array
     z: Array
@@ -27,7 +26,7 @@ class CablePoint(NamedTuple):
 
 
 class GonsiorPiece(NamedTuple):
-    """A piece between two slope angles, z up: its run and rise, its stretched and unstretched length."""
+    """A piece between two slope angles, z up: run, rise, stretched and unstretched length."""
 
     x: Array
     z: Array
@@ -36,7 +35,7 @@ class GonsiorPiece(NamedTuple):
 
 
 class Substitution(NamedTuple):
-    """A result of successive substitution: the angle [rad] and all its iterates."""
+    """Result of successive substitution: the angle [rad] and all its iterates."""
 
     angle: float
     iterates: Array
@@ -47,8 +46,8 @@ def irvine(
 ) -> CablePoint:
     """A cable without loads at unstretched stations s (eq. 2.48, 2.52 and 2.35). z down.
 
-    vertical: upward force of the support on the cable at s = 0; weight: per unstretched length. horizontal > 0.
-    Loses digits where the end slopes are nearly equal.
+    `vertical` is the upward force of the support on the cable at s = 0; `weight` is per unstretched length;
+    `horizontal` > 0. The form loses digits where the end slopes are nearly equal.
     """
     h, v, w, s = (np.asarray(a, dtype=float) for a in (horizontal, vertical, weight, station))
     require(h, "horizontal tension", lambda a: a > 0.0, "above zero")
@@ -63,7 +62,7 @@ def gonsior(
 ) -> GonsiorPiece:
     """A cable without loads between two slope angles [rad] (eq. 2.87, 2.89, 2.76, 2.79). z up.
 
-    2.79 corrected: its weight is that of the unstretched cable. asinh(tan) stands for ln(sec + tan), which fails
+    Eq. 2.79 is corrected: its weight is that of the unstretched cable. asinh(tan) replaces ln(sec + tan), which fails
     on steep falling cables. |angle| < 90 degrees.
     """
     h, w = np.asarray(horizontal, dtype=float), np.asarray(weight, dtype=float)
@@ -83,7 +82,7 @@ def gonsior_angle(
     """Slope angle at a horizontal distance x from a point of known slope, by successive substitution (eq.
     2.90-2.94). z up; a negative x gives the angle before the point.
 
-    Each round brings the error down by -T/EA. With asinh in place of e^alpha, which overflows for w x/H above 350.
+    Each iteration multiplies the error by -T/EA. asinh replaces e^alpha, which overflows for w x/H above 350.
     """
     require(horizontal, "horizontal tension", lambda a: a > 0.0, "above zero")
     start = float(np.tan(_angle(angle_start)))
@@ -113,10 +112,10 @@ def sinclair(
 ) -> CablePoint:
     """Sinclair's dimensionless recursion for a span with N point loads (eq. 2.101-2.116). z down.
 
-    All forces over the cable's weight W and lengths over its unstretched length L0: alpha = V/W, epsilon = H/W,
+    Forces are relative to the cable's weight W, lengths to its unstretched length L0: alpha = V/W, epsilon = H/W,
     beta = W/EA, the loads' stations sigma_n in order, loads phi_n = M_n/W, stations sigma. Returns Omega, mu and
     T/W. Corrected: the radicals and asinh hold the sums Phi_n of the loads, only beta phi_i (sigma_i - sigma) the
-    single loads. At a load's own station the tension is the one just after it. Loads may be negative.
+    single loads. At the station of a load the tension is that just after it. Loads may be negative.
     """
     alpha, eps, beta = vertical, horizontal, flexibility
     require(eps, "epsilon = H/W", lambda a: a > 0.0, "above zero")

@@ -1,10 +1,10 @@
-"""Three ways to solve the two equations of a span, with their iteration histories.
+"""Three methods for the two equations of a span, with their iteration histories.
 
-x(H, V) = l and z(H, V) = h for a span with loads (Turk 1988, eq. 2.53 and 2.54, which are swapped there).
-Turk's chapter 3 compares successive substitution, Newton-Raphson and Brown's method; its text and its example's
-data are not in the source, so the substitution, the damping and the data are this library's own, and no
-figure of Turk's is reproduced. For real work use `equilibrium`; this is a study of convergence, and says in
-`History.converged` whether it got there.
+The equations are x(H, V) = l and z(H, V) = h for a span with loads (Turk 1988, eq. 2.53 and 2.54, which are swapped
+there). Turk's chapter 3 compares successive substitution, Newton-Raphson and Brown's method. The source lacks that text
+and the data of its example, so the substitution, the damping and the data are this library's own; no figure of Turk's
+is reproduced. This is a study of convergence; `History.converged` gives its outcome. Use `equilibrium` for real
+problems.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ SpanMethod = Literal["successive substitution", "Newton-Raphson", "Brown"]
 """Turk's three methods."""
 
 Unknowns = Literal["horizontal and vertical", "tension and angle"]
-"""What the solver iterates on: (H, V), or T and its angle at the start."""
+"""Unknowns of the iteration: (H, V), or T and its angle at the start."""
 
 _DIFFERENCE = 1e-7  # forward difference, relative
 
@@ -37,22 +37,22 @@ _DIFFERENCE = 1e-7  # forward difference, relative
 @checked
 @dataclass(frozen=True)
 class SpanProblem:
-    """A span with loads, in any one unit of force and length.
+    """A span with loads, in any consistent units of force and length.
 
     Parameters
     ----------
     span : float
         Horizontal distance from end a to end b.
     rise : float
-        Height of end b over end a.
+        Height of end b above end a.
     length : float
-        Unstretched, of the rope.
+        Unstretched length of the rope.
     weight : float
-        Of the rope per unstretched length.
+        Weight of the rope per unstretched length.
     axial_stiffness : float
-        Of the rope.
+        Axial stiffness of the rope.
     distances : tuple of float, default ()
-        Unstretched, of the loads from end a, in order.
+        Unstretched distances of the loads from end a, in order.
     loads : tuple of float, default ()
         Downward forces.
 
@@ -92,11 +92,11 @@ class SpanProblem:
 
     @property
     def chord(self) -> float:
-        """Straight distance of the ends."""
+        """Straight distance between the ends."""
         return float(np.hypot(self.span, self.rise))
 
     def reach(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """Where end b of the rope is for a force at end a.
+        """Position of end b of the rope for a force at end a.
 
         Parameters
         ----------
@@ -131,12 +131,12 @@ class SpanProblem:
         return float(finite(self._total(horizontal, vertical), "stretched length"))
 
     def _end(self, horizontal: float, vertical: float) -> tuple[float, float]:
-        """As `reach`, for iterates: NaN where there is none."""
+        """As `reach`, for iterates; NaN where it is undefined."""
         end = self._stations(horizontal, vertical)[-1].reach
         return float(end[0]), float(end[2])
 
     def _total(self, horizontal: float, vertical: float) -> float:
-        """As `stretched`, for iterates: NaN where there is none."""
+        """As `stretched`, for iterates; NaN where it is undefined."""
         force = (horizontal, 0.0, -vertical)
         total, at = 0.0, 0.0
         for distance, load, station in zip(
@@ -168,9 +168,9 @@ class SpanProblem:
 class History:
     """The iterates of a solution, as `rw.solve_span` returns them.
 
-    `frame`: one row for each iterate, the start first; columns horizontal, vertical, tension, angle (at end a [rad],
-    rise over run downwards positive), miss (distance of the rope's end from b), evaluations (of one of the two
-    equations, so far). `converged`: whether the end is within the tolerance.
+    `frame` has one row per iterate, beginning with the start; columns horizontal, vertical, tension, angle (at end a
+    [rad], positive downwards), miss (distance of the rope's end from b), evaluations (cumulative, of one of the two
+    equations). `converged` tells whether the end is within the tolerance.
     """
 
     problem: SpanProblem
@@ -181,7 +181,7 @@ class History:
 
     @property
     def iterations(self) -> int:
-        """Rounds, the start not counted."""
+        """Number of iterations, without the start."""
         return len(self.frame) - 1
 
 
@@ -196,25 +196,25 @@ def solve_span(
     tolerance: float = 1e-9,
     limit: int = 60,
 ) -> History:
-    """Iterate on a span's two equations until its end is within a tolerance.
+    """Solve the two equations of a span iteratively.
 
     Parameters
     ----------
     problem : SpanProblem
         The span.
     method : {"successive substitution", "Newton-Raphson", "Brown"}, default "Newton-Raphson"
-        Newton takes 6 evaluations of one equation a round (forward differences), Brown 5.
+        The method. An iteration of Newton takes 6 evaluations of one equation (forward differences), of Brown 5.
     start : tuple of float, optional
-        Horizontal tension and upward force at end a; by default those of the parabola.
+        Initial horizontal tension and upward force at end a; by default those of the parabola.
     damped : bool, default True
-        Whether a step of Newton or Brown changes the tension by half of itself at most, and the substitution goes half
-        of each step (in 1/H).
+        Whether steps are damped: Newton and Brown change the tension by at most half of itself, the substitution halves
+        each step (in 1/H).
     unknowns : {"horizontal and vertical", "tension and angle"}, default "horizontal and vertical"
-        Of Newton and Brown.
+        Unknowns of Newton and Brown.
     tolerance : float, default 1e-9
-        Distance of the rope's end from b over the span.
+        Largest distance of the rope's end from b, relative to the span.
     limit : int, default 60
-        Most iterates.
+        Largest number of iterates.
 
     Returns
     -------
@@ -224,7 +224,7 @@ def solve_span(
     Raises
     ------
     InputError
-        A value is out of its range.
+        A value is out of range.
 
     Examples
     --------
@@ -252,7 +252,7 @@ def solve_span(
 
 
 class _Equations:
-    """The two misses of a span in terms of the unknowns, with a count of the evaluations."""
+    """The two residuals of a span as functions of the unknowns, with a count of evaluations."""
 
     def __init__(self, problem: SpanProblem, unknowns: Unknowns) -> None:
         self.problem = problem
@@ -268,30 +268,31 @@ class _Equations:
         return float(u[0]), float(u[1])
 
     def scale(self, u: Array) -> Array:
-        """Size of the steps of a difference."""
+        """Step sizes of the forward differences."""
         return np.array([abs(u[0]), 1.0 if self.angular else max(abs(u[0]), abs(u[1]))]) * _DIFFERENCE
 
-    def misses(self, u: Array) -> Array:
+    def residuals(self, u: Array) -> Array:
         self.evaluations += 2
-        return self._misses(u)
+        return self._residuals(u)
 
-    def miss(self, u: Array, which: int) -> float:
+    def residual(self, u: Array, which: int) -> float:
         self.evaluations += 1
-        return float(self._misses(u)[which])
+        return float(self._residuals(u)[which])
 
-    def _misses(self, u: Array) -> Array:
+    def _residuals(self, u: Array) -> Array:
         return np.subtract(self.problem._end(*self.force(u)), (self.problem.span, self.problem.rise))
 
     def row(self, u: Array) -> tuple[float, float, float, float, float, int]:
         h, v = self.force(u)
-        miss = float(np.hypot(*self._misses(u)))
+        miss = float(np.hypot(*self._residuals(u)))
         return h, v, float(np.hypot(h, v)), float(np.arctan2(v, h)), miss, self.evaluations
 
 
 def _substitution(equations: _Equations, u: Array, damped: bool) -> Array:
-    """H from the excess of the rope over its chord, which goes with 1/H^2; V from the moments about end b.
+    """H from the excess of the rope over its chord, which is proportional to 1/H^2; V from the moments about end b.
 
-    A round brings the error of H down by -(stretch)/(2 excess): it diverges for a rope tauter than its chord."""
+    An iteration multiplies the error of H by -(stretch)/(2 excess); it diverges where the stretch
+    exceeds twice the excess."""
     problem = equations.problem
     h, v = equations.force(u)
     x, z = problem._end(h, v)
@@ -307,17 +308,17 @@ def _substitution(equations: _Equations, u: Array, damped: bool) -> Array:
 
 def _newton(equations: _Equations, u: Array, damped: bool) -> Array:
     """Newton-Raphson with forward differences: 6 evaluations of one equation."""
-    value, scale = equations.misses(u), equations.scale(u)
-    jacobian = np.column_stack([(equations.misses(u + s) - value) / s.sum() for s in np.diag(scale)])
+    value, scale = equations.residuals(u), equations.scale(u)
+    jacobian = np.column_stack([(equations.residuals(u + s) - value) / s.sum() for s in np.diag(scale)])
     return u + _limited(u, np.linalg.solve(jacobian, -value), damped)
 
 
 def _brown(equations: _Equations, u: Array, damped: bool) -> Array:
-    """Brown's method (1969): the first equation is made linear and one unknown eliminated from it before the
-    second is evaluated, so 5 evaluations of one equation."""
+    """Brown's method (1969): the first equation is linearised and one unknown eliminated before the second is
+    evaluated: 5 evaluations of one equation."""
     scale = equations.scale(u)
-    first = equations.miss(u, 0)
-    slope = np.array([(equations.miss(u + s, 0) - first) / s.sum() for s in np.diag(scale)])
+    first = equations.residual(u, 0)
+    slope = np.array([(equations.residual(u + s, 0) - first) / s.sum() for s in np.diag(scale)])
     k = int(np.argmax(np.abs(slope * scale)))  # the unknown to eliminate
     other = 1 - k
 
@@ -327,18 +328,18 @@ def _brown(equations: _Equations, u: Array, damped: bool) -> Array:
         point[k] = u[k] - (first + slope[other] * (value - u[other])) / slope[k]
         return point
 
-    second = equations.miss(on_line(u[other]), 1)
-    change = (equations.miss(on_line(u[other] + scale[other]), 1) - second) / scale[other]
-    move = on_line(u[other] - second / change) - u
-    return u + _limited(u, move, damped)
+    second = equations.residual(on_line(u[other]), 1)
+    change = (equations.residual(on_line(u[other] + scale[other]), 1) - second) / scale[other]
+    step = on_line(u[other] - second / change) - u
+    return u + _limited(u, step, damped)
 
 
-def _limited(u: Array, move: Array, damped: bool) -> Array:
-    """A step; a damped one changes the tension by at most half of it.
+def _limited(u: Array, step: Array, damped: bool) -> Array:
+    """A step; a damped one changes the tension by at most half of itself.
 
     Halving until the residual decreases would stall Brown's method, whose steps need not reduce it.
     """
-    return move * min(1.0, 0.5 * abs(u[0]) / abs(move[0])) if damped and move[0] != 0.0 else move
+    return step * min(1.0, 0.5 * abs(u[0]) / abs(step[0])) if damped and step[0] != 0.0 else step
 
 
 _Step = Callable[[_Equations, Array, bool], Array]

@@ -1,1 +1,1 @@
-"""A skyline's carriage: load path, payload, pretension, supports, inhaul."""
+"""Studies of a skyline: load path, payload, pretension, support layout, inhaul."""

@@ -28,16 +28,16 @@ from ropeway.systems.studies.skyline.rig_check import RigCheck
 
 
 class Place(NamedTuple):
-    """Where the carriage is: in a span, or on the shoe of support `on` at its end; and how many `rollers` the
-    mainline runs over, by default those that it has passed."""
+    """Place of the carriage: in a span, or on the shoe of support `on` at its end. `rollers` is the number of supports
+    with a roller under the mainline, by default those that the carriage has passed."""
 
     span: int
     on: int | None = None
     rollers: int | None = None
 
 
-class Question(NamedTuple):
-    """The carriage at a station [m] with a payload [kg], and at a height z [m] where the yarder sets it."""
+class StationCase(NamedTuple):
+    """The carriage at a station [m] with a payload [kg], and at a height z [m] if the yarder sets it."""
 
     station: float
     payload: float
@@ -45,8 +45,8 @@ class Question(NamedTuple):
 
 
 class SpanModel:
-    """A rig's model with the carriage at a place; `by_height`: the yarder sets the carriage's height too. `check`
-    refuses solved points that no rig has."""
+    """A rig's model with the carriage at a place. `by_height`: the yarder also sets the carriage's height. `check`
+    rejects non-physical roots."""
 
     def __init__(
         self, rig: SkylineRig, place: Place, functions: ComponentFunctions, *, by_height: bool = False
@@ -72,7 +72,7 @@ class SpanModel:
         self.roles = tuple(_role(rig, run) for run in m.runs)
         log_places = ("x", "z", "rear_x", "rear_z") if self.log else ()
         self.places = (self.axes[2], *(self.slot(f"{self.log}.{variable}") for variable in log_places))
-        """Where the carriage and its log are."""
+        """Coordinates of the carriage and its log."""
         self.check = RigCheck(rig, m, self.newton, self.roles, place.on, by_height=by_height)
 
     def declared(self) -> Point:
@@ -80,7 +80,7 @@ class SpanModel:
         return self._declared.copy()
 
     def load(self, point: Point, payload: float) -> None:
-        """Gives a point a payload [kg]."""
+        """Sets the payload [kg] of a point."""
         point.p[self._mass] = payload if self.log is None else max(payload, LEAST_MASS)
 
     def slot(self, name: str) -> Slot:
@@ -100,14 +100,14 @@ class SpanModel:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Stations of the ends of its span; of its support on a shoe, with the shoe's width to either side [m]."""
+        """Stations of both ends of the span; on a shoe, of the support minus and plus the shoe's radius [m]."""
         if self.on is None:
             return float(self.rig.points[self.span, 0]), float(self.rig.points[self.span + 1, 0])
         support = self.rig.supports[self.on]
         return support.at[0] - support.radius, support.at[0] + support.radius
 
     def ground_under(self, point: Point, lower: float = 0.0) -> bool:
-        """Gives the log the ground under its rear, taken `lower` than it is [m]; whether it had another."""
+        """Sets the ground under the log's rear, shifted down by `lower` [m]. Returns whether it changed."""
         turn, ground = self.rig.turn, self.rig.terrain
         if turn is None or ground is None:
             return False
@@ -121,8 +121,8 @@ class SpanModel:
         return changed
 
     def certificate(self, points: Sequence[Point]) -> Certificate:
-        """The worst of each check over solved points. The stability of each is `check`'s: a carriage is held at its
-        station, so that its balance along the skyline need not be stable."""
+        """The worst of each check over solved points. `check` tests the stability of each: the carriage is held at its
+        station, so its balance along the skyline need not be stable."""
         keeps_length = not self.by_height and self.rig.kind.keeps_length
         rope = [
             sum(span.length for span in run.spans) if role == "skyline" and keeps_length else np.nan
@@ -132,21 +132,21 @@ class SpanModel:
         return certify_records(self.model, self.model.runs, states, rope=rope, held=None)
 
     def rest(self, point: Point) -> Equilibrium:
-        """An equilibrium from a solved point, its travels the new zero. Raises EquilibriumError where its certificate
-        fails."""
+        """An equilibrium from a solved point, with all travels reset to zero. Raises EquilibriumError if its
+        certificate fails."""
         self.certificate([point]).require(self.model)
         state = LineState(self.model, point.copy(), self.model.runs, self._passed)
         state.rezero()
         return Equilibrium(self.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
 
     def free_span(self, k: int) -> str:
-        """Name of the skyline's span between the carriage, in a span, and support k."""
+        """Name of the skyline's span between the carriage (in a span) and support k."""
         support, carriage = self.rig.supports[k].name, self.rig.carriage.name
         return f"{carriage}_{support}" if self.span == k else f"{support}_{carriage}"
 
     @property
     def skyline(self) -> int:
-        """Index of the skyline's run (of the haulback's, for a running skyline)."""
+        """Index of the skyline's run; for a running skyline, of the haulback's run."""
         return self.roles.index("skyline")
 
     def carriage_in(self, r: int) -> int:
@@ -164,7 +164,7 @@ class SpanModel:
 
 
 def _role(rig: SkylineRig, run: Run) -> str:
-    """What a run is to the carriage: "skyline", "mainline", "haulback", or "" for a guyline."""
+    """Role of a run: "skyline", "mainline", "haulback", or "" for a guyline."""
     for node, seat in zip(run.nodes, run.seats, strict=True):
         if node.name == rig.carriage.name:
             return "skyline" if seat.name == "a" else seat.name
@@ -173,18 +173,18 @@ def _role(rig: SkylineRig, run: Run) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A rig at a station: the model of its span, the point, all outputs (ny,), what holds the carriage ("mainline",
-    "clamp" or "holding"), and the question that it answers."""
+    """A solved rig: the model, the point, all outputs (ny,), the carriage's hold ("mainline", "clamp" or "holding"),
+    and the case that was solved."""
 
     at: SpanModel
     point: Point
     outputs: np.ndarray
     held_by: str
-    asked: Question | None = None
+    case: StationCase | None = None
 
     @property
     def off_shoe(self) -> float:
-        """About how much rope [m] would come off the shoe, if the shoe did not hold the carriage by its force."""
+        """Approximate length of rope [m] that would leave the shoe without the shoe's holding force on the carriage."""
         name = self.at.rig.carriage.name
         return -self[f"{name}.shoe_force"] / self[f"{name}.tension_a"] * self[f"{name}.radius"]
 
@@ -192,7 +192,7 @@ class Solved:
         on = self.at.on
         if on is not None:
             owner, _, quantity = name.rpartition(".")
-            if owner == self.at.rig.supports[on].name:  # the carriage on it speaks for both
+            if owner == self.at.rig.supports[on].name:  # the carriage on the shoe has the outputs of both
                 name = f"{self.at.rig.carriage.name}.{quantity}"
         k = self.at.output_index.get(name)
         return self.at.read(self.point, self.at.slot(name)) if k is None else float(self.outputs[k])
@@ -202,16 +202,16 @@ class Solved:
         return output in self.at.output_index
 
     def start(self, r: int, k: int) -> np.ndarray:
-        """Where span k of run r starts, (x, y, z) [m]."""
+        """Start of span k of run r, (x, y, z) [m]."""
         return self.at.model.runs[r].start(k, self.__getitem__)
 
     def end(self, r: int, k: int) -> np.ndarray:
-        """Where it ends."""
+        """End of span k of run r, (x, y, z) [m]."""
         return self.at.model.runs[r].end(k, self.__getitem__)
 
 
 def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False) -> SpanModel:
-    """The model of a rig at a place, or of its twin with a clamp: made once."""
+    """The model of a rig at a place, or of its clamped twin; assembled once."""
     return _span_model(rig, place, by_height, clamped)
 
 
@@ -224,8 +224,8 @@ def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool) -
 
 @lru_cache(maxsize=64)
 def _functions_of(rig: SkylineRig, thread: int) -> ComponentFunctions:
-    """The component functions that all models of a rig share which one thread makes: CasADi counts references to its
-    functions without a lock."""
+    """The component functions shared by all models of a rig in one thread. CasADi counts references to its functions
+    without a lock."""
     return ComponentFunctions()
 
 

@@ -1,4 +1,4 @@
-"""The certificate of rig states that are returned: those that fail are solved again from cold, or refused."""
+"""Certificates of returned rig states. A state that fails is solved again from a cold start, or rejected."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 
-def certified(found: Sequence[Solved]) -> list[Solved]:
-    """Solved states, each with a certificate; a state that fails is solved again from cold.
+def certified(solution: Sequence[Solved]) -> list[Solved]:
+    """Certify solved states; a state that fails is solved again from a cold start.
 
     Raises
     ------
     EquilibriumError
-        A state that was solved again fails as well: it names the check.
+        A state fails again. The error names the check.
     """
-    answers = list(found)
+    answers = list(solution)
     places: dict[SpanModel, list[int]] = {}
-    for i, solved in enumerate(found):
+    for i, solved in enumerate(solution):
         places.setdefault(solved.at, []).append(i)
-    for at, own in places.items():
-        if at.certificate([found[i].point for i in own]).failed is None:
+    for at, members in places.items():
+        if at.certificate([solution[i].point for i in members]).failed is None:
             continue
-        for i in own:
-            if at.certificate([found[i].point]).failed is not None:
-                answers[i] = _again(found[i])
+        for i in members:
+            if at.certificate([solution[i].point]).failed is not None:
+                answers[i] = _solved_again(solution[i])
     return answers
 
 
-def _again(failed: Solved) -> Solved:
-    found = failed
-    if failed.asked is not None:
-        found = Stations(failed.at.rig, by_height=failed.at.by_height).solve(*failed.asked)
+def _solved_again(failed: Solved) -> Solved:
+    solution = failed
+    if failed.case is not None:
+        solution = Stations(failed.at.rig, by_height=failed.at.by_height).solve(*failed.case)
     try:
-        found.at.certificate([found.point]).require(found.at.model)
+        solution.at.certificate([solution.point]).require(solution.at.model)
     except EquilibriumError as error:
-        where = "" if found.asked is None else f" at station {found.asked[0]:g} m"
+        location = "" if solution.case is None else f" at station {solution.case[0]:g} m"
         raise EquilibriumError(
-            f"{error.cause}{where}",
-            "Ask beside this station, or change lengths or the payload a little",
+            f"{error.cause}{location}",
+            "Choose a station nearby, or change lengths or the payload slightly",
             error.component,
         ) from error
-    return found
+    return solution

@@ -14,8 +14,8 @@ from ropeway.systems.studies.skyline.carriage_model import Solved
 
 
 def load_clearance(solved: Solved, ground: Profile) -> float:
-    """Height of the lowest point of the load over the ground [m]; of a log that of its front where its rear drags,
-    else of its rear."""
+    """Height of the lowest point of the load over the ground [m]. For a log, the height of its rear, or of its front
+    while the rear drags."""
     rig = solved.at.rig
     if rig.turn is None:
         x, z = (solved[f"{rig.carriage.name}.{axis}"] for axis in "xz")
@@ -41,8 +41,8 @@ def drags(solved: Solved) -> bool:
 
 
 def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> float:
-    """Least height of a rope over the ground [m], from the headspar's top on where it runs over that, and for the
-    skyline as far as the tailspar. NaN where there is no such rope."""
+    """Least height of a rope over the ground [m], from the top of the headspar if the rope runs over it; the skyline
+    counts as far as the tailspar. NaN without such a rope."""
     pieces = [(above_tangents(ground, piece, end), piece) for piece, end in _pieces(solved, role)]
     least = np.inf if pieces else np.nan
     for bound, piece in sorted(pieces, key=itemgetter(0)):
@@ -53,12 +53,12 @@ def rope_clearance(solved: Solved, ground: Profile, role: str = "skyline") -> fl
 
 
 def least_rope_clearance(solved: Solved, ground: Profile) -> float:
-    """A lower bound of the skyline's `rope_clearance` [m] that costs less."""
+    """A cheap lower bound of the skyline's `rope_clearance` [m]."""
     return min((above_tangents(ground, piece, end) for piece, end in _pieces(solved, "skyline")), default=-np.inf)
 
 
 def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, float]]]:
-    """The pieces of a rope over the corridor, towards growing x, and where each ends (x, z) [m]."""
+    """The pieces of a rope over the corridor in the direction of increasing x, each with its end (x, z) [m]."""
     rig, at = solved.at.rig, solved.at
     for r, run in enumerate(at.model.runs):
         if at.roles[r] != role:
@@ -68,7 +68,7 @@ def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, flo
         for k, span in enumerate(run.spans[first:], first):
             start, end = solved.start(r, k), solved.end(r, k)
             force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
-            if force[0] < 0.0:  # it runs back: looked at from its other end
+            if force[0] < 0.0:  # a returning rope: swap its ends
                 start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])
             if force[0] > 0.0:
                 yield Piece((start[0], start[2]), tuple(force), weight, length, strain), (end[0], end[2])

@@ -1,4 +1,4 @@
-"""The limits of a rig under load, and how far a solved state stays from each."""
+"""The limits of a rig under load, and the margin of a solved state to each."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from ropeway.systems.studies.skyline.clearances import front_clearance, load_cle
 from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, guyline_tension, highest_tension, load_on
 
 LimitMargin = Callable[[Solved], float]
-"""How far a solved station stays from a limit, in parts of it (of 10 m for clearances); negative beyond it."""
+"""Margin of a solved state to a limit, relative to the limit (to 10 m for clearances); negative if exceeded."""
 
 ROPE_CLEARANCE = "rope clearance"
-"""The margin that costs most."""
+"""The most expensive margin."""
 
 _CLEARANCE = 10.0
-"""What a clearance is measured in [m]."""
+"""Reference value of clearance margins [m]."""
 
 Margins = Iterator[tuple[str, LimitMargin]]
 
 
 @dataclass(frozen=True)
 class LoadLimits:
-    """Limits asked for. safety_factor: of the skyline; other_safety_factor: of all other ropes, None: each its own;
-    clearance of the load and rope_clearance of the skyline over the ground [m], None: neither counts; lift_off: the
-    skyline stays in its saddles, a guyed spar on its foot."""
+    """Requested limits. `safety_factor` applies to the skyline, `other_safety_factor` to all other ropes (None: each
+    rope's own). `clearance` of the load and `rope_clearance` of the skyline are heights over the ground [m]; None
+    disables both. `lift_off`: the skyline must stay in its saddles, a guyed spar on its foot."""
 
     safety_factor: float
     other_safety_factor: float | None = None
@@ -38,13 +38,13 @@ class LoadLimits:
     lift_off: bool = True
 
     def working_load(self, rope: Rope) -> float:
-        """Of a rope other than the skyline [N]."""
+        """Safe working load of a rope other than the skyline [N]."""
         factor = rope.safety_factor if self.other_safety_factor is None else self.other_safety_factor
         return rope.breaking_load / factor
 
 
 def is_lowered(rig: SkylineRig) -> bool:
-    """Whether a clearance sets the carriage's height: not of a standing skyline, and not over a log, which follows."""
+    """Whether a clearance sets the carriage's height: not for a standing skyline, and not with a log."""
     return rig.kind.sets_height and rig.turn is None
 
 
@@ -57,18 +57,24 @@ def margins_of(rig: SkylineRig, limits: LoadLimits) -> dict[str, LimitMargin]:
 
 def _tensions(rig: SkylineRig, limits: LoadLimits) -> Margins:
     strength = rig.skyline.breaking_load / limits.safety_factor
-    yield f"{rig.kind.carrying_rope} tension", _below(lambda s: highest_tension(s, "skyline"), strength)
+    yield f"{rig.kind.carrying_rope} tension", _upper(lambda s: highest_tension(s, "skyline"), strength)
     if rig.mainline is not None:
-        yield "mainline tension", _below(lambda s: highest_tension(s, "mainline"), limits.working_load(rig.mainline))
+        yield (
+            "mainline tension",
+            _upper(lambda s: highest_tension(s, "mainline"), limits.working_load(rig.mainline)),
+        )
     if rig.haulback is not None:
-        yield "haulback tension", _below(lambda s: highest_tension(s, "haulback"), limits.working_load(rig.haulback))
+        yield (
+            "haulback tension",
+            _upper(lambda s: highest_tension(s, "haulback"), limits.working_load(rig.haulback)),
+        )
     if rig.turn is not None:
         pull = f"{rig.carriage.name}.dropline_pull"
-        yield "dropline tension", _below(lambda s: s[pull], limits.working_load(rig.turn.dropline))
+        yield "dropline tension", _upper(lambda s: s[pull], limits.working_load(rig.turn.dropline))
     block = rig.haulback_block
     if block is not None and block.capacity is not None:
         load = f"{block.name}.bearing_load"
-        yield f"capacity of {block.name}", _below(lambda s: s[load], block.capacity)
+        yield f"capacity of {block.name}", _upper(lambda s: s[load], block.capacity)
 
 
 def _clearances(rig: SkylineRig, limits: LoadLimits) -> Margins:
@@ -84,7 +90,7 @@ def _supports(rig: SkylineRig, limits: LoadLimits) -> Margins:
     strength = rig.skyline.breaking_load / limits.safety_factor
     for support in rig.supports:
         if limits.lift_off:
-            yield f"lift-off at {support.name}", _pressed(f"{support.name}.support_force", strength)
+            yield f"lift-off at {support.name}", _compression(f"{support.name}.support_force", strength)
         yield from _capacity(support, support.capacity)
 
 
@@ -95,7 +101,7 @@ def _spars(rig: SkylineRig, limits: LoadLimits) -> Margins:
         if not isinstance(spar, GuyedSpar):
             continue
         if limits.lift_off:
-            yield f"lift-off of {spar.name}", _pressed(f"{spar.name}.compression", strength)
+            yield f"lift-off of {spar.name}", _compression(f"{spar.name}.compression", strength)
         for guy in spar.guylines:
             yield f"guyline {guy.name}", _guyline(guy.name, spar, limits.working_load(guy.rope))
 
@@ -103,23 +109,23 @@ def _spars(rig: SkylineRig, limits: LoadLimits) -> Margins:
 def _tailhold(rig: SkylineRig, limits: LoadLimits) -> Margins:
     hold = rig.tailspar.tailhold
     if hold is not None and hold.capacity is not None:
-        yield f"capacity of {hold.name}", _below(anchor_tension, hold.capacity)
+        yield f"capacity of {hold.name}", _upper(anchor_tension, hold.capacity)
 
 
-def _below(value: Callable[[Solved], float], limit: float) -> LimitMargin:
-    """Of a value that has an upper limit."""
+def _upper(value: Callable[[Solved], float], limit: float) -> LimitMargin:
+    """Margin of a value with an upper limit."""
     return lambda s: 1.0 - value(s) / limit
 
 
-def _pressed(output: str, strength: float) -> LimitMargin:
-    """Of a force that may not become a pull, over the working load of the skyline."""
+def _compression(output: str, strength: float) -> LimitMargin:
+    """Margin of a force that must stay compressive, relative to the working load of the skyline."""
     return lambda s: s[output] / strength
 
 
 def _capacity(stand: Node, capacity: float | None) -> Margins:
     if capacity is not None:
-        yield f"capacity of {stand.name}", _below(lambda s: load_on(s, stand), capacity)
+        yield f"capacity of {stand.name}", _upper(lambda s: load_on(s, stand), capacity)
 
 
 def _guyline(name: str, spar: GuyedSpar, limit: float) -> LimitMargin:
-    return _below(lambda s: guyline_tension(s, name, spar), limit)
+    return _upper(lambda s: guyline_tension(s, name, spar), limit)

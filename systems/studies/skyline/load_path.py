@@ -34,32 +34,32 @@ def load_path(
     rig : SkylineRig
         The skyline.
     payload : float
-        [kg].
+        Payload [kg].
     stations : sequence of float, shape (n,), optional
-        Of the carriage [m]; by default every 5 m of all spans. At the station of a support that is a point the
-        carriage hangs 2 cm before it; over one with a radius it rolls on the shoe.
+        Stations of the carriage [m]; by default every 5 m in all spans. At a support without a radius the carriage
+        hangs 2 cm before it; at a support with a radius it is on the shoe.
     height : float, optional
-        Of the load over the ground [m], to which the yarder lowers or raises a live or running skyline; with a log,
-        which follows, of the carriage.
+        Height of the load over the ground [m], set by the yarder of a live or running skyline; with a log, height of
+        the carriage.
 
     Returns
     -------
     DataFrame
-        One row a station; units in `attrs["units"]`. Columns, lengths in m and forces in N:
+        One row per station; units in `attrs["units"]`. Columns, lengths in m and forces in N:
 
-        - carriage_x, carriage_y, carriage_z, on a map carriage_easting and carriage_northing in its unit; sag below
-          the chord of its span, deflection [% of the span], span (from 1)
-        - skyline_tension at the carriage, highest_tension anywhere, headspar_tension, tailspar_tension,
-          anchor_tension where the skyline is tied
+        - carriage_x, carriage_y, carriage_z; on a map carriage_easting and carriage_northing in the unit of the map;
+          sag below the chord of its span, deflection [% of the span], span (from 1)
+        - skyline_tension at the carriage, highest_tension of the skyline, headspar_tension, tailspar_tension,
+          anchor_tension at the skyline's anchor
         - mainline_pull at the carriage (or the ideal holding force, positive towards the headspar), mainline_tension
-          at its drum, mainline_highest anywhere; haulback_pull, haulback_tension, haulback_highest likewise
-        - clearance of the load over the ground (of a log of its lower end, of its front where the rear drags),
+          at its drum, mainline_highest; haulback_pull, haulback_tension, haulback_highest likewise
+        - clearance of the load over the ground (of a log's lower end, or of its front while the rear drags),
           rope_clearance of the skyline; on a terrain mainline_clearance and haulback_clearance
         - `NAME_force` of each support, upward on the rope, negative where it lifts off
-        - held_by: mainline, clamp (beyond its rest point the carriage has to be held on the skyline) or holding
-        - of a guyed headspar spar_compression and spar_lean, of a guyed tailspar tailspar_compression and
-          tailspar_lean, of each guyline `NAME_tension` at the top
-        - of a log suspension (partial or full), ground_force, dropline_tension, front_clearance
+        - held_by: mainline, clamp (beyond the rest point the carriage is clamped to the skyline) or holding
+        - for a guyed headspar spar_compression and spar_lean, for a guyed tailspar tailspar_compression and
+          tailspar_lean, for each guyline `NAME_tension` at the top
+        - for a log suspension (partial or full), ground_force, dropline_tension, front_clearance
 
     Raises
     ------
@@ -81,32 +81,32 @@ def load_path(
     """
     check.not_negative(payload, rig.name, "payload", "kg")
     if height is not None and not rig.kind.sets_height:
-        raise InputError(f"{rig.name} stands: its height cannot be set", "Leave height out, or take a live skyline")
+        raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
     solver = Stations(rig, by_height=height is not None)
-    where, solved = stations_of(rig, stations), list[Solved]()
+    positions, solved = stations_of(rig, stations), list[Solved]()
 
     def frame() -> pd.DataFrame:
-        rows = [station_row(one, float(x)) for one, x in zip(certified(solved), where, strict=False)]
+        rows = [station_row(one, float(x)) for one, x in zip(certified(solved), positions, strict=False)]
         path = pd.DataFrame(rows)
         path.attrs["units"] = units_of(path)
         return path
 
     with keeping(frame):
-        for x in where:
+        for x in positions:
             z = None if height is None else carriage_height(rig, float(x), height)
             solved.append(solver.solve(float(x), payload, z))
     return frame()
 
 
 def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
-    """About every `spacing` metres of all spans, supports included, the ends left out. Raises InputError."""
+    """Stations about every `spacing` metres over all spans, without both ends. Raises InputError."""
     check.positive(spacing, rig.name, "spacing", "m")
     x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
 
 
 def stations_of(rig: SkylineRig, stations: Sequence[float] | np.ndarray | None) -> np.ndarray:
-    """The stations asked for [m], by default about every 5 m of all spans. Raises InputError."""
+    """The given stations [m], by default about every 5 m over all spans. Raises InputError."""
     if stations is None:
         return default_stations(rig)
     try:
@@ -114,7 +114,7 @@ def stations_of(rig: SkylineRig, stations: Sequence[float] | np.ndarray | None) 
     except (TypeError, ValueError):
         values = np.empty((0, 0))
     if values.ndim != 1:
-        raise InputError(f"{rig.name}: stations are {stations!r}", "Give numbers in a row [m]")
+        raise InputError(f"{rig.name}: stations are {stations!r}", "Give a sequence of numbers [m]")
     if values.size == 0:
         raise InputError(f"{rig.name}: no stations", "Give at least one station between headspar and tailspar")
     for x in values:
@@ -126,5 +126,5 @@ def stations_of(rig: SkylineRig, stations: Sequence[float] | np.ndarray | None) 
 def carriage_height(rig: SkylineRig, station: float, height: float) -> float:
     """Height z [m] of the carriage with its load `height` over the ground. Raises InputError."""
     if rig.terrain is None:
-        raise InputError(f"{rig.name} has no terrain", "Give it a Profile to keep a height over the ground")
+        raise InputError(f"{rig.name} has no terrain", "Give it a Profile, which a height over the ground needs")
     return rig.terrain.elevation_at(station) + height + rig.carriage.depth

@@ -1,4 +1,4 @@
-"""Whether a log under a carriage hangs or drags as it does in the field: rear below its front, or behind it."""
+"""Check that a log hangs or drags as in the field: with its rear below or behind its front."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from ropeway.systems.rigs.turn import Turn
 from ropeway.systems.solvers.newton import Point
 
 _BEHIND = 1e-6
-"""A log that leads its front by less than this part of its length stands upright."""
+"""Tolerance on the rear ahead of the front, relative to the log's length."""
 
 
 class LogCheck:
-    """Checks the points of one model of a rig with a log. With the rear on the ground, a log can also stand on its
-    head, or be pushed ahead of its front: unstable places, which Newton's method finds as well."""
+    """Checks the points of one model of a rig with a log. With its rear on the ground a log can also stand upside down,
+    or have its rear ahead of its front: unstable positions, to which Newton's method can converge."""
 
     def __init__(self, turn: Turn, ground: Profile | None, carriage: str, model: Model) -> None:
         self.turn, self.ground = turn, ground
@@ -33,18 +33,18 @@ class LogCheck:
         return bool(outputs[self._gap] > 1e-7)
 
     def require(self, point: Point, outputs: np.ndarray) -> bool:
-        """Raises EquilibriumError for a log upside down. Returns whether it can be in no other place: it hangs free. On
-        ground with vertices its rear can rest on more than one segment."""
+        """Raises EquilibriumError for a log upside down. Returns whether its position is unique: only a free log's is,
+        as the rear can rest on several segments of the ground."""
         x, z, rear_x, rear_z, _ = (float(v) for v in point.z[self._log])
         log = self.turn.log
         if self.hangs(outputs):
             if rear_z >= z:
-                raise EquilibriumError(f"{log.label} would stand on its head", "Give it more height", log.name)
+                raise EquilibriumError(f"{log.label} would be upside down", "Raise the carriage", log.name)
             return True
         slope = float(outputs[self._slope])
         trailing = -log.moving or (-1.0 if slope > 0.0 else 1.0)
         if trailing * (rear_x - x) < -_BEHIND * log.length:
-            raise EquilibriumError(f"{log.label} would be pushed ahead of its front", "Give it more height", log.name)
+            raise EquilibriumError(f"{log.label} would have its rear in front", "Raise the carriage", log.name)
         return False
 
     def gap(self, point: Point) -> float:
@@ -53,25 +53,25 @@ class LogCheck:
         return rear_z - self.elevation(rear_x)
 
     def lay_down(self, point: Point, weight: float) -> None:
-        """From a log of a weight [N] that would hang below the ground, starting values of one that drags: its rear
-        where, swung out from below the front, it comes out of the ground first."""
+        """Initial guess of a dragging log of a weight [N], from a free one that reaches below the ground. The log
+        swings out from the vertical until its rear first emerges from the ground."""
         log, front = self.turn.log, point.z[self._log[:2]]
         x, z = float(front[0]), float(front[1])
         side = -log.moving or (-1.0 if self.elevation(x + 0.1) > self.elevation(x - 0.1) else 1.0)
 
-        def over(turn: float) -> float:
+        def height(turn: float) -> float:
             return z - log.length * float(np.cos(turn)) - self.elevation(x + side * log.length * float(np.sin(turn)))
 
         turns = np.linspace(0.0, 0.9 * np.pi, 55)
-        k = next((k for k, turn in enumerate(turns) if over(float(turn)) > 0.0), len(turns) - 1)
-        turn = float(brentq(over, turns[k - 1], turns[k])) if k > 0 and over(float(turns[k])) > 0.0 else 0.5 * np.pi
-        out, down = log.length * np.sin(turn), log.length * np.cos(turn)
-        normal = log.centre * out * weight / max(out + log.friction * down, 0.1 * log.length)
-        point.z[self._log[2:]] = x + side * out, z - down, normal
+        k = next((k for k, turn in enumerate(turns) if height(float(turn)) > 0.0), len(turns) - 1)
+        turn = float(brentq(height, turns[k - 1], turns[k])) if k > 0 and height(float(turns[k])) > 0.0 else 0.5 * np.pi
+        outward, downward = log.length * np.sin(turn), log.length * np.cos(turn)
+        normal = log.centre * outward * weight / max(outward + log.friction * downward, 0.1 * log.length)
+        point.z[self._log[2:]] = x + side * outward, z - downward, normal
         point.z[self._line] += (-side * log.friction * abs(log.moving) * normal, 0.0, normal)
 
     def elevation(self, x: float) -> float:
-        """The ground [m] that the log knows, its vertices rounded."""
+        """Elevation of the ground [m] in the log's equations, with rounded vertices."""
         if self.ground is None:
             return -np.inf
         at, z, before, after, room = self.ground.vertex_at(x)

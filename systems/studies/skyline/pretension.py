@@ -1,5 +1,5 @@
-"""How to rig a skyline: its unstretched length and pretension for a wanted loaded state, and what is left of the
-pretension once a new rope has settled."""
+"""Rigging of a skyline: unstretched length and pretension for a desired loaded state, and the pretension that remains
+after a new rope has settled."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ from ropeway.systems.studies.skyline.station_solver import Stations
 @checked
 @dataclass(frozen=True, eq=False)
 class SetUp:
-    """How to rig a skyline, as `rw.set_up` returns it.
+    """Length and pretension of a skyline, as `rw.set_up` returns them.
 
     Parameters
     ----------
     rig : SkylineRig
-        With that length.
+        The rig with that length.
     length : float
-        Unstretched, of the skyline [m].
+        Unstretched length of the skyline [m].
     tension : float
-        Of the bare rope at the headspar [N].
+        Tension of the bare rope at the headspar [N].
     loaded : dict
-        The row of `rw.load_path` in the wanted state.
+        Row of `rw.load_path` in the desired state.
 
     Examples
     --------
@@ -68,20 +68,20 @@ def set_up(
     tension: float | None = None,
     deflection: float | None = None,
 ) -> SetUp:
-    """The unstretched length of a skyline for a wanted loaded state.
+    """Solve for the unstretched length of a skyline that gives a desired loaded state.
 
     Parameters
     ----------
     rig : SkylineRig
-        Its own length and tension do not count.
+        The rig; its own length and tension are ignored.
     station : float
-        Of the carriage [m].
+        Station of the carriage [m].
     payload : float
-        [kg].
+        Payload [kg].
     tension : float, optional
-        Wanted highest tension of the skyline [N]. Give either this or `deflection`.
+        Desired highest tension of the skyline [N]. Give either this or `deflection`.
     deflection : float, optional
-        Wanted sag below the chord [% of the span].
+        Desired sag below the chord [% of the span].
 
     Returns
     -------
@@ -91,9 +91,9 @@ def set_up(
     Raises
     ------
     InputError
-        Not one of tension and deflection is given, or the rig is a running skyline.
+        Both or neither of tension and deflection are given, or the rig is a running skyline.
     EquilibriumError
-        No length gives the wanted state.
+        No length gives the desired state.
 
     Examples
     --------
@@ -104,12 +104,12 @@ def set_up(
     >>> round(set_up(rig, station=150.0, payload=2000.0, tension=150e3).loaded["deflection"], 2)
     4.95
     """
-    _require_one_aim(rig, payload, tension, deflection)
+    _require_one_target(rig, payload, tension, deflection)
     state = partial(at, rig, station=station, payload=payload)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
 
-    def miss(length: float) -> float:
+    def residual(length: float) -> float:
         return value(state(length=length)) - float(wanted or 0.0)
 
     chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
@@ -117,24 +117,24 @@ def set_up(
     inextensible = rig.skyline.strain == (0.0, 0.0)
     low = chords * (1.0 + 1e-6) if inextensible else chords / (1.0 + 0.9 * strain)
     high = chords * 1.001
-    while sign * miss(high) < 0.0:
+    while sign * residual(high) < 0.0:
         high = chords + 2.0 * (high - chords)
         if high > 3.0 * chords:
             break
     for end, length, sense in (("shortest", low, 1.0), ("longest", high, -1.0)):
-        if sense * sign * (off := miss(length)) > 0.0:
+        if sense * sign * (excess := residual(length)) > 0.0:
             raise EquilibriumError(
                 f"{rig.name}: no length gives {name} {wanted:g} with {payload:g} kg at {station:g} m",
-                f"With the {end} skyline it is {off + float(wanted or 0.0):.4g}",
+                f"With the {end} skyline it is {excess + float(wanted or 0.0):.4g}",
             )
-    length = float(brentq(miss, low, high, xtol=1e-11, rtol=1e-14))
-    ready = replace(rig, length=length, tension=None)
+    length = float(brentq(residual, low, high, xtol=1e-11, rtol=1e-14))
+    rigged = replace(rig, length=length, tension=None)
     loaded = station_row(certified([state(length=length)])[0], station)
-    return SetUp(ready, length, bare_tension(ready), loaded)
+    return SetUp(rigged, length, bare_tension(rigged), loaded)
 
 
-def _require_one_aim(rig: SkylineRig, payload: float, tension: float | None, deflection: float | None) -> None:
-    """Raises InputError for what `set_up` cannot be asked."""
+def _require_one_target(rig: SkylineRig, payload: float, tension: float | None, deflection: float | None) -> None:
+    """Raises InputError for invalid arguments of `set_up`."""
     if not rig.kind.keeps_length:
         raise InputError(f"{rig.name} has no skyline of its own", "Its tension is set: running_skyline(tension=)")
     if (tension is None) == (deflection is None):
@@ -147,7 +147,7 @@ def _require_one_aim(rig: SkylineRig, payload: float, tension: float | None, def
         if tension >= rig.skyline.breaking_load:
             raise InputError(
                 f"{rig.name}: {tension:g} N is above the minimum breaking load {rig.skyline.breaking_load:g} N",
-                "Ask for less tension or take a stronger rope",
+                "Reduce the tension or choose a stronger rope",
             )
 
 
@@ -162,36 +162,36 @@ def _deflection(solved: Solved) -> float:
 
 
 def at(rig: SkylineRig, length: float, station: float, payload: float) -> Solved:
-    """A state of a rig with another length of the skyline."""
+    """A solved state of a rig with another length of the skyline."""
     return Stations(replace(rig, length=length, tension=None)).solve(station, payload)
 
 
 @checked
 @interruptible
 def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd.DataFrame:
-    """A new rope settling under its first turns.
+    """Tensions of a new rope that settles under its first turns.
 
-    Construction stretch is that of the highest tension ever seen in the rope, it stays, and the rope is elastic below
-    that tension (Lyons 2008). The rig's length or tension counts for the rope before its first load, which the
-    pretension has stretched already.
+    The highest tension so far determines the construction stretch, which is permanent. The rope is elastic below that
+    tension (Lyons 2008). The rig's length or tension is that of the rope before its first load, already stretched by
+    the pretension.
 
     Parameters
     ----------
     rig : SkylineRig
-        Its skyline has `stretch=ConstructionStretch(...)`.
+        A rig with a skyline that has `stretch=ConstructionStretch(...)`.
     turns : sequence of (float, float)
         Station [m] and payload [kg] of each turn, in order.
 
     Returns
     -------
     DataFrame
-        One row for each turn: station, payload; highest_tension under it, peak (highest tension so far), permanent
-        (construction stretch pulled out so far [m]), bare_tension at the headspar afterwards [N].
+        One row per turn: station, payload, highest_tension under it, peak (highest tension so far), permanent
+        (construction stretch so far [m]), bare_tension at the headspar afterwards [N].
 
     Raises
     ------
     InputError
-        The rope has no construction stretch, or a turn pulls it above its minimum breaking load.
+        The rope has no construction stretch, or a turn exceeds its minimum breaking load.
     EquilibriumError
         There is no equilibrium at a station.
 
@@ -213,39 +213,39 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     used = replace(rig, skyline=replace(rig.skyline, stretch=Elastic()), tension=None)
     new = rig.length or 0.0
 
-    def grown(peak: float) -> float:
+    def length_after(peak: float) -> float:
         return new * (1.0 + k * peak * peak)
 
-    def settled(peak: float) -> float:
-        return bare_tension(replace(used, length=grown(peak))) - peak
+    def pretension_residual(peak: float) -> float:
+        return bare_tension(replace(used, length=length_after(peak))) - peak
 
     limit = rig.skyline.breaking_load
-    peak = float(brentq(settled, 0.0, limit, xtol=1e-7))  # the pretension itself
+    peak = float(brentq(pretension_residual, 0.0, limit, xtol=1e-7))  # the pretension itself
     rows = []
     for station, mass in turns:
         check.not_negative(mass, rig.name, "payload", "kg")
-        highest = highest_tension(certified([at(used, grown(peak), station, mass)])[0], "skyline")
+        highest = highest_tension(certified([at(used, length_after(peak), station, mass)])[0], "skyline")
         if highest > peak:
 
-            def virgin(trial: float, station: float = station, mass: float = mass) -> float:
-                return highest_tension(at(used, grown(trial), station, mass), "skyline") - trial
+            def peak_residual(trial: float, station: float = station, mass: float = mass) -> float:
+                return highest_tension(at(used, length_after(trial), station, mass), "skyline") - trial
 
-            if virgin(limit) > 0.0:
+            if peak_residual(limit) > 0.0:
                 raise InputError(
                     f"{rig.name}: {mass:g} kg at {station:g} m pull the skyline above its minimum breaking load "
                     f"{limit:g} N",
-                    "Take less load or a stronger rope",
+                    "Reduce the payload or choose a stronger rope",
                 )
-            peak = float(brentq(virgin, peak, highest, xtol=1e-7))
-            highest = highest_tension(certified([at(used, grown(peak), station, mass)])[0], "skyline")
-        bare = bare_tension(replace(used, length=grown(peak)))
+            peak = float(brentq(peak_residual, peak, highest, xtol=1e-7))
+            highest = highest_tension(certified([at(used, length_after(peak), station, mass)])[0], "skyline")
+        bare = bare_tension(replace(used, length=length_after(peak)))
         rows.append(
             {
                 "station": station,
                 "payload": mass,
                 "highest_tension": highest,
                 "peak": peak,
-                "permanent": grown(peak) - new,
+                "permanent": length_after(peak) - new,
                 "bare_tension": bare,
             }
         )

@@ -1,4 +1,4 @@
-"""Whether a solved point of a rig is an equilibrium that its ropes can have, and whether it can be the only one."""
+"""Check that a solved point of a rig is a physical, stable equilibrium, and whether it is unique."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ SLACK = 2.4
 """A rope with w L / H above this hangs on the slack branch: the least support tension of a level span comes at
 w L / H = 2.40. The difference asinh(v/H) between both ends is w L / H, for steep ropes too."""
 
-ABSURD = 10.0
-"""No rope carries this multiple of its minimum breaking load: such a root is no state of a rig."""
+NON_PHYSICAL = 10.0
+"""Tension over minimum breaking load above which a root is non-physical."""
 
 LEAN = 0.1
-"""A stable guyed spar that leans less than this part of its height has no second stable place so near."""
+"""Lean of a guyed spar over its height, below which a stable position is unique."""
 
 
 class RigCheck:
@@ -47,7 +47,7 @@ class RigCheck:
             for quantity in ("horizontal", "vertical_a", "vertical_b", "tension_a", "tension_b")
         )
         self._across, self._ends, self._tensions = across, np.array([down, up]), np.array([a, b])
-        self._most = ABSURD * np.array([span.rope.breaking_load for span, _ in spans])
+        self._most = NON_PHYSICAL * np.array([span.rope.breaking_load for span, _ in spans])
         self._roles = [role for _, role in spans]
         self._pushing = None if rig.kind.keeps_length or not by_height else model.p.index[f"{rig.skyline_drum}.tension"]
         self._leans = [
@@ -64,51 +64,53 @@ class RigCheck:
         self._outputs, self._jacobian = outputs_of(model), Buffered(newton.jacobian)
 
     def require(self, point: Point) -> bool:
-        """Raises EquilibriumError for a root that no rope can have, or that is unstable. Returns whether there can be
-        no other root: all ropes that run through are taut, guyed spars about upright, a log as it must be."""
+        """Raises EquilibriumError for a non-physical or unstable root. Returns whether the root is unique: all
+        through-running ropes are taut, guyed spars nearly upright, and a log hangs free."""
         outputs = self._outputs(*point.arguments)[0].copy()
         names = self.model.y.names
         lengths = outputs[self._lengths]
         if not lengths.min() > 0.0:
             name = component_of(names[self._lengths[int(np.argmin(lengths))]])
-            raise EquilibriumError(f"No rope is left in span {name!r}", "Give more rope", name)
-        with np.errstate(divide="ignore", invalid="ignore"):  # a plumb rope is not slack
-            loose = np.arcsinh(outputs[self._ends] / outputs[self._across]).sum(axis=0) > SLACK
-        slack = loose & self._must_be_taut
+            raise EquilibriumError(f"No rope is left in span {name!r}", "Increase the rope length", name)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a vertical rope is not slack
+            on_slack_branch = np.arcsinh(outputs[self._ends] / outputs[self._across]).sum(axis=0) > SLACK
+        slack = on_slack_branch & self._must_be_taut
         if slack.any():
             name = component_of(names[self._lengths[int(np.argmax(slack))]])
-            raise EquilibriumError(f"Rope {name!r} would hang slack", "Ask for more pull", name)
+            raise EquilibriumError(f"Rope {name!r} would hang slack", "Increase its tension", name)
         excess = outputs[self._tensions].max(axis=0) / self._most
         if excess.max() > 1.0:
             k = int(np.argmax(excess))
             name = component_of(names[self._lengths[k]])
             role = self._roles[k] or "guyline"
             raise OutOfReachError(
-                f"Rope {name!r} would carry {ABSURD * float(excess[k]):.0f} times its minimum breaking load",
-                "Give it more length, or the carriage more sag",
+                f"Rope {name!r} would carry {NON_PHYSICAL * float(excess[k]):.0f} times its minimum breaking load",
+                "Increase its length, or the sag at the carriage",
                 name,
                 f"{self.rig.kind.carrying_rope if role == 'skyline' else role} tension",
             )
         if self._pushing is not None and point.p[self._pushing] <= 0.0:
-            raise EquilibriumError("The haulback would have to push", "Ask for a lower carriage", "haulback")
-        alone = not (loose & self._runs_through).any() and all(outputs[k] < most for k, most in self._leans)
+            raise EquilibriumError("The haulback would have to push", "Lower the carriage", "haulback")
+        unique = not (on_slack_branch & self._runs_through).any() and all(
+            outputs[k] < limit for k, limit in self._leans
+        )
         if self.log is not None:
-            alone &= self.log.require(point, outputs)
+            unique &= self.log.require(point, outputs)
         self._require_stable(point)
-        return bool(alone)
+        return bool(unique)
 
     def _require_stable(self, point: Point) -> None:
-        """The stiffness of all free places and travels, forces in balance, must be positive definite.
+        """Raises EquilibriumError unless the condensed stiffness of all free positions and travels is positive
+        definite.
 
-        A carriage at its station on a shoe or beside one is held there: where it would run over at once its own
-        balance along its path is the unstable one, and its drum has that length all the same. Tensions on both sides of
-        that shoe are equal: of the rope between them each side has a part that counts from the shoe's middle only."""
-        near = self._on
-        if near is None and self._x is not None:
-            near = self.rig.shoe_near(float(point.z[self._x]))
-        if near is not None and near not in self._beside:
-            self._beside[near] = self._free_beside(self.rig.supports[near].name)
-        free = self._free if near is None else self._beside[near]
+        A carriage on or next to a shoe is held at its station: where it would jump over the shoe, its balance along the
+        path is unstable, but the drum's length is still valid. Tensions on both sides of that shoe are equal."""
+        shoe = self._on
+        if shoe is None and self._x is not None:
+            shoe = self.rig.shoe_near(float(point.z[self._x]))
+        if shoe is not None and shoe not in self._beside:
+            self._beside[shoe] = self._free_beside(self.rig.supports[shoe].name)
+        free = self._free if shoe is None else self._beside[shoe]
         if not free.balances:
             return
         jacobian = self._jacobian_at(point)
@@ -118,16 +120,16 @@ class RigCheck:
         for name, tops in self._tops().items():
             if _pivots(free.condensed(tops), jacobian).min() <= 0.0:
                 raise OutOfReachError(
-                    f"The guylines of {name!r} do not hold it: it would topple",
-                    "Spread their anchors around the spar, or give them more pretension",
+                    f"The guylines of {name!r} do not stabilise it: it would topple",
+                    "Spread their anchors around the spar, or increase their pretension",
                     name,
                     f"guylines of {name}",
                 )
         name = component_of(self.model.z.names[free.balances[int(np.argmax(pivots <= 0.0))].travel])
-        raise EquilibriumError(f"The balance at {name!r} is unstable", "Give the ropes more tension", name)
+        raise EquilibriumError(f"The balance at {name!r} is unstable", "Increase the tension of the ropes", name)
 
     def _free_beside(self, support: str) -> CondensedStiffness:
-        """With the carriage kept in its path, and tensions on both sides of a support equal."""
+        """Stiffness with the carriage fixed along its path and equal tensions on both sides of a support."""
         travels = [self.model.z.index.get(f"{name}.travel") for name in (support, f"{support}_mainline")]
         free = [b for b in self._free.balances if b not in self._along and b.travel not in travels]
         kept = np.concatenate([places_of(self._along), self._free.kept], axis=1)
@@ -149,7 +151,7 @@ class RigCheck:
 
 
 def _pivots(free: CondensedStiffness, jacobian: np.ndarray) -> np.ndarray:
-    """Its pivots; zeros where the equations of all else are singular."""
+    """Pivots of the stiffness; zeros if the other equations are singular."""
     try:
         return free.pivots(jacobian)
     except RuntimeError:
@@ -173,8 +175,8 @@ def _free_places(rig: SkylineRig, model: Model, on: int | None) -> tuple[list[Ba
 
 
 def _under_carriage(rig: SkylineRig, model: Model) -> np.ndarray:
-    """Rows and columns of a log and its dropline: the carriage is stable or not under what they pull. Whether the log
-    itself is as it must be `LogCheck` says."""
+    """Rows and columns of a log and its dropline, whose pull on the carriage is fixed in the stability check.
+    `LogCheck` checks the log itself."""
     if rig.turn is None:
         return np.zeros((2, 0), int)
     log = rig.turn.log.name

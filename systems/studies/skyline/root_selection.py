@@ -1,9 +1,9 @@
-"""Which equilibrium of a rig is meant at a station, and how it is found there from cold.
+"""Selection of the physical equilibrium of a rig at a station, from a cold start.
 
-At a station, with the rope's length fixed (or what the rig fixes instead: a drum's tension, the carriage's height), it
-is the stable and taut state that the empty carriage's state becomes as the payload grows from zero. Where all ropes
-that run through are taut there is one such state only (`RigCheck`), so that any start will do; elsewhere the state is
-followed by the payload. A log hangs free where it can; where it cannot, it drags as if the ground had come up to it.
+The station is given, and the rope's length is fixed (or a drum's tension, or the carriage's height). The physical state
+is the stable and taut one that continues the empty carriage's state as the payload grows from zero. If all
+through-running ropes are taut, this state is unique (`RigCheck`) and any initial guess serves. Otherwise continuation
+in the payload selects it. A log hangs free if possible; otherwise it drags as if the ground had risen to it.
 """
 
 from __future__ import annotations
@@ -15,205 +15,206 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.studies.skyline.carriage_model import Question, SpanModel
+from ropeway.systems.studies.skyline.carriage_model import SpanModel, StationCase
 from ropeway.systems.studies.skyline.starting_points import from_geometry
 
 BESIDE = 1.0
-"""Before a refusal is believed, the stations so far to either side [m] are solved, and followed from there."""
+"""Distance of the neighbouring stations [m] from which a failed state is continued."""
 
 SHORTEST = 1.0 / 128.0
-"""Part of a path below which a step that fails ends it, as at a fold."""
+"""Smallest step of a continuation, relative to the path; it ends there, as at a fold."""
 
 LEAST_STEP = 1e-3
-"""Part of a Newton step below which a root is not nearby."""
+"""Smallest fraction of a Newton step for a nearby root."""
 
 FARTHEST = 2.0
-"""A carriage or log that moves farther than this in a step [m] may have changed to another state."""
+"""Largest move of a carriage or log in one continuation step [m]; a longer one may be a jump to another state."""
 
 DEEP = 1e3
-"""A ground so far below a log [m] is out of its reach."""
+"""Depth of a ground that a log cannot reach [m]."""
 
 
 class Effort(IntEnum):
-    """Starts that are tried: NEAR, solved points and one that belongs to the question; QUICK, and directly from
-    geometry; FULL, and all continuations of a state."""
+    """Initial guesses to try. NEAR: solved points and a given start. QUICK: also geometry. FULL: also all
+    continuations."""
 
     NEAR = 0
     QUICK = 1
     FULL = 2
 
 
-Continuation = Callable[[SpanModel, Question], tuple[Point, bool]]
-"""How a point is found, and whether it is the only one."""
+Continuation = Callable[[SpanModel, StationCase], tuple[Point, bool]]
+"""A method that returns a point and whether it is unique."""
 
 
-def meant(
+def physical_state(
     at: SpanModel,
-    asked: Question,
+    case: StationCase,
     near: Sequence[Point] = (),
     *,
     start: Point | None = None,
     effort: Effort = Effort.FULL,
-    refused: EquilibriumError | None = None,
+    failure: EquilibriumError | None = None,
 ) -> Point:
-    """The equilibrium that is meant. near: solved points to start from, which make it faster; start: one that belongs
-    to this question; refused: the refusal of a try before, after which geometry is no start. Raises
+    """The physical equilibrium of a case. `near` are solved points, which accelerate the search; `start` is an initial
+    guess for this case; `failure` is the error of an earlier attempt, which excludes geometry. Raises
     EquilibriumError."""
     for known in near:
         try:
-            point, alone = settled(at, known.copy(), asked, shortest=LEAST_STEP)
+            point, unique = solved_in_place(at, known.copy(), case, shortest=LEAST_STEP)
         except EquilibriumError:
             continue
-        if alone:
+        if unique:
             return point
-    refusals: list[EquilibriumError] = [] if refused is None else [refused]
+    failures: list[EquilibriumError] = [] if failure is None else [failure]
     direct: Point | None = None
     starts: list[Point | None] = [] if start is None else [start]
-    if refused is None and effort > Effort.NEAR:
+    if failure is None and effort > Effort.NEAR:
         starts.append(None)
     for first in starts:
         try:
-            found, alone = settled(at, first, asked) if first is not None else _from_geometry(at, asked)
+            found, unique = solved_in_place(at, first, case) if first is not None else _from_geometry(at, case)
         except EquilibriumError as error:
-            refusals.append(error)
+            failures.append(error)
             continue
-        if alone:
+        if unique:
             return found
         direct = found if direct is None else direct
     if direct is not None and at.log is not None:
         return direct
-    # Where more than one state is possible, that by payload is meant; the others only find a state.
+    # If several states are possible, continuation in the payload selects one; the other methods only find a state.
     continuations: tuple[Continuation, ...] = (
-        (_by_payload,) if direct is not None else (_lightened, _from_beside, _from_middle)
+        (_from_empty,) if direct is not None else (_from_heavier, _from_beside, _from_middle)
     )
-    if direct is None and asked.payload > 0.0:
-        continuations = (_by_payload, *continuations)
+    if direct is None and case.payload > 0.0:
+        continuations = (_from_empty, *continuations)
     for continuation in () if effort < Effort.FULL and direct is None else continuations:
         try:
-            return continuation(at, asked)[0]
+            return continuation(at, case)[0]
         except EquilibriumError as error:
-            refusals.append(error)
+            failures.append(error)
     if direct is not None:
         return direct
-    raise _refusal(at, asked, refusals, refused)
+    raise _error_to_report(at, case, failures, failure)
 
 
-def settled(
-    at: SpanModel, point: Point, asked: Question, *, lower: float = 0.0, iterations: int = 25, shortest: float = 1e-7
+def solved_in_place(
+    at: SpanModel, point: Point, case: StationCase, *, lower: float = 0.0, iterations: int = 25, shortest: float = 1e-7
 ) -> tuple[Point, bool]:
-    """A point solved in place and checked, and whether there can be no other. lower: the ground under a log is taken
-    to be so much lower [m]; shortest: part of a Newton step. Raises EquilibriumError."""
-    at.load(point, asked.payload)
-    target = [] if at.rig.ideal else [asked.station]
+    """Solves a point in place and checks it. Returns the point and whether it is unique. `lower` shifts the ground
+    under a log down [m]; `shortest` is the smallest fraction of a Newton step. Raises EquilibriumError."""
+    at.load(point, case.payload)
+    target = [] if at.rig.ideal else [case.station]
     if at.rig.ideal:
         kind, k = at.axes[0]
-        point.vector(kind)[k] = asked.station
+        point.vector(kind)[k] = case.station
     if at.by_height:
-        target.append(asked.height or 0.0)
+        target.append(case.height or 0.0)
     at.ground_under(point, lower)
     for _ in range(12):
         at.newton.solve(point, target=np.array(target, dtype=float), iterations=iterations, shortest=shortest)
         if not at.ground_under(point, lower):
             return point, at.check.require(point)
-    raise EquilibriumError("The rear of the log finds no rest on the ground", "Try a station beside this one", at.log)
+    raise EquilibriumError("The log's rear does not settle on one segment of ground", "Choose a station nearby", at.log)
 
 
-def _from_geometry(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    start = from_geometry(at, *asked)
+def _from_geometry(at: SpanModel, case: StationCase) -> tuple[Point, bool]:
+    start = from_geometry(at, *case)
     if at.log is None or at.check.log is None:
-        return settled(at, start, asked, iterations=80)
-    hanging, _ = settled(at, start, asked, lower=DEEP, iterations=80)
+        return solved_in_place(at, start, case, iterations=80)
+    hanging, _ = solved_in_place(at, start, case, lower=DEEP, iterations=80)
     under = at.check.log.gap(hanging)
     if under >= 0.0:
-        return settled(at, hanging, asked)
+        return solved_in_place(at, hanging, case)
     dragging = hanging.copy()
-    at.check.log.lay_down(dragging, asked.payload * at.rig.gravity)
-    return settled(at, dragging, asked, iterations=80)
+    at.check.log.lay_down(dragging, case.payload * at.rig.gravity)
+    return solved_in_place(at, dragging, case, iterations=80)
 
 
-def _by_payload(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    """From the empty carriage at this station."""
-    empty, alone = _from_geometry(at, asked._replace(payload=0.0))
-    if asked.payload == 0.0:
-        return empty, alone
-    return follow(at, empty, lambda share: asked._replace(payload=share * asked.payload))
+def _from_empty(at: SpanModel, case: StationCase) -> tuple[Point, bool]:
+    """Continuation from the empty carriage at this station."""
+    empty, unique = _from_geometry(at, case._replace(payload=0.0))
+    if case.payload == 0.0:
+        return empty, unique
+    return follow(at, empty, lambda share: case._replace(payload=share * case.payload))
 
 
-def _lightened(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    """From a heavier carriage, whose ropes are taut, down to the payload."""
-    extra = 4.0 * (asked.payload + at.rig.carriage.mass) + 1000.0
-    heavy, _ = _from_geometry(at, asked._replace(payload=asked.payload + extra))
-    return follow(at, heavy, lambda share: asked._replace(payload=asked.payload + (1.0 - share) ** 3 * extra))
+def _from_heavier(at: SpanModel, case: StationCase) -> tuple[Point, bool]:
+    """Continuation from a heavier carriage, which tensions the ropes, down to the payload."""
+    extra = 4.0 * (case.payload + at.rig.carriage.mass) + 1000.0
+    heavy, _ = _from_geometry(at, case._replace(payload=case.payload + extra))
+    return follow(at, heavy, lambda share: case._replace(payload=case.payload + (1.0 - share) ** 3 * extra))
 
 
-def _from_beside(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    """From the stations to either side."""
+def _from_beside(at: SpanModel, case: StationCase) -> tuple[Point, bool]:
+    """Continuation from the stations on both sides."""
     low, high = at.reach
     last: EquilibriumError | None = None
-    for station in (asked.station - BESIDE, asked.station + BESIDE):
+    for station in (case.station - BESIDE, case.station + BESIDE):
         if not low < station < high:
             continue
-        beside, alone = asked._replace(station=station), False
-        for start in (_from_geometry, _by_payload, _lightened):
-            if alone:  # there is no other state to start from
+        beside, unique = case._replace(station=station), False
+        for start in (_from_geometry, _from_empty, _from_heavier):
+            if unique:  # no other state to start from
                 break
             try:
-                point, alone = start(at, beside)
-                return follow(at, point, _towards(at, station, asked))
+                point, unique = start(at, beside)
+                return follow(at, point, _towards(at, station, case))
             except EquilibriumError as error:
                 last = error
-    raise last or EquilibriumError("No station is beside it", "Take another station")
+    raise last or EquilibriumError("The span has no neighbouring station", "Choose another station")
 
 
-def _from_middle(at: SpanModel, asked: Question) -> tuple[Point, bool]:
-    """From the middle of the span. Beside a saddle geometry is a bad start: wrong by more than the rope left there."""
+def _from_middle(at: SpanModel, case: StationCase) -> tuple[Point, bool]:
+    """Continuation from mid-span. Close to a saddle geometry is a poor guess: its error exceeds the rope between
+    carriage and saddle."""
     if at.on is not None:
-        raise EquilibriumError("A shoe has no middle of a span", "Take another station")
+        raise EquilibriumError("A shoe has no mid-span", "Choose another station")
     middle = 0.5 * sum(at.reach)
-    start, _ = _from_geometry(at, asked._replace(station=middle))
-    return follow(at, start, _towards(at, middle, asked))
+    start, _ = _from_geometry(at, case._replace(station=middle))
+    return follow(at, start, _towards(at, middle, case))
 
 
-def _towards(at: SpanModel, start: float, asked: Question) -> Callable[[float], Question]:
-    """From a station to that asked for, by equal ratios of the distance from the end of the span nearest to it."""
-    end = min(at.reach, key=lambda x: abs(x - asked.station))
-    first, last = start - end, asked.station - end
+def _towards(at: SpanModel, start: float, case: StationCase) -> Callable[[float], StationCase]:
+    """A path from a station to that of the case, in equal ratios of the distance from the nearest end of the span."""
+    end = min(at.reach, key=lambda x: abs(x - case.station))
+    first, last = start - end, case.station - end
 
-    def ask(share: float) -> Question:
+    def case_at(share: float) -> StationCase:
         offset = first * (last / first) ** share if first * last > 0.0 else first + share * (last - first)
-        return asked._replace(station=end + offset)
+        return case._replace(station=end + offset)
 
-    return ask
+    return case_at
 
 
 def follow(
     at: SpanModel,
     point: Point,
-    ask: Callable[[float], Question],
+    case_at: Callable[[float], StationCase],
     lower: Callable[[float], float] = lambda _: 0.0,
 ) -> tuple[Point, bool]:
-    """From a point that answers `ask(0)` to that of `ask(1)`, each step from the one before, halved where it fails or
-    goes far; and whether there can be no other. Raises EquilibriumError where the path ends: at a fold."""
-    done, step, alone = 0.0, 0.25, False
+    """Continuation from a solution of `case_at(0)` to one of `case_at(1)`. Steps that fail or move too far are halved.
+    Returns the point and whether it is unique. Raises EquilibriumError where the path ends, as at a fold."""
+    done, step, unique = 0.0, 0.25, False
     before: tuple[float, Point] | None = None
     while done < 1.0:
         share = min(done + step, 1.0)
-        trial = point.copy() if before is None else _ahead(before[1], point, (share - done) / (done - before[0]))
+        trial = point.copy() if before is None else _extrapolated(before[1], point, (share - done) / (done - before[0]))
         try:
-            trial, alone = settled(at, trial, ask(share), lower=lower(share), shortest=LEAST_STEP)
+            trial, unique = solved_in_place(at, trial, case_at(share), lower=lower(share), shortest=LEAST_STEP)
             if step > SHORTEST and _moved(at, point, trial) > FARTHEST:
-                raise EquilibriumError("The carriage moves far in one step", "Take a shorter one")
+                raise EquilibriumError("The carriage moves too far in one step", "Reduce the step")
         except EquilibriumError:
             step *= 0.5
             if step < SHORTEST:
                 raise
             continue
         before, point, done, step = (done, point), trial, share, 2.0 * step
-    return point, alone
+    return point, unique
 
 
-def _ahead(before: Point, last: Point, share: float) -> Point:
-    """On the line through two points."""
+def _extrapolated(before: Point, last: Point, share: float) -> Point:
+    """Linear extrapolation through two points."""
     point = last.copy()
     point.z[:] += share * (last.z - before.z)
     point.x[:] += share * (last.x - before.x)
@@ -221,23 +222,23 @@ def _ahead(before: Point, last: Point, share: float) -> Point:
 
 
 def _moved(at: SpanModel, before: Point, after: Point) -> float:
-    """How far the carriage, and its log, moved across its path [m]."""
+    """Displacement of the carriage and its log across the path [m]."""
     return max(abs(at.read(after, slot) - at.read(before, slot)) for slot in at.places)
 
 
-def _refusal(
-    at: SpanModel, asked: Question, refusals: Sequence[EquilibriumError], before: EquilibriumError | None
+def _error_to_report(
+    at: SpanModel, case: StationCase, failures: Sequence[EquilibriumError], before: EquilibriumError | None
 ) -> EquilibriumError:
-    """The refusal to report: a limit that has a name, else that of the direct start."""
-    for error in refusals:
+    """The error to report: a named limit, otherwise the error of the direct start."""
+    for error in failures:
         if isinstance(error, OutOfReachError):
             return error
     if before is not None:
         return before
-    first = refusals[0] if refusals else EquilibriumError("No state is nearby", "Try harder")
+    first = failures[0] if failures else EquilibriumError("No nearby state converged", "Search with full effort")
     return EquilibriumError(
-        f"No equilibrium of {at.model.name!r} with the carriage at station {asked.station:g} m and "
-        f"{asked.payload:g} kg: {first.cause}",
-        "Check the skyline's length, the payload and the lines that hold the carriage",
+        f"No equilibrium of {at.model.name!r} with the carriage at station {case.station:g} m and "
+        f"{case.payload:g} kg: {first.cause}",
+        "Check the skyline's length, the payload, mainline and haulback",
         first.component,
     )

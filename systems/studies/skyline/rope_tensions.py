@@ -1,4 +1,4 @@
-"""Tensions of a solved rig: of its ropes, and what they load spars and supports with."""
+"""Rope tensions of a solved rig, and the loads on its spars and supports."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def highest_tension(solved: Solved, role: str) -> float:
 
 
 def end_tensions(solved: Solved, spans: Sequence[Span]) -> list[float]:
-    """Tensions at both ends of all spans [N]; a load-free span has none higher in between."""
+    """Tensions at both ends of all spans [N]. The maximum of a span without loads is at an end."""
     return [solved[f"{span.name}.tension_{end}"] for span in spans for end in "ab"]
 
 
 def anchor_tension(solved: Solved) -> float:
-    """Tension where the skyline is tied [N]."""
+    """Tension at the skyline's anchor [N]."""
     return solved[f"{solved.at.model.runs[solved.at.skyline].spans[-1].name}.tension_b"]
 
 
@@ -35,8 +35,8 @@ def guyline_tension(solved: Solved, guyline: str, spar: GuyedSpar) -> float:
 
 
 def load_on(solved: Solved, stand: Node) -> float:
-    """What a spar or support carries [N]: the resultant of all ropes at its top; the compression of a guyed spar; on
-    a shoe the load on it and that of the mainline on its roller."""
+    """Load on a spar or support [N]: the resultant of all ropes at its top, the compression of a guyed spar, or the
+    load on a shoe plus that of the mainline on its roller."""
     if isinstance(stand, GuyedSpar):
         return solved[f"{stand.name}.compression"]
     if isinstance(stand, IntermediateSupport) and stand.radius > 0.0:

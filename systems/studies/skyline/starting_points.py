@@ -1,4 +1,4 @@
-"""Starting values for a carriage at a station: from geometry, or from a solution of another model of the same rig."""
+"""Initial guesses of a carriage at a station: from geometry, or from a solution of another model of the same rig."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 
 
 def from_geometry(at: SpanModel, station: float, payload: float, height: float | None) -> Point:
-    """From the carriage's place on its ellipse [or at a `height` z, m], ropes about straight, a log free under it."""
+    """Initial guess from geometry: the carriage on its ellipse (or at a `height` z [m]), nearly straight ropes, a free
+    log."""
     rig, point, m = at.rig, at.declared(), at.model
     if at.on is None:
         start = rig.start(at.span, station, payload, height)
@@ -43,18 +44,18 @@ def from_geometry(at: SpanModel, station: float, payload: float, height: float |
 
 
 def off_shoe(at: SpanModel, solved: Solved) -> Point:
-    """For a carriage that has just left a shoe, from a solution that holds it there by force: a piece of rope has come
-    off the shoe, as long as that force needs."""
+    """Initial guess of a carriage that has just left a shoe, from a solution with a holding force on the shoe. That
+    force gives the length of rope that has left the shoe."""
     source, m, name = solved.at, at.model, at.rig.carriage.name
-    point = _alike(at, solved)
+    point = _shared_values(at, solved)
     on = source.on or 0
     support = at.rig.supports[on]
     normal = shoe.normal_at(support.slope or 0.0)
     away = solved[f"{name}.x"] - support.centre[0], solved[f"{name}.z"] - support.centre[1]
     angle = float(np.arctan2(away[0] * normal[1] - away[1] * normal[0], away[0] * normal[0] + away[1] * normal[1]))
     off = solved.off_shoe / support.radius
-    before = at.span == on  # the carriage is before the shoe, else beyond it
-    # Along the arc from its middle: the rope next to the carriage, and the mainline's from its roller.
+    before = at.span == on  # the carriage is before the shoe, otherwise after it
+    # Angles along the arc from its middle: of the rope next to the carriage, and of the mainline from its roller.
     touch = {"skyline": angle + off if before else angle - off, "mainline": angle - off}
     for role, owner, near in (
         ("skyline", support.name, "a" if before else "b"),
@@ -82,8 +83,8 @@ def off_shoe(at: SpanModel, solved: Solved) -> Point:
 
 
 def on_mainline(at: SpanModel, held: Solved) -> Point:
-    """For a carriage on its mainline, from a solution in which an ideal force holds it."""
-    point, name = _alike(at, held), at.rig.carriage.name
+    """Initial guess of a carriage on its mainline, from a solution with an ideal holding force."""
+    point, name = _shared_values(at, held), at.rig.carriage.name
     here = np.array([held[f"{name}.{axis}"] for axis in "xyz"])
     for r, (run, role) in enumerate(zip(held.at.model.runs, held.at.roles, strict=True)):
         if role in ("skyline", "haulback"):
@@ -93,8 +94,8 @@ def on_mainline(at: SpanModel, held: Solved) -> Point:
     return point
 
 
-def _alike(at: SpanModel, solved: Solved) -> Point:
-    """With the values of another model's solution for what has the same name here."""
+def _shared_values(at: SpanModel, solved: Solved) -> Point:
+    """A point with the values of another model's solution for variables of the same name."""
     point = at.declared()
     for here, there, kind in (
         (point.z, solved.point.z, Kind.ALGEBRAIC),
@@ -103,13 +104,13 @@ def _alike(at: SpanModel, solved: Solved) -> Point:
     ):
         to, of = at.model.tables[kind].index, solved.at.model.tables[kind].index
         for variable in to.keys() & of.keys():
-            if not variable.endswith(("length_start", "travel", ".grip")):  # each model counts from its own
+            if not variable.endswith(("length_start", "travel", ".grip")):  # each model has its own reference
                 here[to[variable]] = there[of[variable]]
     return point
 
 
 def _lay_straight(at: SpanModel, point: Point, role: str, here: np.ndarray, pull: float) -> None:
-    """Lays a rope about straight, with about a pull [N], to a carriage at `here` (3,)."""
+    """Sets a rope nearly straight, at an approximate tension [N], to a carriage at `here` (3,)."""
     run = at.model.runs[at.roles.index(role)]
     points = np.array([here if node.name == at.rig.carriage.name else node.at for node in run.nodes])
     weight = run.rope.mass_per_length * at.rig.gravity
@@ -123,7 +124,7 @@ def _lay_straight(at: SpanModel, point: Point, role: str, here: np.ndarray, pull
 
 
 def _lay(at: SpanModel, point: Point, role: str, force: np.ndarray, lengths: np.ndarray) -> None:
-    """Gives the spans of a rope their tension vectors (spans, 3) and lengths (spans,)."""
+    """Sets tension vectors (spans, 3) and lengths (spans,) of a rope."""
     r = at.roles.index(role)
     layout, run, index = at.model.layouts[r], at.model.runs[r], at.model.z.index
     for axis in range(3):
@@ -139,7 +140,7 @@ def _lay(at: SpanModel, point: Point, role: str, force: np.ndarray, lengths: np.
         if k < len(more):
             more[k] -= on_shoe(node, node.through(seat) or seat)
     travel = np.append(np.cumsum(more[::-1])[::-1], 0.0)
-    # A drum that is no unknown stays as it is.
+    # A drum that is not an unknown does not change.
     x = point.x if role != "skyline" or at.by_height else point.x.copy()
     layout.travel.write(travel, x, point.z)
     if at.rig.carriage.clamped and role == "skyline":
@@ -149,7 +150,7 @@ def _lay(at: SpanModel, point: Point, role: str, force: np.ndarray, lengths: np.
 def _leave_shoe(
     at: SpanModel, point: Point, seat: str, support: IntermediateSupport, along: float, more: np.ndarray
 ) -> None:
-    """Puts the place where a rope leaves a shoe `along` its arc from the middle [rad], and `more` (3,) beyond."""
+    """Sets the point where a rope leaves a shoe: `along` its arc from the middle [rad], plus an offset `more` (3,)."""
     normal = shoe.normal_at(support.slope or 0.0)
     there = shoe.normal_after(normal, along)
     x, z = (support.radius * (n - n0) for n, n0 in zip(there, normal, strict=True))
@@ -158,7 +159,7 @@ def _leave_shoe(
 
 
 def _place_log(at: SpanModel, turn: Turn, point: Point, here: np.ndarray, payload: float) -> None:
-    """Starting values of a log that hangs free under a carriage at `here` (3,)."""
+    """Initial guess of a log that hangs free under a carriage at `here` (3,)."""
     z, name = at.model.z.index, turn.log.name
     x, y, carriage_z = (float(v) for v in here)
     log = turn.under(x, y, carriage_z, payload, None)

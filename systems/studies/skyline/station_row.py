@@ -1,4 +1,4 @@
-"""The row of a load path: what a solved rig shows at a station, with its units."""
+"""The row of a load path: quantities of a solved rig at a station, with units."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def station_row(solved: Solved, station: float) -> StationRow:
 
 
 def _carriage(solved: Solved) -> StationRow:
-    """Where the carriage is, and on a map its easting and northing."""
+    """Position of the carriage, and on a map its easting and northing."""
     name, frame = solved.at.rig.carriage.name, solved.at.rig.map_frame
     place: StationRow = {f"carriage_{axis}": solved[f"{name}.{axis}"] for axis in "xyz"}
     if frame is not None:
@@ -62,7 +62,7 @@ def _carriage(solved: Solved) -> StationRow:
 
 
 def _skyline(solved: Solved) -> StationRow:
-    """Tensions of the skyline: at the carriage, its highest one, at the spars and where it is tied."""
+    """Tensions of the skyline: at the carriage, the highest one, at the spars and at its anchor."""
     rig, run = solved.at.rig, solved.at.model.runs[solved.at.skyline]
     name, ends = rig.carriage.name, end_tensions(solved, run.spans)
     from_head = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
@@ -77,7 +77,7 @@ def _skyline(solved: Solved) -> StationRow:
 
 
 def _lines(solved: Solved) -> StationRow:
-    """Mainline, or the ideal holding force in its place, and haulback: at the carriage, at the drum, highest."""
+    """Tensions of mainline (or ideal holding force) and haulback: at the carriage, at the drum, highest."""
     rig, name = solved.at.rig, solved.at.rig.carriage.name
     pull, at_drum = 0.0, 0.0
     if solved.held_by == "holding":
@@ -101,7 +101,7 @@ def _span(solved: Solved) -> int:
 
 
 def sag_columns(solved: Solved) -> dict[str, float]:
-    """Of the carriage below the chord of its span, and over the span."""
+    """Sag of the carriage below the chord of its span, and its ratio to the span."""
     rig, name, k = solved.at.rig, solved.at.rig.carriage.name, _span(solved)
     sag = rig.chord(k, solved[f"{name}.x"]) - solved[f"{name}.z"]
     a, b = rig.stands[k].at, rig.stands[k + 1].at
@@ -109,7 +109,7 @@ def sag_columns(solved: Solved) -> dict[str, float]:
 
 
 def _clearances(solved: Solved) -> StationRow:
-    """Of the load and of the skyline; NaN without a terrain."""
+    """Clearances of the load and of the skyline; NaN without a terrain."""
     ground = solved.at.rig.terrain
     if ground is None:
         return {"clearance": np.nan, "rope_clearance": np.nan}

@@ -1,4 +1,4 @@
-"""Where intermediate supports stand, and how high: an exact search over candidates with the exact statics."""
+"""Positions and heights of intermediate supports: an exact search over candidates with the exact statics."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from ropeway.systems.studies.skyline.station_solver import NO_EQUILIBRIUM, Stati
 @checked
 @dataclass(frozen=True)
 class Candidate:
-    """A tree or a place where a support can stand.
+    """A tree or a possible site of a support.
 
     Parameters
     ----------
     name : str
-        Of the support.
+        Name of the support.
     station : float
-        [m].
+        Station of the support [m].
     heights : sequence of float
-        That it allows [m].
+        Possible heights [m].
 
     Raises
     ------
@@ -58,22 +58,22 @@ class Candidate:
         check.number(self.station, f"Candidate {self.name!r}", "station", "m")
         object.__setattr__(self, "heights", tuple(sorted(float(h) for h in self.heights)))
         if not self.heights:
-            raise InputError(f"Candidate {self.name!r} allows no height", "Give at least one height [m]")
+            raise InputError(f"Candidate {self.name!r} has no height", "Give at least one height [m]")
         for height in self.heights:
             check.positive(height, f"Candidate {self.name!r}", "height", "m")
 
     def support(self, height: float) -> IntermediateSupport:
-        """The support that it makes.
+        """The support of this candidate.
 
         Parameters
         ----------
         height : float
-            Over the ground [m].
+            Height over the ground [m].
 
         Returns
         -------
         IntermediateSupport
-            At the candidate's station.
+            A support at the candidate's station.
         """
         return IntermediateSupport(self.name, station=self.station, height=height)
 
@@ -86,17 +86,17 @@ class SupportPlan:
     Parameters
     ----------
     rig : SkylineRig
-        With these supports.
+        The rig with these supports.
     supports : tuple of IntermediateSupport
-        Of an infeasible corridor those with which most stations pass.
+        The supports; for an infeasible corridor, those with which most stations pass.
     feasible : bool
-        Whether the payload passes with them.
+        Whether the payload passes all stations.
     limited_by : str
         The limit that stops an infeasible payload; "" otherwise.
     station : float
-        Where [m]; NaN otherwise.
+        Station of that limit [m]; NaN otherwise.
     tried : int
-        Number of rigs looked at.
+        Number of rigs examined.
     """
 
     rig: SkylineRig
@@ -114,21 +114,21 @@ class SupportPlan:
 
 @checked
 def support_range(start: float, end: float, spacing: float, heights: Sequence[float]) -> tuple[Candidate, ...]:
-    """Candidates in a range in which supports may stand freely.
+    """Candidates at equal spacing in a range without other restrictions.
 
     Parameters
     ----------
     start, end : float
-        Stations of the first and about the last [m].
+        Stations of the first and, at most, of the last candidate [m].
     spacing : float
-        [m].
+        Spacing of the candidates [m].
     heights : sequence of float
-        That all allow [m].
+        Possible heights of each candidate [m].
 
     Returns
     -------
     tuple of Candidate
-        Named support_1, support_2, ...
+        Candidates support_1, support_2, ...
 
     Raises
     ------
@@ -161,35 +161,35 @@ def optimise_supports(
     stations: Sequence[float] | np.ndarray | None = None,
     most: int = 3,
 ) -> SupportPlan:
-    """The least number of supports, then the least sum of their heights, with which a payload passes.
+    """Find the least number of supports, then the least sum of their heights, with which a payload passes.
 
-    Every set of candidates is looked at, fewest first, and in a set all heights in order of their sum: the answer is
-    exact for the candidates given. Every state that decides has its certificate. An infeasible corridor is an answer
-    (`feasible` False).
+    The search examines sets of candidates in order of their size, and the heights of a set in order of their sum. The
+    result is exact for the given candidates. Each state that decides the result is certified. An infeasible corridor is
+    a valid result (`feasible` False).
 
     Parameters
     ----------
     rig : SkylineRig
-        A standing skyline given by its tension; its own supports are left out.
+        A standing skyline given by its tension; its own supports are ignored.
     candidates : sequence of Candidate
-        Places and heights to choose from.
+        Possible sites and heights.
     payload : float
-        [kg].
+        Payload [kg].
     clearance : float, default 0.0
-        Of the load over the ground [m].
+        Least height of the load over the ground [m].
     rope_clearance : float, default 0.0
-        Of the loaded skyline over the ground [m].
+        Least height of the loaded skyline over the ground [m].
     safety_factor : float, default 3.0
         Minimum breaking load over highest tension, of all ropes.
     stations : sequence of float, optional
-        That the payload has to pass [m]; by default about every 5 m.
+        Stations that the payload must pass [m]; by default about every 5 m.
     most : int, default 3
-        Largest number of supports looked at.
+        Largest number of supports to examine.
 
     Returns
     -------
     SupportPlan
-        The supports, or what stops the payload.
+        The supports, or the limit that stops the payload.
 
     Raises
     ------
@@ -232,26 +232,26 @@ def optimise_supports(
 
 
 def _require_choice(rig: SkylineRig, candidates: Sequence[Candidate], payload: float, most: int) -> None:
-    """Raises InputError for a rig without a choice of supports, and for candidates that it cannot have."""
+    """Raises InputError for a rig that cannot have other supports, and for invalid candidates."""
     if rig.kind.sets_height or rig.tension is None:
         raise InputError(f"{rig.name} is not a standing skyline given by its tension", "Make it with tension=")
     if rig.terrain is None:
         raise InputError(f"{rig.name} has no terrain", "Give it a Profile")
     check.not_negative(payload, rig.name, "payload", "kg")
     if len({c.name for c in candidates}) < len(candidates):
-        raise InputError("Two candidates have one name", "Give each a name of its own")
+        raise InputError("Two candidates have the same name", "Give each a unique name")
     low, high = rig.points[0, 0], rig.points[rig.spans, 0]
     for c in candidates:
         if not low < c.station < high:
             raise InputError(
-                f"Candidate {c.name!r} at {c.station:g} m is outside the spars", f"Between {low:g} m and {high:g} m"
+                f"Candidate {c.name!r} at {c.station:g} m is outside the spars", f"Choose {low:g} m to {high:g} m"
             )
     if most < 0:
-        raise InputError(f"{rig.name}: most is {most!r}", "Give the largest number of supports looked at, 0 or more")
+        raise InputError(f"{rig.name}: most is {most!r}", "Give the largest number of supports to examine, 0 or more")
 
 
 def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, ...]]]:
-    """All heights of a set of candidates, least sum first."""
+    """All combinations of heights of a set of candidates, least sum first."""
     grids = np.meshgrid(*(c.heights for c in chosen), indexing="ij")
     if not grids:
         yield 0.0, ()
@@ -262,14 +262,14 @@ def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, .
 
 
 class _Stop(NamedTuple):
-    """What stops a payload, and at which station [m]."""
+    """The limit that stops a payload, and its station [m]."""
 
     limit: str
     station: float
 
 
 class _Search:
-    """Whether a payload passes with some supports. The stations that stopped most other trials are solved first."""
+    """Test of supports for a payload. Stations that stopped most earlier trials are solved first."""
 
     def __init__(self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray) -> None:
         self.rig, self.payload, self.limits = rig, payload, limits
@@ -306,7 +306,7 @@ class _Search:
         return False
 
     def furthest(self) -> SupportPlan:
-        """The answer where nothing passes."""
+        """The result if no supports pass."""
         if self.best is None:
             return SupportPlan(self.rig, (), False, "slack rope", np.nan, self.tried)
         _, rig, supports, stop = self.best
@@ -314,13 +314,13 @@ class _Search:
 
 
 def _exceeded(solved: Solved, margins: Mapping[str, LimitMargin]) -> str | None:
-    """The limit that a state is furthest beyond; None within all."""
+    """The limit that a state exceeds most; None within all limits."""
     name, margin = min(((n, f(solved)) for n, f in margins.items()), key=lambda pair: pair[1])
     return name if margin < 0.0 else None
 
 
 def _stop_of(states: Mapping[float, Solved], margins: Mapping[str, LimitMargin]) -> _Stop | None:
-    """The first of some states, by station, that its certificate or a limit refuses; None where all pass."""
+    """The first state by station that fails its certificate or a limit; None if all pass."""
     for x, solved in states.items():
         try:
             (state,) = certified([solved])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_least, at_most
 from ropeway.systems.results.limit_lines import ABOVE
 
@@ -18,9 +19,7 @@ if TYPE_CHECKING:
 
 def plan_figure(plan: PlanData) -> Figure:
     """Speeds of the control sheaves, highest and lowest tension by plan and simulation, and drive forces."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10.0, 9.2), layout="constrained")
+    figure = new_figure(figsize=(10.0, 9.2), layout="constrained")
     speeds, tensions, forces = figure.subplots(3, 1, sharex=True, height_ratios=[1.0, 1.4, 1.0])
     frame = plan.result.full_frame
     for name, schedule in plan.schedules.items():

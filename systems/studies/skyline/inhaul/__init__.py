@@ -1,1 +1,1 @@
-"""A skyline rig in time: the carriage pulled along by the mainline's drum."""
+"""A skyline rig over time: the mainline's drum pulls the carriage."""

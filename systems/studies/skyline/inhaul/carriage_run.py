@@ -1,4 +1,4 @@
-"""A run of a carriage: integrated place by place, with rows on one grid and events."""
+"""A run of a carriage, integrated place by place, with rows on one time grid and events."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from ropeway.systems.studies.skyline.station_solver import NEAR, SIDE
 
 
 class CarriageEvent(NamedTuple):
-    """Something that happened to the carriage: time [s], what, and where [m]."""
+    """An event of the carriage: time [s], description, and station [m]."""
 
     time: float
     event: str
@@ -41,7 +41,7 @@ class CarriageRun:
         self.rows: list[StationRow] = []
         self.events: list[CarriageEvent] = []
         self.margins = margins_of(rig, LoadLimits(rig.skyline.safety_factor))
-        self.beyond: set[str] = set()
+        self.exceeded: set[str] = set()
 
     def frame(self) -> pd.DataFrame:
         """The rows so far, index time [s]."""
@@ -57,20 +57,20 @@ class CarriageRun:
         return pd.DataFrame(self.events, columns=list(CarriageEvent._fields))
 
     def go(self, start: float, end: float, speed: float) -> None:
-        """speed: of the drum, positive winds in."""
+        """Runs the carriage from one station to another. `speed` of the drum is positive for winding in."""
         direction = -1 if speed > 0.0 else 1
         first = self.places.placed(start)
         at, eq = first.at, first.at.rest(first.point)
         self.record(at, eq, speed)
         try:
             last = self.places.placed(end).at.place
-        except EquilibriumError:  # with this payload; it may be another by then
+        except EquilibriumError:  # the payload at the end may differ
             last = Place(self.rig.span_of(end))
         while at.place != last:
             eq = self.through(at, eq, partial(self.border, at, last, direction), speed)
-            beyond = self.next(at, last, direction)
+            following = self.next(at, last, direction)
             try:
-                at, eq = beyond, self.over(at, beyond, eq, direction, speed)
+                at, eq = following, self.over(at, following, eq, direction, speed)
             except EquilibriumError as error:
                 self.record(at, eq, speed)
                 raise self.stopped(eq, speed, error) from error
@@ -83,28 +83,30 @@ class CarriageRun:
         return Places(self.rig, self.payload)
 
     def next(self, at: SpanModel, last: Place, direction: int) -> SpanModel:
-        """The next place that the carriage passes."""
+        """The next place on the carriage's route."""
         places = self.places
         order = places.in_order()
-        beyond = span_model(self.rig, order[order.index(at.place) + direction])
-        while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or self.rolls(beyond.on))):
-            beyond = span_model(self.rig, order[order.index(beyond.place) + direction])
-        return beyond
+        following = span_model(self.rig, order[order.index(at.place) + direction])
+        while following.place != last and not (
+            places.laid(following) and (following.on is None or self.rolls(following.on))
+        ):
+            following = span_model(self.rig, order[order.index(following.place) + direction])
+        return following
 
     def rolls(self, k: int) -> bool:
-        """Whether the carriage rolls over the shoe of support k, or onto it until the mainline no longer holds it."""
+        """Whether the carriage rolls over the shoe of support k, or onto it as far as the mainline holds it."""
         try:
             return self.places.rolls(k)
         except EquilibriumError:
             return True
 
     def border(self, at: SpanModel, last: Place, direction: int) -> float:
-        """Station at which the carriage changes to the next place, with its payload there [m]."""
+        """Station at which the carriage changes to the next place, for its current payload [m]."""
         return self.places.border(at, self.next(at, last, direction), direction)
 
     def through(self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float) -> Equilibrium:
-        """Integrates to a station of the same place, stopping where the payload changes. Raises EquilibriumError
-        where the carriage cannot go on."""
+        """Integrates to a station of the same place and applies changes of the payload on the way. Raises
+        EquilibriumError where the carriage stops."""
         while True:
             reached, stop = self.towards(at, eq, target, speed)
             needed = self.places.paid_out(at, eq.point) - self.places.paid_out(at, reached)
@@ -131,8 +133,8 @@ class CarriageRun:
     def towards(
         self, at: SpanModel, eq: Equilibrium, target: Callable[[], float], speed: float
     ) -> tuple[Point, EquilibriumError | None]:
-        """The equilibrium at a station of the same place; or as far towards it as one exists, and what stops
-        the carriage."""
+        """The equilibrium at a station of the same place; or the farthest one towards it, and the error that stops the
+        carriage."""
         try:
             return self.places.solve(at, target(), eq.point), None
         except EquilibriumError as error:
@@ -152,9 +154,8 @@ class CarriageRun:
                 high = middle
         return reached, stop
 
-    def stopped(self, eq: Equilibrium, speed: float, why: RopewayError) -> EquilibriumError:
-        """The error for a carriage that stops: that the mainline would have to push a little beyond,
-        where it is that."""
+    def stopped(self, eq: Equilibrium, speed: float, reason: RopewayError) -> EquilibriumError:
+        """The error of a carriage that stops. If the mainline would have to push just ahead, the error says so."""
         x, direction = eq[f"{self.rig.carriage.name}.x"], -1 if speed > 0.0 else 1
         first, last = self.rig.points[[0, self.rig.spans], 0]
         for ahead in (NEAR, 1.0, 3.0):
@@ -162,17 +163,19 @@ class CarriageRun:
                 try:
                     self.places.placed(x + direction * ahead)
                 except EquilibriumError as error:
-                    why = error
+                    reason = error
                     break
-        cause = f"The carriage of {self.rig.name!r} comes no further than station {x:.6g} m. {why.cause}"
-        return EquilibriumError(cause, why.remedy)
+        cause = f"The carriage of {self.rig.name!r} stops at station {x:.6g} m. {reason.cause}"
+        return EquilibriumError(cause, reason.remedy)
 
     def integrate(self, at: SpanModel, eq: Equilibrium, duration: float, speed: float) -> Equilibrium:
-        """Integrates over a duration [s]; a log gets the ground under it in pieces, each before the next vertex."""
+        """Integrates over a duration [s]. The ground under a log is updated in steps shorter than the distance between
+        vertices."""
         ground = self.rig.terrain
         if at.log is None or ground is None:
             return self.integrate_smooth(at, eq, duration, speed)
-        # Both vertices of a segment say the same of its middle: half of the shortest one on each side is free.
+        # Both vertices of a segment describe the same ground at its middle, so half of the shortest segment is
+        # paid on each side.
         most = 0.25 * float(np.diff(ground.station).min()) / abs(speed)
         count = max(1, int(np.ceil(duration / most)))
         for _ in range(count):
@@ -205,56 +208,60 @@ class CarriageRun:
             self.record_all(at, error.result, speed)
             last = error.result.at(float(error.result.times[-1]))
             self.record(at, last, speed, self.time + last.point.t)
-            why = self.stopped(last, speed, error)
-            raise SimulationError(why.cause, why.remedy, error.time) from error
+            reason = self.stopped(last, speed, error)
+            raise SimulationError(reason.cause, reason.remedy, error.time) from error
         self.record_all(at, result, speed)
         self.time += duration
         return at.rest(result.at(duration).point)
 
     def record_all(self, at: SpanModel, result: Result, speed: float) -> None:
-        """Rows of a section that begins now, on the grid of the whole run."""
+        """Appends the rows of a section that begins now, on the grid of the whole run."""
         last = float(result.times[-1])
         first = self.every * (np.floor(self.time / self.every + 1e-9) + 1.0)
         for t in np.arange(first, self.time + last + 1e-9, self.every):
             self.record(at, result.at(min(t - self.time, last)), speed, float(t))
 
     def pace(self, at: SpanModel, duration: float, speed: float) -> float:
-        """Longest step [s]: the balance turns fast on a shoe, and where a log drags over a vertex of the ground."""
+        """Longest output interval [s]: the balance changes fast on a shoe, and where a log drags over a vertex of the
+        ground."""
         if at.log is not None:
             return 0.1 / abs(speed)
         return duration / 40.0 if at.on is not None else duration
 
-    def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
-        """Changes to the next place: at once where the mainline is long or short enough for it, else after the drum has
-        run on while the carriage rests on a point saddle."""
+    def over(self, at: SpanModel, following: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
+        """Changes to the next place. The carriage waits on a point saddle while the drum runs, unless the mainline's
+        length already allows the next place."""
         name = self.rig.carriage.name
-        support = self.rig.supports[min(at.span, beyond.span)]
+        support = self.rig.supports[min(at.span, following.span)]
         x = eq[f"{name}.x"]
         if support.radius == 0.0:
-            x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + direction * SIDE
-        elif at.on is None and beyond.on is None and at.span != beyond.span:
-            x = self.places.edge(min(at.span, beyond.span), direction)
-        have = self.places.paid_out(at, eq.point)
-        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, direction, have)
-        need = self.places.paid_out(beyond, point)
-        wait = (have - need) / speed
-        if at.on is None and (beyond.on is not None or at.span != beyond.span):
+            x = float(self.rig.points[min(at.span, following.span) + 1, 0]) + direction * SIDE
+        elif at.on is None and following.on is None and at.span != following.span:
+            x = self.places.edge(min(at.span, following.span), direction)
+        paid = self.places.paid_out(at, eq.point)
+        point = (
+            self.places.solve(following, x)
+            if support.radius > 0.0
+            else self.places.first(following, x, direction, paid)
+        )
+        required = self.places.paid_out(following, point)
+        delay = (paid - required) / speed
+        if at.on is None and (following.on is not None or at.span != following.span):
             self.events.append(CarriageEvent(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
-        if wait >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
-            self.time += wait
-        else:  # the mainline is longer or shorter than the next place asks for: the carriage runs ahead
-            index = beyond.model.p.index
-            run = beyond.model.runs[beyond.roles.index("mainline")]
-            point.p[index[f"{run.spans[0].name}.length_start"]] += have - need
-            newton_of(beyond.model).solve(point)
-            beyond.check.require(point)
-        if beyond.on is None and (at.on is not None or at.span != beyond.span):
-            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
-        return beyond.rest(point)
+        if delay >= 0.0 and abs(following.read(point, following.axes[0]) - x) < NEAR:
+            self.time += delay
+        else:  # the mainline's length already suits a station further on: the carriage jumps ahead
+            index = following.model.p.index
+            run = following.model.runs[following.roles.index("mainline")]
+            point.p[index[f"{run.spans[0].name}.length_start"]] += paid - required
+            newton_of(following.model).solve(point)
+            following.check.require(point)
+        if following.on is None and (at.on is not None or at.span != following.span):
+            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[following.axes[0][1]])))
+        return following.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
-        """Appends a row, one for each time and payload. Raises EquilibriumError where the mainline hangs
-        slack."""
+        """Appends a row, at most one per time and payload. Raises EquilibriumError if the mainline is slack."""
         at.check.require(eq.point)
         now = self.time if time is None else time
         if self.rows:
@@ -268,10 +275,10 @@ class CarriageRun:
         solved = Solved(at, eq.point, outputs, "mainline")
         name = self.rig.carriage.name
         values = station_row(solved, solved[f"{name}.x"])
-        beyond = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
-        for limit in sorted(beyond - self.beyond):
+        exceeded = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
+        for limit in sorted(exceeded - self.exceeded):
             self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
-        self.beyond = beyond
+        self.exceeded = exceeded
         point = eq.point.copy()
         point.u[:] = 0.0
         if "mainline.speed" in at.model.u.index:
@@ -282,10 +289,10 @@ class CarriageRun:
         index = at.model.z.index
         pull = solved["mainline.rope_tension"]
         drum = speed * (main.strain.potential(pull) if main is not None else 0.0)
-        haul = 0.0
+        haulback_power = 0.0
         if "haulback.travel" in index and "haulback.rope_tension" in at.model.y.index:
             rope = self.rig.skyline if self.rig.haulback is None else self.rig.haulback
-            haul = -rates[index["haulback.travel"]] * rope.strain.potential(solved["haulback.rope_tension"])
+            haulback_power = -rates[index["haulback.travel"]] * rope.strain.potential(solved["haulback.rope_tension"])
         self.rows.append(
             {
                 "time": now,
@@ -293,6 +300,6 @@ class CarriageRun:
                 "payload": self.payload,
                 "carriage_speed": float(rates[index[f"{name}.x"]]),
                 "drum_power": float(drum),
-                "haulback_power": float(haul),
+                "haulback_power": float(haulback_power),
             }
         )

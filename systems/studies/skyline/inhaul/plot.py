@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rope import Rope
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits, limits_of
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -17,9 +18,7 @@ if TYPE_CHECKING:
 
 def inhaul_figure(rig: SkylineRig, frame: pd.DataFrame, events: pd.DataFrame) -> Figure:
     """Station of the carriage, rope tensions against their safe working loads, and drum power over time."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(11.0, 8.4), layout="constrained")
+    figure = new_figure(figsize=(11.0, 8.4), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, sharex=True)
     _carriage(top, rig, frame, events)
     _tensions(middle, rig, frame)
@@ -34,7 +33,7 @@ def inhaul_figure(rig: SkylineRig, frame: pd.DataFrame, events: pd.DataFrame) ->
 
 
 def _carriage(axis: Axes, rig: SkylineRig, frame: pd.DataFrame, events: pd.DataFrame) -> None:
-    """Station of the carriage, the supports, and what happens to the payload."""
+    """Station of the carriage, supports, and changes of the payload."""
     time = frame.index.to_numpy()
     axis.plot(time, frame["carriage_x"], color="black", lw=1.3)
     axis.set_ylabel("station of the carriage [m]")

@@ -1,5 +1,4 @@
-"""A skyline rig in time: the carriage pulled by the mainline's drum, over its supports, with payloads picked up,
-hoisted on or lost."""
+"""A skyline rig over time: the mainline's drum pulls the carriage over its supports; payloads are picked up or lost."""
 
 from __future__ import annotations
 
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
 
 FASTEST = Range(0.0, 100.0, above=True)
-"""Speeds of a carriage [m/s]; more is a mistake of units."""
+"""Highest plausible speed of a carriage [m/s]; a higher one is probably an error of units."""
 
 
 @checked
@@ -42,12 +41,12 @@ class Inhaul(Tabular):
     rig : SkylineRig
         The skyline.
     frame : DataFrame
-        One row every interval (index time [s]), none while the carriage rests at a saddle: the columns of
-        `rw.load_path`, and payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W,
-        positive: the drum drives, negative: it brakes].
+        One row per interval (index time [s]), except while the carriage waits at a saddle: the columns of
+        `rw.load_path`, payload [kg], carriage_speed [m/s], drum_power of the mainline and haulback_power [W; positive:
+        the drum drives, negative: it brakes].
     events : DataFrame
-        Columns time, event, station: supports reached and left, changes of the payload, and at the rows "beyond" a
-        limit of `rw.payload`: a tension its safe working load, a spar or support its capacity, lift-off.
+        Columns time, event, station: supports reached and left, changes of the payload, and rows "beyond" a limit of
+        `rw.payload` (safe working load, capacity of a spar or support, lift-off).
     """
 
     rig: SkylineRig
@@ -123,29 +122,29 @@ def inhaul(
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
 ) -> Inhaul:
-    """The carriage pulled from one station to another by the mainline's drum.
+    """Pull the carriage from one station to another with the mainline's drum.
 
-    The rig needs a real mainline; one that the carriage cannot outrun: where the mainline would go slack the run stops,
-    as the carriage has to be braked by a haulback there. At a point saddle the carriage changes spans as soon as the
-    mainline's length allows; on a support with a radius it rolls over the shoe, unless the stretch of a long mainline
-    changes by more than the length of the shoe: then it runs over the shoe at once.
+    The rig needs a real mainline. The run stops where the mainline would go slack; a haulback must brake the carriage
+    there. At a point saddle the carriage changes spans as soon as the mainline's length allows. On a support with a
+    radius it rolls over the shoe. If the stretch of a long mainline changes by more than the length of the shoe, the
+    carriage jumps over it.
 
     Parameters
     ----------
     rig : SkylineRig
-        The skyline, with a mainline.
+        The rig, with a mainline.
     payload : float
-        At the start [kg].
+        Payload at the start [kg].
     start, end : float
-        Stations of the carriage [m].
+        First and last station of the carriage [m].
     speed : float, default 3.0
-        Of the mainline at its drum, above zero [m/s of unstretched rope].
+        Speed of the mainline at its drum, above zero [m/s of unstretched rope].
     every : float, default 1.0
         Interval of the rows [s].
     changes : sequence of (float, float), default ()
-        Time [s], and payload from then on [kg]: a turn picked up, or lost.
+        Times [s] and payloads from then on [kg]: turns picked up or lost.
     tolerance : float, default 1e-8
-        Relative, of the integration.
+        Relative tolerance of the integration.
 
     Returns
     -------
@@ -155,9 +154,9 @@ def inhaul(
     Raises
     ------
     InputError
-        The rig has no mainline, or a value is out of its range.
+        The rig has no mainline, or a value is out of range.
     SimulationError
-        The carriage stops before its end; `result` holds the run up to there.
+        The carriage stops before `end`; `result` holds the run up to this point.
 
     Examples
     --------
@@ -189,11 +188,12 @@ def inhaul(
 
 
 def _require_run(rig: SkylineRig, start: float, end: float, changes: Sequence[tuple[float, float]]) -> None:
-    """Raises InputError for a rig that cannot haul from one station to another, and for changes that are not in
-    order."""
+    """Raises InputError for a rig that cannot haul between the stations, and for changes out of order."""
     require_pulled(rig)
     if rig.turn is not None and rig.turn.log.moving not in (0.0, np.sign(end - start)):
-        raise InputError(f"{rig.turn.log.described} moves the other way", "Give it moving=-1 for inhaul, 1 for outhaul")
+        raise InputError(
+            f"{rig.turn.log.described} moves the opposite way", "Give it moving=-1 for inhaul, 1 for outhaul"
+        )
     last = 0.0
     for when, mass in changes:
         check.not_negative(mass, rig.name, "payload", "kg")

@@ -1,1 +1,1 @@
-"""The largest payload along a corridor: study, limits that govern, remarks, picture, command."""
+"""The largest payload along a corridor: study, governing limits, remarks, figure, command."""

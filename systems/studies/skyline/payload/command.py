@@ -1,9 +1,10 @@
-"""The payload study of a corridor from a few numbers, for the command line: table, CSV and picture."""
+"""The payload study of a corridor for the command line: table, CSV and figure."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ropeway.components.carriage import Carriage
 from ropeway.components.errors import InputError
@@ -12,6 +13,8 @@ from ropeway.components.rope import Rope
 from ropeway.components.spar import HeadSpar, TailSpar
 from ropeway.components.terrain import Profile
 from ropeway.components.whole_files import whole
+from ropeway.systems.rigs.live_skyline import gravity_skyline, live_skyline
+from ropeway.systems.rigs.running_skyline import running_skyline
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.rigs.standing_skyline import standing_skyline
 from ropeway.systems.studies.skyline.load_path import default_stations
@@ -20,12 +23,13 @@ from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 
 @dataclass(frozen=True, kw_only=True)
 class CorridorRequest:
-    """A standing skyline over a corridor, in a few numbers.
+    """A skyline over a corridor, described by a few numbers.
 
-    corridor: its table (station, elevation); skyline [its bare `tension` at the headspar, N] and mainline; head, tail:
-    stations of the spars [m], by default the profile's ends, and their heights [m]; supports: "STATION:HEIGHT" each
-    [m]; mass of the carriage [kg]; load_depth: from the skyline to the lowest point of the load [m]; clearance of the
-    load [m]; spacing of the stations [m].
+    `corridor` is its table (station, elevation). `tension` is that of the bare skyline at the headspar [N]. `head` and
+    `tail` are stations of the spars [m], by default the ends of the profile; heights are in m. Each support is
+    "STATION:HEIGHT" [m]. `carriage_mass` is in kg. `load_depth` is the distance from the skyline to the lowest point of
+    the load [m]. `clearance` of the load and `spacing` of the stations are in m. `kind` is standing, live, gravity or
+    running.
     """
 
     corridor: str | Path
@@ -42,38 +46,52 @@ class CorridorRequest:
     safety_factor: float = 3.0
     clearance: float = 1.0
     spacing: float = 5.0
+    kind: str = "standing"
 
     def rig(self) -> SkylineRig:
         """The rig. Raises InputError, SlackRopeError."""
         ground = Profile.from_csv(self.corridor)
         head = ground.station[0] if self.head is None else self.head
         tail = ground.station[-1] if self.tail is None else self.tail
-        return standing_skyline(
-            ground,
-            headspar=HeadSpar("head", station=head, height=self.head_height),
-            supports=[_support(text, i) for i, text in enumerate(self.supports, 1)],
-            tailspar=TailSpar("tail", station=tail, height=self.tail_height),
-            skyline=self.skyline,
-            tension=self.tension,
-            mainline=self.mainline,
-            carriage=Carriage("carriage", mass=self.carriage_mass, depth=self.load_depth),
-            name=Path(self.corridor).stem,
-        )
+        parts: dict[str, Any] = {
+            "headspar": HeadSpar("head", station=head, height=self.head_height),
+            "tailspar": TailSpar("tail", station=tail, height=self.tail_height),
+            "tension": self.tension,
+            "carriage": Carriage("carriage", mass=self.carriage_mass, depth=self.load_depth),
+            "name": Path(self.corridor).stem,
+        }
+        supports = [_support(text, i) for i, text in enumerate(self.supports, 1)]
+        if self.kind in ("gravity", "running"):
+            if self.mainline is None or supports:
+                what = "no mainline" if self.mainline is None else "intermediate supports"
+                raise InputError(f"A {self.kind} skyline has {what}", "Give --mainline, and no --support")
+            if self.kind == "gravity":
+                return gravity_skyline(ground, skyline=self.skyline, mainline=self.mainline, **parts)
+            return running_skyline(ground, haulback=self.skyline, mainline=self.mainline, **parts)
+        if self.kind not in ("standing", "live"):
+            raise InputError(f"There is no {self.kind!r} skyline", "Choose standing, live, gravity or running")
+        make = standing_skyline if self.kind == "standing" else live_skyline
+        return make(ground, skyline=self.skyline, mainline=self.mainline, supports=supports, **parts)
 
 
 def payload_command(request: CorridorRequest, out: str | Path) -> tuple[PayloadStudy, tuple[Path, Path]]:
-    """Payloads along a corridor. Writes payload.csv and payload.png into the folder `out`, and returns the study and
-    their paths. Raises InputError, SlackRopeError."""
+    """Payloads along a corridor. Writes payload.csv and payload.png to the folder `out`. Returns the study and both
+    paths. Raises InputError, SlackRopeError, WriteError."""
     rig = request.rig()
     stations = default_stations(rig, request.spacing)
     study = payload(rig, safety_factor=request.safety_factor, clearance=request.clearance, stations=stations)
+    return study, write_payload(study, out)
+
+
+def write_payload(study: PayloadStudy, out: str | Path) -> tuple[Path, Path]:
+    """Writes payload.csv and payload.png of a study into a folder. Raises WriteError."""
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     table, picture = folder / "payload.csv", folder / "payload.png"
     study.to_csv(table)
     with whole(picture) as file:
         study.plot().savefig(file, dpi=110)
-    return study, (table, picture)
+    return table, picture
 
 
 def _support(text: str, number: int) -> IntermediateSupport:
@@ -81,5 +99,5 @@ def _support(text: str, number: int) -> IntermediateSupport:
     try:
         station, height = (float(part) for part in text.split(":"))
     except ValueError as error:
-        raise InputError(f"Support {text!r} is not STATION:HEIGHT", "Write for example 260:9, in metres") from error
+        raise InputError(f"Support {text!r} is not STATION:HEIGHT", "Give for example 260:9, in metres") from error
     return IntermediateSupport(f"jack{number}", station=station, height=height)

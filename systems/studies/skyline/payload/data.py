@@ -25,7 +25,7 @@ from ropeway.systems.studies.skyline.payload.remarks import (
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
 class PayloadData(Tabular):
-    """The largest payload by station, with what follows from it. Its fields: see `rw.PayloadStudy`."""
+    """The largest payload by station, and derived quantities. Fields as in `rw.PayloadStudy`."""
 
     rig: SkylineRig
     frame: pd.DataFrame
@@ -35,42 +35,41 @@ class PayloadData(Tabular):
 
     @property
     def hauled(self) -> bool:
-        """Whether the mainline [and the haulback] can haul the carriage at all stations, without a clamp that it does
-        not have."""
+        """Whether mainline and haulback can haul the carriage past all stations without a clamp."""
         return not len(self.not_hauled)
 
     @cached_property
     def not_hauled(self) -> np.ndarray:
-        """Stations [m] at which the mainline would have to push: the payload there asks for a clamp."""
+        """Stations [m] at which the mainline would have to push; the payload there needs a clamp."""
         return not_hauled(self.rig, self.frame)
 
     @cached_property
     def haulback_needed(self) -> float | None:
-        """The haulback tension [N] with which the corridor's payload is hauled at all stations, to 2 percent above;
-        None where it is hauled as it is, or where no tension within the rope's safe working load does."""
+        """Least haulback tension [N] that hauls the corridor's payload past all stations, at most 2 percent too high.
+        None if no change is needed, or if no tension within the rope's safe working load is enough."""
         return haulback_that_hauls(self.rig, self.not_hauled, self.payload)
 
     @cached_property
     def bare_rope(self) -> BareRope | None:
-        """Where the bare skyline is nearest to the ground; None without a terrain, or for a running skyline."""
+        """Point of the bare skyline nearest to the ground; None without a terrain, or for a running skyline."""
         return bare_rope(self.rig)
 
     @cached_property
     def remarks(self) -> list[str]:
-        """Sentences besides the payload: stations at which it is not hauled, a rope under the ground."""
+        """Remarks on the payload: stations at which it is not hauled, a rope below the ground."""
         return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope)
 
     @cached_property
     def limiting(self) -> pd.Series[Any]:
-        """The row of the station that carries least: its payload is the corridor's."""
+        """The row of the station with the least payload, which is that of the corridor."""
         return self.frame.loc[self.frame["payload"].idxmin()]
 
     @property
     def lowered(self) -> bool:
-        """Whether the yarder lowers the skyline at each station to the clearance."""
+        """Whether the yarder lowers the skyline to the clearance at each station."""
         return self.clearance is not None and is_lowered(self.rig)
 
     @property
     def payload(self) -> float:
-        """Largest payload that can be brought along all stations [kg]."""
+        """Largest payload that passes all stations [kg]."""
         return float(self.limiting["payload"])

@@ -1,4 +1,4 @@
-"""Picture of a skyline's payloads: corridor to scale, payloads and tensions. matplotlib is imported on use."""
+"""Figure of a skyline's payloads: corridor to scale, payloads and tensions. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import pandas as pd
 
 from ropeway.components import catenary
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -72,7 +73,7 @@ def corridor(axis: Axes, rig: SkylineRig, paths: Sequence[CarriagePath], shown: 
 
 
 def _extent(rig: SkylineRig, paths: Sequence[CarriagePath]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Limits of the picture of a corridor: (x, x), (z, z)."""
+    """Axis limits of a corridor: (x, x), (z, z)."""
     x = rig.points[:, 0]
     width = float(x.max() - x.min())
     heights = [*rig.points[:, 2], *(float(z) for drawn in paths for z in drawn.path["carriage_z"].dropna())]
@@ -114,13 +115,11 @@ def _ropes(axis: Axes, shown: Solved) -> None:
 def payload_figure(study: PayloadData) -> Figure:
     """Corridor, payload by station in the colour of its limit, and the tensions with the corridor's payload
     against their safe working loads."""
-    from matplotlib.figure import Figure
-
     rig = study.rig
     paths = _paths(study)
     (x0, x1), (low, high) = _extent(rig, paths)
     needed = 10.7 * (high - low) / (x1 - x0)
-    figure = Figure(figsize=(11.0, needed + 7.2), layout="constrained")
+    figure = new_figure(figsize=(11.0, needed + 7.2), layout="constrained")
     top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
     corridor(top, rig, paths, _shown(study))
     figure.suptitle(_headline(study))
@@ -134,14 +133,14 @@ def payload_figure(study: PayloadData) -> Figure:
 
 
 def _headline(study: PayloadData) -> str:
-    """What can be brought along the corridor, and what limits it."""
+    """The corridor's payload and its limit."""
     worst = study.limiting
-    what = f"{at_most(study.payload)} kg" if study.payload > 0.0 else "no payload"
-    return f"{study.rig.name}: {what}, limited at {worst['station']:.0f} m by {worst['limited_by']}"
+    carried = f"{at_most(study.payload)} kg" if study.payload > 0.0 else "no payload"
+    return f"{study.rig.name}: {carried}, limited at {worst['station']:.0f} m by {worst['limited_by']}"
 
 
 def _given(study: PayloadData) -> str:
-    """What the payloads hold for."""
+    """Assumptions of the payloads."""
     rig, rope = study.rig, study.rig.skyline
     given = [f"{rig.kind.carrying_rope}: {rope.mass_per_length:g} kg/m, MBL {at_most(rope.breaking_load / 1e3, 1)} kN"]
     if rig.tension is not None:
@@ -151,18 +150,18 @@ def _given(study: PayloadData) -> str:
     given.append(f"safety factor {study.safety_factor:g}")
     if study.mainline_safety_factor != study.safety_factor:
         given.append(f"other ropes {study.mainline_safety_factor:g}")
-    given.append("no clearance asked" if study.clearance is None else f"clearance {study.clearance:g} m")
+    given.append("no clearance required" if study.clearance is None else f"clearance {study.clearance:g} m")
     given.append(f"carriage {rig.carriage.mass:g} kg")
     return "; ".join(given)
 
 
 def _remarks(study: PayloadData) -> list[str]:
-    """The remarks of a study, in lines as wide as the picture."""
+    """The remarks of a study, wrapped to the width of the figure."""
     return [line for remark in study.remarks for line in wrap(remark, 165)]
 
 
 def _paths(study: PayloadData) -> list[CarriagePath]:
-    """Paths of the carriage, empty and with the corridor's payload, where there are such."""
+    """Paths of the carriage, empty and with the corridor's payload, as far as they exist."""
     found = []
     masses = [] if study.lowered else [(0.0, "tab:cyan", "path of the empty carriage")]
     if study.payload > 0.0 or study.lowered:
@@ -178,7 +177,7 @@ def _paths(study: PayloadData) -> list[CarriagePath]:
 
 
 def _path(study: PayloadData, mass: float) -> pd.DataFrame:
-    """The load path of a mass [kg], at the heights of the study where the yarder lowers the skyline."""
+    """The load path of a mass [kg], at the heights of the study if the yarder lowers the skyline."""
     if not study.lowered:
         return load_path(study.rig, mass, study.frame["station"].to_numpy())
     solver, rows = Stations(study.rig, by_height=True), []
@@ -199,8 +198,8 @@ def _shown(study: PayloadData) -> Solved | None:
 
 
 def _payloads(axis: Axes, study: PayloadData) -> None:
-    """Payload over station, by what limits it. A payload above the panel stands at its top with an arrow; where there
-    is none the curve breaks off, and a cross on the axis says why."""
+    """Payload over station, coloured by its limit. An arrow at the top marks a payload above the panel. Stations
+    without a payload interrupt the curve and have a cross on the axis."""
     frame = study.frame
     mass = frame["payload"] / 1000.0
     top = max(1.25 * float(mass.quantile(0.9)), 1.5 * study.payload / 1000.0, 0.1)

@@ -1,5 +1,4 @@
-"""Remarks of a payload study: stations where the carriage cannot be hauled, and a bare rope
-that lies under the ground."""
+"""Remarks of a payload study: stations where the carriage cannot be hauled, and a bare rope below the ground."""
 
 from __future__ import annotations
 
@@ -19,39 +18,39 @@ from ropeway.systems.studies.skyline.station_solver import Stations
 
 
 class BareRope(NamedTuple):
-    """Where the bare skyline is nearest to the ground: station [m], and its height over it [m], negative below."""
+    """Point of the bare skyline nearest to the ground: station [m], and height over the ground [m], negative below."""
 
     station: float
     height: float
 
 
 def bare_rope(rig: SkylineRig) -> BareRope | None:
-    """Where the bare skyline of a rig is nearest to its ground; None without a terrain or a skyline of its own."""
+    """Point of a rig's bare skyline nearest to the ground; None without a terrain or a separate skyline."""
     if not rig.kind.keeps_length or rig.terrain is None:
         return None
     x, z = bare_profile(rig)
     inside = (x >= rig.terrain.station[0]) & (x <= rig.terrain.station[-1])
-    over = z[inside] - rig.terrain.elevations(x[inside])
-    k = int(np.argmin(over))
-    return BareRope(float(x[inside][k]), float(over[k]))
+    heights = z[inside] - rig.terrain.elevations(x[inside])
+    k = int(np.argmin(heights))
+    return BareRope(float(x[inside][k]), float(heights[k]))
 
 
 def not_hauled(rig: SkylineRig, frame: pd.DataFrame) -> np.ndarray:
-    """Stations [m] at which a carriage that rolls would have to be held by a clamp: its mainline would have to push."""
+    """Stations [m] at which a rolling carriage needs a clamp, as its mainline would have to push."""
     if not rig.pulled or "held_by" not in frame:
         return np.zeros(0)
     return frame.loc[frame["held_by"] == "clamp", "station"].to_numpy(float)
 
 
 def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -> float | None:
-    """The least haulback tension [N], to 2 percent above, with which the mainline holds a payload [kg] at all of some
-    stations [m]; None where no tension within the rope's safe working load does."""
+    """Least haulback tension [N], at most 2 percent too high, with which the mainline holds a payload [kg] at all given
+    stations [m]. None if no tension within the rope's safe working load is enough."""
     rope = rig.haulback or rig.mainline
     if rope is None or not rig.kind.keeps_length or not len(stations):
         return None
     if isinstance(rig.tailspar, GuyedSpar) and rig.haulback_block is None:
         return None
-    some = stations[np.unique(np.linspace(0, len(stations) - 1, 12).astype(int))]
+    sample = stations[np.unique(np.linspace(0, len(stations) - 1, 12).astype(int))]
 
     def hauls(tension: float, where: np.ndarray) -> bool:
         solver = Stations(replace(rig, haulback=rope, haulback_tension=tension, kind=STANDING))
@@ -61,13 +60,13 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
             return False
 
     low, high = rig.haulback_tension or 0.0, max(1.25 * (rig.haulback_tension or 0.0), 0.02 * rope.safe_working_load)
-    while not hauls(high, some):
+    while not hauls(high, sample):
         low, high = high, 1.5 * high
         if high > rope.safe_working_load:
             return None
     while high - low > 0.02 * high:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if hauls(middle, some) else (middle, high)
+        low, high = (low, middle) if hauls(middle, sample) else (middle, high)
     while not hauls(high, stations):
         high *= 1.05
         if high > rope.safe_working_load:
@@ -75,15 +74,15 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
     return high
 
 
-def remarks(missed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None) -> list[str]:
-    """Sentences for a headline."""
+def remarks(failed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None) -> list[str]:
+    """Sentences for the headline."""
     found = []
-    if len(missed):
-        what = f"Not hauled at {len(missed)} of {count} stations ({missed.min():g} to {missed.max():g} m)"
-        cure = "a clamp on the carriage would hold it there"
+    if len(failed):
+        cause = f"Not hauled at {len(failed)} of {count} stations ({failed.min():g} to {failed.max():g} m)"
+        remedy = "a clamp on the carriage would hold it there"
         if haulback is not None:
-            cure = f"a haulback of {at_least(haulback / 1e3, 1)} kN would do, or {cure}"
-        found.append(f"{what}: the mainline would have to push; {cure}")
+            remedy = f"a haulback of {at_least(haulback / 1e3, 1)} kN would do, or {remedy}"
+        found.append(f"{cause}: the mainline would have to push; {remedy}")
     if bare is not None and bare.height < 0.0:
         found.append(
             f"The bare rope is {at_least(-bare.height, 1)} m under the ground at station {bare.station:.0f} m: give it "

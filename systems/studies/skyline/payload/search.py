@@ -1,4 +1,4 @@
-"""The largest payload at one station: bracket and root of the smallest margin over the payload."""
+"""The largest payload at one station: bracket and root of the smallest margin as a function of the payload."""
 
 from __future__ import annotations
 
@@ -19,31 +19,31 @@ from ropeway.systems.studies.skyline.station_row import StationRow, station_row
 from ropeway.systems.studies.skyline.station_solver import NO_EQUILIBRIUM, Stations
 
 MOST = 1e7
-"""A payload [kg] that no limit stops is reported as this."""
+"""Largest reported payload [kg], for a payload without a limit."""
 
 _ALIKE = 1e-9
-"""Margins that differ by less are one: of guylines that stand alike the first is named."""
+"""Tolerance of equal margins: of symmetric guylines the first is named."""
 
 _ZERO = 1e-10
-"""A margin so small is none: the search ends there, without a try to close its bracket."""
+"""Margin that counts as zero: the search ends there without closing its bracket."""
 
 _EXACT = 1e-7
-"""A margin that is continuous ends within this of zero."""
+"""Largest final margin of a continuous margin function."""
 
 _GAPS = (0.2, 0.5, 1.0, 2.0, 4.0, 0.05, 5e-3, 5e-4)
 """Depths below the chord [m] at which an empty carriage is tried first."""
 _LOWEST = 1e-6
-"""How exactly the lowest height of an empty carriage is found, in parts of the gap below the chord."""
+"""Tolerance of the lowest height of an empty carriage, relative to the gap below the chord."""
 
 _RAISED = tuple(0.05 * 2.0**k for k in range(12))
-"""Heights [m] by which a carriage is raised for the skyline to clear the ground."""
+"""Height increments [m] tried until the skyline clears the ground."""
 
 _FIRST = 1000.0
-"""The first payload tried [kg]: the same at each station, so that no answer depends on another."""
+"""The first payload tried [kg]: the same at each station, so that stations are independent."""
 
 
 class Trial(NamedTuple):
-    """A payload tried: the limit with the smallest margin, and the solved station with that margin; None without an
+    """A tried payload: the limit with the smallest margin, the solved state and that margin; None without an
     equilibrium."""
 
     limit: str
@@ -52,17 +52,18 @@ class Trial(NamedTuple):
 
     @property
     def within(self) -> bool:
-        """Whether it is an equilibrium within all limits."""
+        """Whether the trial is an equilibrium within all limits."""
         return self.margin is not None and self.margin >= 0.0
 
     @property
     def ordinate(self) -> float:
-        """Of the function whose root is searched: the margin, at least -0.999, and -1 without an equilibrium."""
+        """Value of the function in the root search: the margin, at least -0.999; -1 without an equilibrium."""
         return -1.0 if self.margin is None else max(self.margin, -0.999)
 
 
 class PayloadSearch:
-    """The largest payload at each station by itself, within limits. strict: each state that is tried is certified."""
+    """The largest payload at each station within limits, independent of other stations. `strict`: each tried state is
+    certified."""
 
     def __init__(self, rig: SkylineRig, limits: LoadLimits, *, strict: bool = False) -> None:
         self.rig, self.limits, self.margins, self.strict = rig, limits, margins_of(rig, limits), strict
@@ -70,8 +71,8 @@ class PayloadSearch:
         self.solver = Stations(rig, by_height=self.lowered)
 
     def at(self, station: float) -> StationRow:
-        """The row of a station. Where the state that is found fails its certificate, each one that is tried is
-        certified: beyond the last that holds there is no equilibrium."""
+        """The row of a station. If the final state fails its certificate, the search is repeated with each tried state
+        certified; a state that fails counts as no equilibrium."""
         try:
             return self._largest_row(station)
         except EquilibriumError:
@@ -94,79 +95,79 @@ class PayloadSearch:
         return {"station": station, "payload": mass, "limited_by": best.limit, **values}
 
     def _rope_clearance(self, best: Trial) -> float:
-        """Of the skyline in a solved state [m]; inf where there is none."""
+        """Clearance of the skyline in a solved state [m]; inf without a state."""
         ground = self.rig.terrain
         if best.solved is None or ground is None:
             return np.inf
         return rope_clearance(best.solved, ground)
 
     def _rope_may_limit(self, solved: Solved, least: float) -> bool:
-        """Whether the skyline's clearance can be a margin smaller than the least of the others."""
+        """Whether the skyline's clearance can be the smallest margin."""
         ground = self.rig.terrain
         if ground is None:
             return True
         return (least_rope_clearance(solved, ground) - self.limits.rope_clearance) / 10.0 <= least + _ALIKE
 
     def _room(self, station: float, height: float) -> float:
-        """From a height of the carriage up to the chord of its span [m]."""
+        """Distance from a height of the carriage up to the chord of its span [m]."""
         return self.rig.chord(self.rig.span_of(station), station) - height
 
     def _lowest(self, station: float, height: float) -> tuple[float, PayloadSearch]:
-        """The height to which the empty carriage can be lowered, and a search that starts from there: beside a support,
-        and where the rope paid out hangs in other spans, it does not come down further. The height itself where it
-        does not hang anywhere."""
-        room = self._room(station, height)
-        alone = PayloadSearch(self.rig, self.limits, strict=self.strict)  # independent of other stations
+        """The lowest height of the empty carriage at or above `height`, and a search that starts there. It cannot be
+        lowered further next to a support, or where the rope paid out sags in other spans. Returns `height` if no
+        equilibrium is found."""
+        depth = self._room(station, height)
+        search = PayloadSearch(self.rig, self.limits, strict=self.strict)  # independent of other stations
         last = Trial(NO_EQUILIBRIUM)
 
         def hangs(gap: float, effort: Effort) -> bool:
-            """Whether it can hang this far below the chord [m]; each is started from the last that can."""
+            """Whether the carriage can hang at a gap below the chord [m]. Each try starts from the last success."""
             nonlocal last
-            trial = alone._try(station, 0.0, height + room - gap, effort)
+            trial = search._try(station, 0.0, height + depth - gap, effort)
             last = last if trial.solved is None else trial
             return trial.solved is not None
 
-        gaps = [gap for gap in _GAPS if gap < room]
+        gaps = [gap for gap in _GAPS if gap < depth]
         low = next((gap for effort in (Effort.QUICK, Effort.FULL) for gap in gaps if hangs(gap, effort)), None)
         if low is None:
-            return height, alone
+            return height, search
         ratio = 1.3
-        while low < room:  # down by steps, shorter ones where there is no state, and over what only seems an end
-            deeper = min(ratio * low, room)
+        while low < depth:  # shorter steps on failure; isolated failures are skipped
+            deeper = min(ratio * low, depth)
             if hangs(deeper, Effort.NEAR) or (ratio > 1.1 and hangs(deeper, Effort.QUICK)):
                 low = deeper
             elif ratio > 1.0 + _LOWEST:
                 ratio **= 0.5
             else:
-                # An end beyond a limit would leave no payload: it is believed after a full search only.
+                # An end of states outside a limit would give no payload: it needs a full search.
                 efforts = (Effort.QUICK,) if last.within else (Effort.QUICK, Effort.FULL)
-                deep = [gap for gap in (1.1 * low, *gaps) if low < gap < room]
-                beyond = next((gap for effort in efforts for gap in deep if hangs(gap, effort)), None)
-                if beyond is None:
+                deep = [gap for gap in (1.1 * low, *gaps) if low < gap < depth]
+                lower_gap = next((gap for effort in efforts for gap in deep if hangs(gap, effort)), None)
+                if lower_gap is None:
                     break
-                low, ratio = beyond, 1.3
-        return height + room - low, alone
+                low, ratio = lower_gap, 1.3
+        return height + depth - low, search
 
     def _raised(self, station: float, height: float) -> tuple[float, Trial]:
-        """With the carriage raised until the skyline itself clears the ground; where that is impossible, a payload of 0
-        with the state of the empty carriage."""
+        """The payload with the carriage raised until the skyline clears the ground. If that is impossible, a payload of
+        0 with the state of the empty carriage."""
 
-        def short(extra: float) -> float:
+        def rope_gap(extra: float) -> float:
             _, trial = self._largest(station, height + extra)
             return -np.inf if trial.solved is None else self._rope_clearance(trial) - self.limits.rope_clearance
 
         top = self._room(station, height) - 0.05
-        # By steps from below: near the chord another limit can leave no payload, or there is no equilibrium.
+        # Stepwise from below: near the chord another limit may allow no payload, or no equilibrium exists.
         steps = [0.0, *(step for step in _RAISED if step < top), max(top, 0.0)]
-        enough = next((k for k, step in enumerate(steps) if k > 0 and short(step) >= 0.0), None)
-        if enough is None:
+        sufficient = next((k for k, step in enumerate(steps) if k > 0 and rope_gap(step) >= 0.0), None)
+        if sufficient is None:
             return 0.0, self._try(station, 0.0, height)._replace(limit=ROPE_CLEARANCE)
-        extra = float(brentq(lambda e: max(short(e), -1e3), steps[enough - 1], steps[enough], xtol=1e-6))
+        extra = float(brentq(lambda e: max(rope_gap(e), -1e3), steps[sufficient - 1], steps[sufficient], xtol=1e-6))
         mass, trial = self._largest(station, height + extra)
         return mass, trial._replace(limit=ROPE_CLEARANCE) if mass > 0.0 else trial
 
     def _largest(self, station: float, height: float | None) -> tuple[float, Trial]:
-        """The largest payload [kg], and the state with it."""
+        """The largest payload [kg] and its state."""
         tried: dict[float, Trial] = {}
 
         def trial(mass: float, effort: Effort = Effort.FULL) -> Trial:
@@ -176,7 +177,7 @@ class PayloadSearch:
 
         low, empty = 0.0, trial(0.0)
         if empty.limit == NO_EQUILIBRIUM and empty.solved is None and height is None:
-            # Lines that lift the empty carriage off its skyline let a heavier one down on it.
+            # Lines can lift the empty carriage off its skyline, but not a heavier one.
             low = next((mass for mass in np.geomspace(50.0, 12.8e3, 9) if trial(float(mass)).within), 0.0)
         if not trial(low).within:
             return 0.0, empty
@@ -210,14 +211,14 @@ class PayloadSearch:
         mass = float(brentq(ordinate, low, high, xtol=1e-7, rtol=1e-11))
         if abs(trial(mass).ordinate) <= _EXACT:
             return mass, tried[mass]
-        # The margin jumps, as where the mainline takes over from the clamp: the payload stays on the inner side.
+        # The margin is discontinuous, for example between mainline and clamp: the payload is on the inner side.
         inner = max(m for m, known in tried.items() if known.within and m <= mass)
         outer = tried[min(m for m in tried if m > inner)]
         return inner, tried[inner]._replace(limit=outer.limit)
 
     def _end_of_states(self, limit: str, height: float | None) -> str:
-        """What limits a payload above which there is no state: of a running skyline at a given tension the haulback,
-        whose ropes weigh more than they lift when they hang deeper."""
+        """Limit of a payload above which no state exists. For a running skyline at a given tension it is the haulback:
+        with more sag its ropes add more weight than lift."""
         if limit == NO_EQUILIBRIUM and not self.rig.kind.keeps_length and height is None:
             return f"{self.rig.kind.carrying_rope} tension"
         return limit

@@ -1,4 +1,4 @@
-"""The largest payload along a corridor, and which limit governs where."""
+"""The largest payload along a corridor, and the governing limit at each station."""
 
 from __future__ import annotations
 
@@ -34,22 +34,23 @@ if TYPE_CHECKING:
 class PayloadStudy(PayloadData):
     """The largest payload by station, as `rw.payload` returns it.
 
-    A payload of 0 with limited_by is an answer: even the empty carriage is beyond that limit. "rest point": a running
-    skyline's carriage would run back from there; "haulback tension": the haulback carries no more however deep the
-    carriage hangs.
+    A payload of 0 with limited_by is a valid result: even the empty carriage exceeds that limit. "rest point": a
+    running skyline's carriage would run back from the station. "haulback tension": the haulback cannot support more at
+    any depth.
 
     Parameters
     ----------
     rig : SkylineRig
         The skyline.
     frame : DataFrame
-        One row a station: station [m], payload [kg], limited_by, and the columns of `rw.load_path` under that payload.
+        One row per station: station [m], payload [kg], limited_by, and the columns of `rw.load_path` under that
+        payload.
     safety_factor : float
-        Of the skyline.
+        Safety factor of the skyline.
     mainline_safety_factor : float
-        Of the other ropes.
+        Safety factor of the other ropes.
     clearance : float or None
-        Asked for [m].
+        Requested clearance [m].
 
     Examples
     --------
@@ -119,7 +120,7 @@ class PayloadStudy(PayloadData):
         Returns
         -------
         Figure
-            The payload in the colour of the limit that governs, the tensions against their safe working loads.
+            Figure with payloads in the colour of the governing limit, and tensions against safe working loads.
         """
         from ropeway.systems.studies.skyline.payload.plot import payload_figure
 
@@ -138,39 +139,40 @@ def payload(
     mainline_safety_factor: float | None = None,
     lift_off: bool = True,
 ) -> PayloadStudy:
-    """The largest payload at stations along a corridor within all limits.
+    """Find the largest payload at stations along a corridor within all limits.
 
-    Limits are the tensions of all ropes, the clearances, the capacities of spars, supports and tailhold where they are
-    known, and lift-off. A live, gravity or running skyline with a clearance is lowered at each station to just that
-    clearance, or as low as its empty carriage hangs, and not further than the skyline's own clearance allows; not
-    with a log, which follows.
+    Limits are the tensions of all ropes, the clearances, known capacities of spars, supports and tailhold, and
+    lift-off. A live, gravity or running skyline with a clearance is lowered at each station to that clearance, but not
+    below the lowest position of the empty carriage or the skyline's own clearance. With a log the skyline is not
+    lowered.
 
     Parameters
     ----------
     rig : SkylineRig
         The skyline.
     safety_factor : float, default 3.0
-        Minimum breaking load over highest tension of the skyline.
+        Least ratio of minimum breaking load to highest tension of the skyline.
     clearance : float, optional
-        Of the load over the ground [m]; of a log's front, as its rear may drag.
+        Least height of the load over the ground [m]; for a log, of its front.
     rope_clearance : float, default 0.0
-        Of the loaded skyline over the ground between headspar and tailspar [m]; counts with `clearance` only.
+        Least height of the loaded skyline over the ground between headspar and tailspar [m]. It counts only with
+        `clearance`.
     stations : sequence of float, shape (n,), optional
-        [m], by default about every 5 m.
+        Stations [m]; by default about every 5 m.
     mainline_safety_factor : float, optional
-        Of mainline, haulback, dropline and guylines; by default `safety_factor`.
+        Safety factor of mainline, haulback, dropline and guylines; by default `safety_factor`.
     lift_off : bool, default True
-        Whether the skyline must stay in its saddles and a guyed spar on its foot.
+        Whether the skyline must stay in its saddles, and a guyed spar on its foot.
 
     Returns
     -------
     PayloadStudy
-        The payloads, and what limits them.
+        The payloads and their limits.
 
     Raises
     ------
     InputError
-        A station is outside the skyline, or a clearance is asked for without a terrain.
+        A station is outside the skyline, or a clearance is given without a terrain.
 
     Examples
     --------
@@ -190,7 +192,7 @@ def payload(
     if clearance is not None:
         check.number(clearance, rig.name, "clearance", "m")
         if rig.terrain is None:
-            raise InputError(f"{rig.name} has no terrain to clear", "Give the rig a Profile, or leave clearance out")
+            raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
     where = stations_of(rig, stations)
     search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))

@@ -1,0 +1,75 @@
+"""The documentation site: `python -m sphinx -W -b html docs build/site`.
+
+The API reference is made from the docstrings of all public names, which the stubs `__init__.pyi` list. Formulas become
+MathML: a page needs neither a network nor a script.
+"""
+
+from __future__ import annotations
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.addnodes import pending_xref
+from sphinx.application import Sphinx
+from sphinx.writers.html5 import HTML5Translator
+
+import ropeway
+
+project = "ropeway"
+author = "the authors of ropeway"
+release = version = ropeway.__version__
+
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx_design"]
+exclude_patterns = ["_templates"]
+templates_path = ["_templates"]
+
+myst_enable_extensions = ["colon_fence", "dollarmath"]
+myst_heading_anchors = 3
+
+html_theme = "furo"
+html_title = f"ropeway {release}"
+html_math_renderer = "mathml"
+html_show_sourcelink = False
+html_copy_source = False
+
+autosummary_imported_members = True
+autosummary_ignore_module_all = False
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+
+PUBLIC = {
+    **{f"rw.{name}": f"ropeway.{name}" for name in ropeway.__all__},
+    **{f"rw.fmu.{name}": f"ropeway.fmu.{name}" for name in ropeway.fmu.__all__},
+}
+"""Public names as the documents write them, and their full names."""
+
+
+def link_public_names(app: Sphinx, doctree: nodes.document) -> None:
+    """Links public names in the documents to their pages; without `rw.` only in the list of names."""
+    document = app.env.current_document.docname
+    if document.startswith("api/"):
+        return
+    for literal in list(doctree.findall(nodes.literal)):
+        written = literal.astext().removesuffix("()")
+        name = PUBLIC.get(f"rw.{written}" if document == "names" else written)
+        if name and not isinstance(literal.parent, nodes.reference):
+            link = pending_xref("", literal.deepcopy(), refdomain="py", reftype="obj", reftarget=name, refdoc=document)
+            literal.replace_self(link)
+
+
+def visit_inline_math(writer: HTML5Translator, node: nodes.math) -> None:
+    """A formula within a line."""
+    writer.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def visit_block_math(writer: HTML5Translator, node: nodes.math_block) -> None:
+    """A formula on lines of its own."""
+    writer.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.add_html_math_renderer("mathml", (visit_inline_math, None), (visit_block_math, None))
+    app.connect("doctree-read", link_public_names)
