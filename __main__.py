@@ -12,6 +12,7 @@ import typer
 
 from ropeway import cli_projects
 from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
+from ropeway.cli_plan import print_table, report_plan
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
 from ropeway.components.table_writer import write_table
@@ -19,10 +20,7 @@ from ropeway.components.whole_files import whole
 from ropeway.fmu.cli import app as fmu_commands
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from ropeway.systems.dynamics.result import Result
-    from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
     from ropeway.systems.studies.skyline.payload.command import CorridorRequest
 
 app = typer.Typer(
@@ -140,7 +138,7 @@ def optimise(
         )
         if report is not None:
             found.report(report)
-        _report_plan(found, out)
+        report_plan(found, out)
 
 
 @dataclass(frozen=True)
@@ -210,7 +208,7 @@ def payload(
             study.report(report)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
-        _table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
+        print_table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
         worst = study.limiting
         typer.echo(
             f"Largest payload {at_most(study.payload)} kg, limited at {worst.station:.0f} m by {worst.limited_by}."
@@ -252,7 +250,7 @@ def ropes(
     with errors_on_one_line():
         table = rw.ropes() if catalogue is None else rw.ropes(catalogue)
     table = table[table.index.str.contains(search, case=False, regex=False)]
-    _table(
+    print_table(
         "Ropes of the catalogue",
         ["name", "diameter [mm]", "mass [kg/m]", "EA [MN]", "MBL [kN]", "source"],
         [
@@ -329,7 +327,7 @@ def _report(result: Result) -> None:
     ends = result.full_frame.filter(regex=r"\.tension_[ab]$")
     driven = [n for n in result.runs[0].nodes if n.drive_speed is not None or n.set_tension is not None]
     names = [c for n in driven for c in tensions.columns if c.startswith(f"{n.name}.")]
-    _table(
+    print_table(
         f"{result.model.name}: {len(result.runs[0].spans)} spans, {result.times[-1]:g} s",
         ["tension [kN]", "lowest", "mean", "highest"],
         [
@@ -354,62 +352,6 @@ def _report(result: Result) -> None:
         typer.echo("ropeway: warning: the highest tension is above the safe working load of the rope", err=True)
     counts = events["event"].value_counts()
     typer.echo("Events: " + (", ".join(f"{n} {name}" for name, n in counts.items()) or "none"))
-
-
-def _report_plan(plan: SchedulePlan, out: Path) -> None:
-    """Writes schedules, active limits, robustness and a picture; prints the objectives."""
-    robust = plan.robustness()
-    plan.to_csv(out / "schedule.csv")
-    for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
-        write_table(table, out / name)
-    with whole(out / "schedule.png") as file:
-        plan.plot().savefig(file, dpi=130)
-    _print_plan(plan, robust)
-    typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
-
-
-def _print_plan(plan: SchedulePlan, robust: pd.DataFrame) -> None:
-    """Prints objectives beside those of constant speed, limits, and robustness."""
-    from ropeway.systems.studies.control.scheduling.limits import UNITS
-
-    units = {"peak tension": ("kN", 1e3), "tension deviation": ("kN", 1e3), "energy": ("kJ", 1e3)}
-    runs = {"constant speed": plan.constant, "sheaves in balance": plan.balanced, "optimised": plan.objectives}
-    shown = {name: values for name, values in runs.items() if values is not None}
-    rows = [
-        [f"{name} [{unit}]", *(at_least(values[name] / scale, 2) for values in shown.values())]
-        for name, (unit, scale) in units.items()
-    ]
-    title = f"Simulated: tensions from {plan.settle:g} s on, energy from 0 to {plan.until:g} s"
-    _table(title, ["", *shown], rows)
-    gap = plan.gap
-    typer.echo(
-        f"{len(plan.history.rounds)} rounds, {plan.history.seconds:.0f} s; plan and simulation differ by "
-        f"{1e3 * gap.crossing_time:.2g} ms in the times of crossings, {gap.peak_tension:.2g} N in the highest tension"
-    )
-    limits = [
-        [limit, at, f"{r.bound:g} {UNITS[limit]}".rstrip(), f"{r.cost:.3g}"]
-        for (limit, at), r in zip(plan.active.index, plan.active.itertuples(), strict=True)
-    ]
-    cost = f"cost [{'J' if 'energy' in plan.weights else 'N'} per unit]"
-    _table("Active limits, and the cost of a unit of each", ["limit", "at", "bound", cost], limits)
-    over = (robust.xs("over plan", axis=1, level=1) * 100.0).round(2) + 0.0  # no -0.00
-    _table(
-        "Highest tension above that of the plan, for lines that differ from the plan [%]",
-        ["", *over.columns],
-        [[str(case), *(f"{v:.2f}" for v in values)] for case, values in zip(over.index, over.to_numpy(), strict=True)],
-    )
-
-
-def _table(title: str, columns: list[str], rows: list[list[str]]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for i, column in enumerate(columns):
-        table.add_column(column, justify="left" if i == 0 else "right")
-    for row in rows:
-        table.add_row(*row)
-    Console(markup=False).print(table)
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ class CoreMotion:
         for i, time in enumerate(self._time[:count].tolist()):
             u = line.inputs_at(time) if constant is None else constant
             record = Record(time, x[i], z[i], u, tuple(p[i] for p in by_run), kept, pending)
-            found.append(Entry(record, bool(self._grid[i]), exact=True))
+            found.append(Entry(record, bool(self._grid[i]), exact=bool(self._grid[i])))
         return found
 
     def passed(self) -> list[np.ndarray]:

@@ -49,10 +49,6 @@ class Recorder:
         """Writes a state down."""
         self.entries.append(Entry(recorded(state, self.pending), on_grid, exact))
 
-    def add(self, record: Record) -> None:
-        """Writes down a state with all sections solved, between two times of the grid."""
-        self.entries.append(Entry(record, on_grid=False, exact=True))
-
     def note(self, state: LineState, crossing: Crossing, what: str, time: float | None = None) -> None:
         """Writes down what happened to a load, now or at another time [s]; the event's value is the load's number on
         the rope."""

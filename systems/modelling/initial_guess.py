@@ -63,8 +63,8 @@ def run_start(
             kept[group[k]] = node.set_tension - weight * (points[k, 2] - points[0, 2])
     closed = np.isnan(kept)
     for _ in range(3 if np.any(free) else 1):
-        beyond = loads_passed(run, rope)
-        distance, load = _in_spans(run, beyond, rope, gravity)
+        passed = loads_passed(run, rope)
+        distance, load = _in_spans(run, passed, rope, gravity)
         beam = parabola.beam(chords, weight, np.maximum(np.diff(rope), 1e-3 * chords.length), distance, load)
         reference = parabola.common_tension(chords, weight, beam, strain, total, group)
         tension = parabola.tensions(chords, weight, beam, np.where(closed, reference, kept)[group])
@@ -76,15 +76,15 @@ def run_start(
     force = tension[:, None] * direction
     force[:, 2] = tension * sine - beam.reaction
     force[:, :2] += np.where(cosine < 1e-9, 1e-9 * tension, 0.0)[:, None]
-    return RunStart(force, start - rope, beyond, chords.length, float(np.median(tension)))
+    return RunStart(force, start - rope, passed, chords.length, float(np.median(tension)))
 
 
-def _in_spans(run: Run, beyond: np.ndarray, rope: np.ndarray, gravity: float) -> tuple[np.ndarray, np.ndarray]:
+def _in_spans(run: Run, passed: np.ndarray, rope: np.ndarray, gravity: float) -> tuple[np.ndarray, np.ndarray]:
     """Distances [m] and weights [N] of the loads in each span, shape (spans, largest number in a span)."""
     n = len(run.spans)
-    most = max(1, int((beyond[:-1] - beyond[1:]).max())) if n else 1
-    index = beyond[:-1, None] - 1 - np.arange(most)[None, :]
-    full = index >= beyond[1:, None]
+    most = max(1, int((passed[:-1] - passed[1:]).max())) if n else 1
+    index = passed[:-1, None] - 1 - np.arange(most)[None, :]
+    full = index >= passed[1:, None]
     if len(run.loads.place) == 0:
         return np.zeros((n, 1)), np.zeros((n, 1))
     index = np.where(full, index, 0)

@@ -283,17 +283,17 @@ def loads_passed(run: Run, rope: np.ndarray) -> np.ndarray:
 
     Loads hung by the user stay on the line; pinned loads stay in their spans.
     """
-    beyond = passed(run.loads.place, rope)
+    count = passed(run.loads.place, rope)
     pinned = np.flatnonzero(run.loads.pinned >= 0)
     if len(pinned):
         span = run.loads.pinned[pinned]
-        least, most = np.zeros_like(beyond), np.full_like(beyond, len(run.loads.place))
+        least, most = np.zeros_like(count), np.full_like(count, len(run.loads.place))
         np.maximum.at(least, span, pinned + 1)
         np.minimum.at(most, span + 1, pinned)
-        beyond = np.clip(beyond, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
+        count = np.clip(count, np.maximum.accumulate(least[::-1])[::-1], np.minimum.accumulate(most))
     if run.feed is None:
-        beyond[0], beyond[-1] = len(run.loads.place), 0
-    return beyond
+        count[0], count[-1] = len(run.loads.place), 0
+    return count
 
 
 def slot_counts(run: Run, counts: Sequence[int] | np.ndarray) -> tuple[int, ...]:

@@ -1,4 +1,4 @@
-"""Picture of a system as it is declared: supports and the straight lines between them. matplotlib comes when drawn."""
+"""Figure of a declared system: supports and the straight lines between them. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _NAMED = 40
-"""Supports with a name each."""
+"""Largest number of supports with names."""
 
 
 def system_figure(system: Declarations, view: str) -> Figure:
-    """Supports by their role and straight spans, in elevation or in 3-D. Raises InputError."""
+    """Supports by role, and straight spans, in elevation or in 3-D. Raises InputError."""
     nodes = {name: c for name, c in system.components.items() if isinstance(c, Node) and c.at}
     if not nodes:
         raise InputError(f"System {system.name!r} has no supports", "String a rope")

@@ -146,10 +146,11 @@ static double length_of(const double *v, double lift)
 static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k, int forward)
 {
     int run = l->run_of[k], span = k - run;
-    const double *mass = m->mass + m->load_first[run], *going = q->z + l->force[span];
+    const double *mass = m->mass + m->load_first[run], *going;
     double coming[3], g = q->p[0], carried, weight, ratio;
     long long load = m->passed[k] - (forward ? 0 : 1);
     if (l->held[k] < 0 || k == l->run_first[run] || is_last(l, k)) return 1;
+    going = q->z + l->force[span];
     memcpy(coming, q->z + l->force[span - 1], sizeof coming);
     weight = mass[load] * g;
     carried = q->p[m->mass_per_length[span - 1]] * (rope_at(l, q, m, k) - rope_at(l, q, m, k - 1));
@@ -187,7 +188,7 @@ static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k
     return is_last(l, k) || write_slots(l, q, m, k - run);
 }
 
-/* Writes the present point down. */
+/* Writes the present point down; on the grid all sections are solved. */
 static void record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
 {
     int n = m->records++;
@@ -256,9 +257,7 @@ static int cross(const rs_line *l, rs_point *q, rs_motion *m, const coming_load 
         count = beside(l, k, sections, count);
     }
     if (crossings == MOST || count == MOST) return RS_CROSSING;
-    m->failure = rs_solve_all(l, q, 0); /* both sides are written down; the rates stay */
-    if (m->failure != RS_OK) return RS_FAILED;
-    record(l, q, m, 0);
+    record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
     memcpy(z, q->z, l->nz * sizeof(double));
     memcpy(rate, q->z_rate, l->nz * sizeof(double));
     memcpy(passed, m->passed, l->supports * sizeof(long long));

@@ -185,5 +185,6 @@ def _clean(value: Any) -> Any:
     if isinstance(value, (float, np.floating)):
         if not math.isfinite(value):
             return None
-        return round(float(value), 2) if abs(value) > 1e5 else float(f"{value:.7g}")
+        number = float(value)
+        return round(number, 2) if abs(number) > 1e5 else float(f"{number:.7g}")
     return value.item() if isinstance(value, np.generic) else value

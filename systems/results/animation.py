@@ -1,4 +1,4 @@
-"""A run as a moving picture: GIF, MP4 or a page with a player. matplotlib comes when it is drawn."""
+"""An animation of a run as GIF, MP4 or a page with a player. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 
 def animate(result: RunData, path: str | Path, frames: int, rate: int) -> Path:
-    """Writes the moving line. Raises InputError, WriteError."""
+    """Writes the animation of the line. Raises InputError, WriteError."""
     suffix = Path(path).suffix.lower()
     if suffix in (".html", ".htm"):
         options = ReportOptions()
         blocks = (line_player(result, options.style), tensions_chart(result, options.style))
         return write_report(path, result.model.name, [Section(options.style.text("simulation"), blocks)], options)
     if suffix not in (".gif", ".mp4"):
-        raise InputError(f"{path} is no moving picture", "Let its name end with .gif, .mp4 or .html")
+        raise InputError(f"{path} is not an animation", "Use a name that ends with .gif, .mp4 or .html")
     from matplotlib.animation import FFMpegWriter, PillowWriter
 
     if suffix == ".mp4" and not FFMpegWriter.isAvailable():

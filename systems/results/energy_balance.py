@@ -96,8 +96,8 @@ def _rope_work(result: RunData, r: int) -> dict[str, np.ndarray]:
     """Work of supports and loads on a rope in each interval, by kind."""
     frame, run = result.full_frame, result.runs[r]
     weight, strain = run.rope.mass_per_length * result.parameters[0], run.rope.strain
-    none = np.zeros(len(result.times) - 1)
-    parts = {"drives": none, "ends": none, "loads": _load_work(result, r), "friction": none}
+    zeros = np.zeros(len(result.times) - 1)
+    parts = {"drives": zeros, "ends": zeros, "loads": _load_work(result, r), "friction": zeros}
     last, moves = len(run.nodes) - 1, np.diff(result.times) > 0.0
     for k, (node, seat) in enumerate(zip(run.nodes, run.seats, strict=True)):
         tension_in = None if k == 0 else frame[f"{run.spans[k - 1].name}.tension_b"]
@@ -148,9 +148,9 @@ def _own_work(result: RunData, node: Node) -> dict[str, np.ndarray]:
     """External work, stored energy and losses of a component in each interval. Its work on ropes is external work minus
     stored energy and losses."""
     own = node.energies(lambda name: result.full_frame[f"{node.name}.{name}"].to_numpy())
-    none = np.zeros(len(result.times))
-    kinetic, supplied = np.diff(none + own.kinetic), np.diff(none + own.supplied)
-    losses = _mean(none + own.loss) * np.diff(result.times)
+    zeros = np.zeros(len(result.times))
+    kinetic, supplied = np.diff(zeros + own.kinetic), np.diff(zeros + own.supplied)
+    losses = _mean(zeros + own.loss) * np.diff(result.times)
     given = losses + kinetic - supplied
     return {
         "drives" if _drives(node) else "ends": given,

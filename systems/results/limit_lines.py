@@ -52,7 +52,7 @@ def draw_limits(axis: Axes, ropes: Sequence[tuple[float, Sequence[LimitLine]]]) 
     """
     drawn = [highest for highest, _ in ropes]
     highest_of_all = max(drawn, default=0.0)
-    not_drawn, beyond = [], []
+    not_drawn, exceeded = [], []
     for highest, limits in ropes:
         for limit in limits:
             if highest_of_all >= NEAR * limit.value:
@@ -61,13 +61,13 @@ def draw_limits(axis: Axes, ropes: Sequence[tuple[float, Sequence[LimitLine]]]) 
             else:
                 not_drawn.append(limit.text)
         if over := [limit for limit in limits if highest > (1.0 + NOISE) * limit.value]:
-            beyond.append(f"{at_least(highest / 1e3, 1)} kN: above {max(over).text}")
+            exceeded.append(f"{at_least(highest / 1e3, 1)} kN: above {max(over).text}")
     if not_drawn:
         axis.plot([], [], ls="", label=f"not drawn: {', '.join(not_drawn)}")
     top = max(drawn, default=0.0) / 1e3
     axis.set_ylim(0.0, 1.08 * top if top > 0.0 else 1.0)
-    if beyond:
+    if exceeded:
         axis.text(
-            0.01, 0.97, "\n".join(beyond), transform=axis.transAxes, va="top", color="tab:red", fontsize="small",
+            0.01, 0.97, "\n".join(exceeded), transform=axis.transAxes, va="top", color="tab:red", fontsize="small",
             zorder=6, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.5},
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The report of a simulation: ropes, supports, tensions over time, and the line with its loads, which moves."""
+"""The report of a simulation: ropes, supports, tensions over time, and an animation of the line with its loads."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from ropeway.systems.statics.equilibrium import Equilibrium
 
 FRAMES = 150
-"""Most pictures of the line that a player has."""
+"""Largest number of frames of a player."""
 MOST_EVENTS, MOST_POINTS = 120, 1200
-"""Most events of a list, and points of a curve."""
+"""Largest numbers of events in a list, and of points of a curve."""
 _POINTS = 7
-"""Points of a span's curve, besides its loads."""
+"""Points of a span's curve in addition to its loads."""
 _SHEAVES = 8
-"""Most control sheaves with a curve of their own."""
+"""Largest number of control sheaves with a separate curve."""
 _COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#e377c2", "#bcbd22", "#17becf")
 
 
@@ -48,7 +48,7 @@ def sections_of(result: RunData, summary: Summary, style: Style) -> list[Section
 
 
 def ropes_table(ropes: Sequence[tuple[str, Rope, float]], style: Style) -> Table:
-    """Ropes by their use, with the safety factor that counts: their limits are rounded down."""
+    """Ropes by use with the applicable safety factor; limits are rounded down."""
     head = (
         style.text("use"), style.text("rope"), style.head("diameter", "diameter"),
         style.head("mass_per_length", "mass_per_length"), style.head("stiffness", "stiffness"),
@@ -67,7 +67,7 @@ def ropes_table(ropes: Sequence[tuple[str, Rope, float]], style: Style) -> Table
 
 
 def limit_curves(rope: Rope, factor: float, name: str, span: tuple[float, float], style: Style) -> list[dict[str, Any]]:
-    """Horizontal lines at the safe working load and the breaking load, between two places."""
+    """Horizontal lines at the safe working load and the breaking load, between two abscissas."""
     found = []
     for key, value, dash in (("swl_of", rope.breaking_load / factor, "dash"), ("mbl_of", rope.breaking_load, "dot")):
         level = style.scaled([value, value], "force")
@@ -79,7 +79,7 @@ def limit_curves(rope: Rope, factor: float, name: str, span: tuple[float, float]
 
 
 def ropes_in(result: RunData) -> list[tuple[str, Rope, float]]:
-    """The ropes of a run by their ends, with their safety factors."""
+    """The ropes of a run, named by their ends, with their safety factors."""
     found: dict[Rope, str] = {}
     for run in result.runs:
         for span in run.spans:
@@ -109,7 +109,7 @@ def _inputs(result: RunData, style: Style) -> list[tuple[str, str]]:
 
 
 def _warnings(result: RunData, summary: Summary, style: Style) -> Iterator[str]:
-    """Tensions above limits, and what happened that a line should not do."""
+    """Warnings: tensions above limits, and undesired events."""
     for run in result.runs:
         for rope in dict.fromkeys(span.rope for span in run.spans):
             own = summary.spans.loc[[s.name for s in run.spans if s.rope == rope], "highest_tension"]
@@ -128,7 +128,7 @@ def _warnings(result: RunData, summary: Summary, style: Style) -> Iterator[str]:
 
 
 def line_player(result: RunData, style: Style) -> Player:
-    """The line with its loads, as it moves."""
+    """The moving line with its loads."""
     grid = np.flatnonzero(result.on_grid)
     chosen = grid[np.unique(np.linspace(0, len(grid) - 1, min(FRAMES, len(grid))).astype(int))].tolist()
     ropes: list[list[np.ndarray]] = [[], []]
@@ -171,7 +171,7 @@ def _player_events(result: RunData, times: np.ndarray, style: Style) -> list[tup
 
 
 def shape_of(line: Equilibrium) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Distances along the line and heights, of the ropes (spans apart by NaN) and of the loads."""
+    """Distances along the line and heights of ropes (NaN between spans) and of loads."""
     along = {}
     curves = []
     for r, run in enumerate(line.runs):
@@ -247,7 +247,7 @@ def tensions_chart(result: RunData, style: Style) -> Chart:
 
 
 def thinned(frame: pd.DataFrame) -> pd.DataFrame:
-    """A frame with few enough rows to draw; the highest and the lowest of the rows left out are kept."""
+    """A frame reduced to the rows of a drawing; the extremes of the omitted rows are kept."""
     step = -(-len(frame) // MOST_POINTS)
     if step <= 1:
         return frame
@@ -264,7 +264,7 @@ def thinned(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _driven(result: RunData) -> list[Node]:
-    """Control sheaves, as many as can be shown."""
+    """Control sheaves, up to the number that a chart shows."""
     nodes = [
         n for n in each_node(result.runs) if n.drive_speed is not None and f"{n.name}.tension_in" in result.full_frame
     ]
@@ -337,7 +337,7 @@ def _drives(result: RunData, style: Style) -> list[Section]:
 
 
 def _legs(run: Run, style: Style) -> Block:
-    """From each support to the next one: direction, distances and height difference."""
+    """Legs from each support to the next one: direction, distances and height difference."""
     rows = []
     for one, other in zip(run.nodes[:-1], run.nodes[1:], strict=True):
         way = np.subtract(other.at, one.at)
@@ -358,7 +358,7 @@ def _legs(run: Run, style: Style) -> Block:
 
 
 def _events(result: RunData, style: Style) -> tuple[Table, Table]:
-    """How often what happened, and a list of what is not a load that crosses a support."""
+    """Counts of events, and a list of all events except crossings."""
     events = result.events
     counts = [(str(event), str(count)) for event, count in events["event"].value_counts().items()]
     listed = events[~events["event"].str.startswith("crossing")]

@@ -77,10 +77,10 @@ class RunData(Tabular):
         def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
             done = 0
             for points, passed in self._batches(which.tolist()):
-                here = slice(done, done + len(points))
-                y[here], z[here] = outputs_at(self.model, points), [point.z for point in points]
-                states, done = zip(points, passed, self.exact[which[here]], strict=True), here.stop
-                yield from ((point, beyond) for point, beyond, known in states if not known)
+                block = slice(done, done + len(points))
+                y[block], z[block] = outputs_at(self.model, points), [point.z for point in points]
+                states, done = zip(points, passed, self.exact[which[block]], strict=True), block.stop
+                yield from ((point, counts) for point, counts, known in states if not known)
 
         return y, z, self._certified(which[~self.exact[which]], inexact())
 

@@ -1,4 +1,4 @@
-"""Picture of a rig with its bare skyline, to scale or in 3-D. matplotlib comes when drawn."""
+"""Figure of a rig with its bare skyline, to scale or in 3-D. matplotlib is imported on use."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def rig_figure(rig: RigParts, view: str) -> Figure:
-    """Ground, spars, supports, guylines and the bare skyline (of a running skyline its straight line). Raises
+    """Ground, spars, supports, guylines and the bare skyline (of a running skyline the chord). Raises
     InputError, EquilibriumError."""
     if view not in ("elevation", "3d"):
         raise InputError(f"There is no view {view!r}", 'Choose "elevation" or "3d"')

@@ -1,4 +1,4 @@
-"""Ctrl-C ends long calls at the next place where they can stop, with what they have found, and never inside CasADi."""
+"""Ctrl-C ends long calls at the next safe point, with partial results, and never inside CasADi."""
 
 import os
 import signal
@@ -28,14 +28,14 @@ Patch = pytest.MonkeyPatch
 
 @pytest.fixture(autouse=True)
 def handler() -> Iterator[None]:
-    """Each test leaves the handler as it was."""
+    """Each test restores the handler."""
     before = signal.getsignal(signal.SIGINT)
     yield
     assert signal.getsignal(signal.SIGINT) is before
 
 
 def ctrl_c_at(monkeypatch: Patch, owner: type, method: str, number: int) -> None:
-    """A Ctrl-C just before the `number`-th call of a method, wherever it is called from."""
+    """A Ctrl-C just before the `number`-th call of a method, from any caller."""
     calls = 0
     original: Callable[..., Any] = getattr(owner, method)
 
@@ -57,7 +57,7 @@ def later(seconds: float) -> threading.Timer:
 
 
 @pytest.mark.parametrize("number", [3, 8, 15])
-def test_a_simulation_keeps_what_has_run(number: int, monkeypatch: Patch) -> None:
+def test_a_simulation_keeps_its_records(number: int, monkeypatch: Patch) -> None:
     model = rw.assemble(line(6, 3))
     start = rw.equilibrium(model)
     whole = rw.simulate(model, 12.0, every=0.5, start=start)
@@ -107,7 +107,7 @@ def test_load_paths_and_payloads_keep_their_rows(monkeypatch: Patch) -> None:
     pd.testing.assert_frame_equal(rows, whole.iloc[: len(rows)])
 
 
-def test_an_inhaul_keeps_the_rows_of_the_stretch_it_is_on(monkeypatch: Patch) -> None:
+def test_an_inhaul_keeps_the_rows_of_its_current_section(monkeypatch: Patch) -> None:
     whole = rw.inhaul(corridor(), payload=1000.0, start=140.0, end=20.0)
     ctrl_c_at(monkeypatch, Recorder, "record", 15)
     with pytest.raises(rw.Interrupted) as caught:
@@ -118,12 +118,12 @@ def test_an_inhaul_keeps_the_rows_of_the_stretch_it_is_on(monkeypatch: Patch) ->
 
 
 def test_ipopt_stops_between_iterations(monkeypatch: Patch) -> None:
-    told: list[int] = []
+    evaluations: list[int] = []
     original = nonlinear_program._Stop.eval
 
     def counted(self: Any, arguments: Any) -> Any:
-        told.append(1)
-        if len(told) == 4:
+        evaluations.append(1)
+        if len(evaluations) == 4:
             signal.raise_signal(signal.SIGINT)
         return original(self, arguments)
 
@@ -131,14 +131,14 @@ def test_ipopt_stops_between_iterations(monkeypatch: Patch) -> None:
     with pytest.raises(rw.Interrupted) as caught:
         rw.optimise_schedule(line(6, 2), 12.0, intervals=6)
     assert caught.value.result is None
-    assert len(told) == 4
+    assert len(evaluations) == 4
 
 
-def test_a_sweep_keeps_its_rows_and_ends_a_function_at_once() -> None:
+def test_a_sweep_keeps_its_rows_and_stops_a_function_at_once() -> None:
     def study(x: float) -> float:
         if x == 3.0:
             signal.raise_signal(signal.SIGINT)
-            pytest.fail("the function went on")
+            pytest.fail("the function continued")
         return 2.0 * x
 
     with pytest.raises(rw.Interrupted) as caught:
@@ -148,7 +148,7 @@ def test_a_sweep_keeps_its_rows_and_ends_a_function_at_once() -> None:
     assert table["error"].tolist() == [""] * 3
 
 
-def test_a_sweep_goes_on_after_an_interrupt(tmp_path: Path, monkeypatch: Patch) -> None:
+def test_a_sweep_continues_after_an_interrupt(tmp_path: Path, monkeypatch: Patch) -> None:
     path, masses = tmp_path / "m.parquet", {"l1.mass": np.linspace(100.0, 200.0, 6)}
     whole = rw.sweep(line(6, 3), masses, outputs="c1.tension_in", workers=1)
     ctrl_c_at(monkeypatch, CondensedNewton, "solve", 3)
@@ -182,7 +182,7 @@ def test_the_compiler_is_killed(tmp_path: Path, monkeypatch: Patch) -> None:
         except ProcessLookupError:
             return
         time.sleep(0.01)
-    pytest.fail("what the compiler has started goes on")
+    pytest.fail("a process of the compiler continues")
 
 
 @interruptible
@@ -196,7 +196,7 @@ def long_call(steps: int, done: list[int], interrupt_at: int) -> str:
     return "all"
 
 
-def test_it_stops_at_the_next_place() -> None:
+def test_a_call_stops_at_the_next_point() -> None:
     with pytest.raises(rw.Interrupted) as caught:
         long_call(9, [], 4)
     assert caught.value.result == (0, 1, 2, 3, 4)
@@ -226,16 +226,16 @@ def test_an_error_after_a_signal_is_its_context() -> None:
 
 def test_a_second_signal_does_not_wait() -> None:
     @interruptible
-    def deaf() -> None:
+    def ignoring() -> None:
         signal.raise_signal(signal.SIGINT)
         signal.raise_signal(signal.SIGINT)
-        pytest.fail("it went on")
+        pytest.fail("it continued")
 
     with pytest.raises(rw.Interrupted):
-        deaf()
+        ignoring()
 
 
-def test_in_a_users_function_a_signal_acts_at_once_and_in_a_call_from_it_not() -> None:
+def test_a_signal_acts_at_once_in_a_users_function_but_not_in_a_call_from_it() -> None:
     done: list[int] = []
 
     @interruptible
@@ -248,7 +248,7 @@ def test_in_a_users_function_a_signal_acts_at_once_and_in_a_call_from_it_not() -
     assert done == [0, 1, 2]
 
 
-def test_a_handler_of_the_users_own_is_called_between_steps() -> None:
+def test_a_users_handler_is_called_between_steps() -> None:
     seen: list[int] = []
 
     def own(number: int, frame: object) -> None:
@@ -273,7 +273,7 @@ def test_a_handler_of_the_users_own_is_called_between_steps() -> None:
         signal.signal(signal.SIGINT, before)
 
 
-def test_in_another_thread_nothing_is_installed() -> None:
+def test_another_thread_installs_no_handler() -> None:
     found: list[object] = []
 
     def work() -> None:
@@ -288,7 +288,7 @@ def test_in_another_thread_nothing_is_installed() -> None:
 
 
 @pytest.mark.slow
-def test_worker_processes_end_too() -> None:
+def test_worker_processes_end() -> None:
     import multiprocessing
 
     timer = later(6.0)

@@ -1,4 +1,4 @@
-"""Bars: one at a time, none where nobody looks."""
+"""Progress bars: one at a time, and only on a terminal."""
 
 import sys
 
@@ -22,7 +22,7 @@ def test_a_part_of_longer_work_shows_no_bar(
     assert "later" in capsys.readouterr().err
 
 
-def test_quiet_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert not sys.stderr.isatty()
     with bar("whole", 1.0) as advance:
         advance(1.0)

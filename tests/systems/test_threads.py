@@ -1,4 +1,4 @@
-"""Eight threads on one model, line or rig find the bits that one finds."""
+"""Eight threads on one model, line or rig give bit-identical results to one thread."""
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -19,19 +19,19 @@ from support.schedule_lines import line
 
 @pytest.fixture(autouse=True)
 def eager() -> Iterator[None]:
-    """Threads take turns as often as they can."""
+    """Threads switch as often as possible."""
     before = sys.getswitchinterval()
     sys.setswitchinterval(1e-6)
     yield
     sys.setswitchinterval(before)
 
 
-def require_same(ask: Callable[[Any], np.ndarray], questions: Sequence[Any]) -> None:
-    """The answers of one thread, and of eight at a time."""
-    with ThreadPoolExecutor(8) as pool:  # first, as what is made only once is made then
-        together = list(pool.map(ask, questions))
-    for question, found in zip(questions, together, strict=True):
-        assert found.tobytes() == ask(question).tobytes(), question
+def require_same(solve: Callable[[Any], np.ndarray], cases: Sequence[Any]) -> None:
+    """Requires equal results of one thread and of eight at a time."""
+    with ThreadPoolExecutor(8) as pool:  # first, as cached objects are built then
+        together = list(pool.map(solve, cases))
+    for question, found in zip(cases, together, strict=True):
+        assert found.tobytes() == solve(question).tobytes(), question
 
 
 def test_a_function_has_results_for_each_thread() -> None:
@@ -40,8 +40,8 @@ def test_a_function_has_results_for_each_thread() -> None:
 
     def twice(k: int) -> np.ndarray:
         product, total = f(np.linspace(0.0, k, 40))
-        mine = product.sum()
-        assert product.sum() == mine  # nobody else has written there in the meantime
+        own_sum = product.sum()
+        assert product.sum() == own_sum  # no other thread has written there in the meantime
         return np.append(product, total)
 
     require_same(twice, range(400))

@@ -114,27 +114,27 @@ class Places:
             return True
         return self.on_shoe(k, self.edge(k, -1))[f"{self.rig.carriage.name}.mainline_rope"] > 0.0
 
-    def border(self, at: SpanModel, beyond: SpanModel, direction: int) -> float:
+    def border(self, at: SpanModel, following: SpanModel, direction: int) -> float:
         """Station at which the carriage changes from one place to the next [m]."""
-        k = min(at.span, beyond.span)
+        k = min(at.span, following.span)
         if self.rig.supports[k].radius <= 0.0:
             return float(self.rig.points[k + 1, 0] - direction * SIDE)
         if at.on is not None:
             return self.edge(k, direction)
-        if beyond.on is not None or at.span != beyond.span:
+        if following.on is not None or at.span != following.span:
             return self.touch(at, k)
-        rolled = at if at.place.rollers is not None else beyond
+        rolled = at if at.place.rollers is not None else following
         roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
 
-        def lies(x: float) -> float:
+        def roller_contact(x: float) -> float:
             point = self.solve(rolled, x)
             found = Solved(rolled, point, rolled.outputs(point), "mainline")
             return found[f"{roller}.a_rope"] - found[f"{roller}.b_rope"]
 
         reach = 0.02 * self.rig.supports[k].radius
-        while lies(low - reach) > 0.0:
+        while roller_contact(low - reach) > 0.0:
             reach *= 1.5
-        return float(brentq(lies, low - reach, low, xtol=1e-8))
+        return float(brentq(roller_contact, low - reach, low, xtol=1e-8))
 
     def paid_out(self, at: SpanModel, point: Point) -> float:
         """Unstretched length of the mainline [m], including rope on rollers."""

@@ -1,4 +1,4 @@
-"""A run in the compiled core is the run that IDAS integrates; what the core cannot do it refuses."""
+"""Runs in the compiled core equal runs with IDAS; unsupported features are rejected."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,7 +13,7 @@ TURNING = rw.Schedule((0.0, 20.0, 24.0, 60.0), (1.5, 1.5, -1.2, -1.2))
 
 
 def line(drive: rw.Drive | None = None, *, kept: bool = True, friction: float = 0.02) -> rw.System:
-    """Six spans: two control sheaves with responses, a rough idler, loads fed, a drum that keeps its tension."""
+    """Six spans: two control sheaves with responses, a rough idler, a feed of loads, a constant-tension drum."""
     response = rw.ThresholdResponse(low=40e3, high=50e3, increment=0.02, period=2.0, delay=1.0)
     own = rw.IdealDrive() if drive is None else drive
     nodes = (
@@ -45,14 +45,14 @@ def test_a_run_with_responses_and_an_emergency_stop(kept: bool) -> None:
     assert runs[0].certificate["holds"].all()
 
 
-def test_a_run_there_and_back() -> None:
+def test_a_run_forwards_and_backwards() -> None:
     speeds = dict.fromkeys(SPEEDS, TURNING)
     compiled, integrated = (rw.simulate(line(), 60.0, inputs=speeds, compiled=c) for c in (True, False))
     require_alike(compiled, integrated)
     assert {"crossing forward", "crossing backward", "load taken off"} <= set(compiled.events["event"])
 
 
-def test_a_run_goes_on_from_a_compiled_one() -> None:
+def test_a_run_resumes_a_compiled_one() -> None:
     whole = rw.simulate(line(), 40.0, compiled=True)
     rest = rw.simulate(line(), 15.0, start=whole.at(25.0), compiled=True)
     names = [name for name in whole.frame if name.endswith((".tension_in", ".tension_out"))]
@@ -80,14 +80,14 @@ def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
     require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
 
 
-def test_what_the_core_cannot_do_is_refused_before_the_run() -> None:
+def test_unsupported_features_are_rejected_before_the_run() -> None:
     spring = rw.System("spring")
     spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)
     with pytest.raises(rw.CompiledError, match="'b'"):
         rw.simulate(spring, 5.0, compiled=True)
 
 
-def test_threads_on_one_model_find_the_same_bits() -> None:
+def test_threads_on_one_model_give_identical_results() -> None:
     model = rw.assemble(line())
     start = rw.equilibrium(model)
 

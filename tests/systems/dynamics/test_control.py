@@ -84,7 +84,7 @@ def test_command_lag_and_speed_control_follow_their_closed_form() -> None:
 
 
 def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where no limit is active the drives move by themselves; IDAS on all equations at once gives the same."""
+    """Without an active limit the drives are integrated separately; IDAS on all equations gives the same result."""
     model = rw.assemble(line(drive=hydraulic_drive(), response=RULE))
     as_a_whole: list[float] = []
     advance = LineIntegrator.advance
@@ -107,8 +107,8 @@ def test_integration_by_sections_and_as_a_whole_agree(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.slow
-def test_a_limit_that_binds_for_a_moment_is_not_passed_over() -> None:
-    """A crossing opens a relief valve that has closed again before the next record."""
+def test_a_limit_that_is_active_for_a_moment_is_detected() -> None:
+    """A crossing opens a relief valve that closes before the next record."""
     drive = hydraulic_drive(relief_pressure=15e5)
     seldom, often = (rw.simulate(schedule_lines.line(drive=drive), 60.0, every=every).frame for every in (10.0, 0.25))
     for name in ("c1.travel", "c2.travel", "c3.travel"):
@@ -131,7 +131,7 @@ def test_energy_balance_and_drive_work_from_its_force() -> None:
     energy, frame = result.energy(), result.full_frame
     assert abs(energy["residual"]) < 1e-5 * abs(energy["drives"])
     work = sum(np.trapezoid(frame[f"c{i}.drive_force"] * frame[f"c{i}.rope_speed"], frame.index) for i in range(1, 5))
-    # Force times unstretched speed leaves out the rope's strain at the sheave, a part in a thousand.
+    # Force times unstretched speed omits the rope's strain at the sheave, about 0.1 %.
     assert work == pytest.approx(energy["drives"], rel=3e-3)
 
 
@@ -143,7 +143,7 @@ def test_a_power_unit_shares_flow_and_power() -> None:
         system.connect(system.components[f"c{i}"].supply, unit.outlet)
     result = rw.simulate(system, until=20.0)
     frame = result.frame
-    # Four drives at 1 m/s ask for more than 12 l/s: each gets the same part.
+    # Four drives at 1 m/s demand more than 12 l/s: each gets the same share.
     assert (frame["unit.flow_share"] < 0.99).all()
     flow = sum(frame[f"c{i}.flow"] for i in range(1, 5))
     assert (flow.iloc[3:] <= 1.01 * 12e-3).all()
@@ -230,7 +230,7 @@ def loop(count: int = 8, **more: object) -> rw.System:
 
 
 def closes(result: rw.Result) -> float:
-    """Relative gap when the strain potentials of all spans and the drive are added up around the loop."""
+    """Relative residual of the sum of strain potentials of all spans and the drive around the loop."""
     frame, gaps = result.full_frame, []
     run = result.runs[0]
     for record in range(0, len(frame), 7):
@@ -242,7 +242,7 @@ def closes(result: rw.Result) -> float:
     return max(gaps)
 
 
-def test_endless_loop_with_loads_both_ways() -> None:
+def test_endless_loop_with_loads_in_both_directions() -> None:
     result = rw.simulate(loop(), until=120.0)
     assert closes(result) < 1e-8
     assert all(int(r.passed[0][0] - r.passed[0][-1]) == 40 for r in result.records)
@@ -259,8 +259,8 @@ def test_endless_loop_with_loads_both_ways() -> None:
     assert abs(energy["residual"]) < 1e-4 * abs(energy["drives"])
 
 
-def test_endless_loop_after_one_round_is_where_it_was() -> None:
-    """With an ideal drive the line depends on its travel only: one round later it is the same."""
+def test_endless_loop_repeats_after_one_revolution() -> None:
+    """With an ideal drive the line depends only on its travel: it repeats after one revolution."""
     system = loop(load_mass=(150.0, 100.0, 180.0))
     length = sum(s.length for s in rw.assemble(system).runs[0].spans)
     result = rw.simulate(system, until=length / 2.0, every=length / 2.0)
@@ -280,7 +280,7 @@ def test_endless_loop_of_a_hundred_loads_runs_an_hour() -> None:
 
 def test_bad_endless_lines() -> None:
     table = pd.DataFrame([("d", 0, 0, 0, "drum"), ("r", 100, 0, 0, "return")], columns=["name", "x", "y", "z", "kind"])
-    with pytest.raises(rw.InputError, match="begins at a control"):
+    with pytest.raises(rw.InputError, match="Use a control at the first support"):
         rw.endless(ROPE, table, tension=50e3)
     with pytest.raises(rw.InputError, match="0 returns"):
         rw.endless(ROPE, table.replace({"drum": "control", "return": "idler"}), tension=50e3)
@@ -313,12 +313,12 @@ def test_summary_names_exceeded_limits() -> None:
     ],
 )
 def test_parameters_of_a_drive_stay_in_their_range(name: str, value: float, words: str) -> None:
-    """A sheave of negative inertia would run, and a pump of negative flow."""
+    """A sheave with negative inertia, or a pump with negative flow, would otherwise run."""
     with pytest.raises(rw.InputError, match=rf"c1\.{name} is .*{words}"):
         rw.equilibrium(line(drive=hydraulic_drive(), response=RULE), parameters={f"c1.{name}": value})
 
 
-def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
+def test_drives_start_at_the_speed_of_the_line() -> None:
     fast, slow = (line(drive=hydraulic_drive(), speed=speed) for speed in (1.0, 0.5))
     warm, cold = rw.equilibrium(slow, start=rw.equilibrium(fast)), rw.equilibrium(slow)
     assert warm["c1.rope_speed"] == 0.5
@@ -327,7 +327,7 @@ def test_a_start_at_another_speed_has_the_drives_at_that_of_the_line() -> None:
 
 @pytest.mark.parametrize("every", [1.0, 0.004])
 def test_a_load_beyond_the_sheave_of_a_slipping_drive(every: float) -> None:
-    """The sheave swings at 4 Hz: it has turned again when the load is found beyond it."""
+    """The sheave oscillates at 4 Hz: it has reversed when the load is located beyond it."""
     s = rw.System("flung")
     drive = hydraulic_drive(displacement=1e-4, relief_pressure=100e5, pump_flow=0.02, inertia=300.0)
     c = rw.ControlSheave("c", at=(100.0, 5.0), drive=drive)

@@ -1,4 +1,4 @@
-"""Endless ropes keep their loads whichever way they run, and runs say when they make no progress."""
+"""Endless ropes keep their loads in both directions; runs without progress are an error."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def test_loads_stay_on_an_endless_rope(speed: float | rw.Schedule) -> None:
     for time in np.arange(0.0, 201.0, 10.0):
         loads = result.at(float(time)).loads.set_index("load")["mass"].sort_index()
         pd.testing.assert_series_equal(loads, first)
-    # With the travel of the drive given the line is an equilibrium, solved from cold.
+    # For a given travel of the drive the line is an equilibrium, solved from a cold start.
     for time in (100.0, 200.0):
         here = result.at(time)
         cold = rw.equilibrium(line, parameters={"d.travel": float(here["d.travel"])})
@@ -55,14 +55,14 @@ def test_forwards_and_backwards_on_an_endless_rope() -> None:
 
 
 def test_a_rope_of_another_length_keeps_its_loads() -> None:
-    """A loop that is spliced 2 m longer: loads come round one rope's length apart."""
+    """A loop spliced 2 m longer: loads return one rope length apart."""
     line = rw.equilibrium(loop(-1.2), parameters={"d_o.length": 70.5, "l2.mass": 260.0})
     result = rw.simulate(line.model, 260.0, start=line, every=20.0)
     assert result.records[0].x[0] - result.records[-1].x[0] > 282.0
     assert {result.at(t).loads["mass"].sum() for t in result.frame.index} == {line.loads["mass"].sum()}
 
 
-def test_a_load_stands_on_the_return_wheel_where_both_sides_push_it_back() -> None:
+def test_a_load_is_held_on_the_return_wheel_if_both_sides_push_it_back() -> None:
     x, kind = [0.0, 96.0, 190.0, 283.0, 190.0, 96.0], ["control", "idler", "idler", "return", "idler", "idler"]
     z = [0.0, -5.0, -13.0, -24.0, -13.0, -5.0]
     table = pd.DataFrame({"name": [f"n{k}" for k in range(6)], "x": x, "y": [0.0, 0, 0, 1, 2, 2], "z": z, "kind": kind})
@@ -74,8 +74,8 @@ def test_a_load_stands_on_the_return_wheel_where_both_sides_push_it_back() -> No
     assert len(result.at(60.0).loads) == len(result.at(0.0).loads)
 
 
-def test_a_monocable_takes_its_loads_along_both_ways() -> None:
-    """Loads that leave at an end come in there again when the rope turns; beyond the start it comes in empty."""
+def test_a_monocable_carries_its_loads_in_both_directions() -> None:
+    """Loads that leave at an end enter there again when the rope reverses; after them the rope enters empty."""
     table = pd.DataFrame({"name": list("abcd"), "x": [0.0, 70.0, 150.0, 215.0], "y": 0.0, "z": [0.0, 6.0, 9.0, 10.0]})
     table["kind"] = ["drum", "control", "idler", "drum"]
     turn = rw.Schedule((0.0, 39.0, 41.0, 120.0), (-1.5, -1.5, 1.5, 1.5))
@@ -88,23 +88,23 @@ def test_a_monocable_takes_its_loads_along_both_ways() -> None:
     assert left[::-1] == back[: len(left)]
 
 
-def test_a_load_that_gets_lost_is_an_internal_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_lost_load_is_an_internal_error(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = load_crossings.apply
 
-    def careless(state, which, **more):
+    def losing(state, which, **more):
         what = plain(state, which, **more)
         if which.k == 2:
             state.passed[which.r][which.k + 1 :] += 1
             state.write_slots()
         return what
 
-    monkeypatch.setattr(load_crossings, "apply", careless)
+    monkeypatch.setattr(load_crossings, "apply", losing)
     with pytest.raises(rw.SimulationError, match=r"Internal error: 8 loads are on d \.\.\. d after a crossing, 10"):
         rw.simulate(loop(1.0), 60.0)
 
 
-def test_a_run_that_makes_no_progress_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Crossings that change nothing would repeat for ever."""
+def test_a_run_without_progress_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Crossings without effect would repeat indefinitely."""
     monkeypatch.setattr(load_crossings, "apply", lambda *_, **__: "crossing forward")
     with pytest.raises(
         rw.SimulationError, match=r"no progress: \d+ events and failed steps at '\w+' within 0.1 s"
@@ -126,7 +126,7 @@ def test_events_of_a_short_time_are_counted() -> None:
         guard.require(499.55)
 
 
-def test_an_error_that_shorter_steps_do_not_mend_is_raised_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_that_shorter_steps_do_not_resolve_is_raised_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
 
     def move(self, stop):
@@ -140,7 +140,7 @@ def test_an_error_that_shorter_steps_do_not_mend_is_raised_at_once(monkeypatch: 
 
 
 def test_the_slide_of_a_return_wheel_is_certified() -> None:
-    """A wheel off its slide, or drawn by another force than its take-up, fails; its slide is a free place."""
+    """A wheel off its slide, or with a force other than its take-up, fails; its slide is a free position."""
     x = [0.0, 95.0, 210.0, 95.0]
     table = pd.DataFrame(
         {

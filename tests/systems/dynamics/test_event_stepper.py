@@ -1,4 +1,4 @@
-"""A run is the same for any interval of its records."""
+"""A run does not depend on the interval of its records."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,7 +16,7 @@ RAMP = rw.Schedule((0.0, 3.0, 60.0), (0.0, 1.0, 1.0))
 
 
 def line(stations: Sequence[float], heights: Sequence[float], controls: Sequence[int], **more: object) -> rw.System:
-    """Drums at the ends, control sheaves where they are asked for."""
+    """Drums at the ends, control sheaves at given supports."""
     last = len(stations) - 1
     kind = ["drum" if i in (0, last) else "control" if i in controls else "idler" for i in range(last + 1)]
     names = [f"n{i}" for i in range(last + 1)]
@@ -38,14 +38,14 @@ def lost(sheaves: Sequence[str], begin: float, end: float) -> list[rw.Interventi
 
 
 CASES = {
-    # From rest, rates at the start foretell no crossing.
+    # From rest, rates at the start predict no crossing.
     "a ramp from rest": (
         rw.monocable(rw.Rope.named("RHOL-IWRC 29"), LINE, tension=45e3, speed=RAMP, load_mass=300.0, load_spacing=61.0),
         [],
         12.0,
         (0.5, 3.0, 12.0),
     ),
-    # The engine holds the second drive back between two records.
+    # The engine limits the second drive between two records.
     "an engine at its limit": (
         line(
             (0.0, 122.8, 207.4, 289.9, 410.6, 489.1, 577.4, 655.7),
@@ -60,7 +60,7 @@ CASES = {
         15.0,
         (0.5, 5.0, 15.0),
     ),
-    # A load passes a support on the way back too, before the next record.
+    # A load also passes a support backwards, before the next record.
     "pressure lost, and back": (
         line(
             (0.0, 90.0, 195.8, 279.9, 354.0, 472.5),
@@ -75,7 +75,7 @@ CASES = {
         10.0,
         (0.1, 1.0, 10.0),
     ),
-    # Rates at the end of a stretch, where the rope hardly moves, tell nothing of when the load has passed.
+    # Rates at the end of a step, where the rope hardly moves, do not give the time of the crossing.
     "a drive that stops behind a crossing": (
         line(
             (0.0, 104.6, 220.9, 347.5, 469.0, 546.1, 622.8, 751.9),
@@ -91,7 +91,7 @@ CASES = {
         20.5,
         (1.0, 7.5),
     ),
-    # Within a second a load passes a support, comes back, and passes again.
+    # Within a second a load passes a support, returns, and passes again.
     "a drive without pressure that swings": (
         line(
             (0.0, 105.2, 224.6, 312.4, 423.5, 521.3, 644.8),
@@ -130,8 +130,7 @@ def test_coarse_and_fine_records_agree(case: str) -> None:
 
 
 def hillside(masses: float, spacing: float, rise: float, tension: float, speed: float) -> rw.System:
-    """A mono-cable of six spans over a hump, uphill or downhill by `rise` [m] a span, between drums that keep their
-    tensions."""
+    """A mono-cable of six spans over a hump, rising by `rise` [m] per span, between constant-tension drums."""
     x = 90.0 * np.arange(7)
     table = pd.DataFrame(
         {
@@ -148,8 +147,8 @@ def hillside(masses: float, spacing: float, rise: float, tension: float, speed: 
 
 @pytest.mark.parametrize(("mass", "rise"), [(350.0, 25.0), (900.0, 45.0)])
 def test_a_load_rests_on_a_drum_that_would_draw_it_back(mass: float, rise: float) -> None:
-    """Uphill a load that is put on lowers the tension, and the drum draws the rope back: the load is put on when the
-    rope carries it, and the line then begins from there."""
+    """Uphill, a load that is put on lowers the tension, and the drum draws the rope back. The load is put on when the
+    rope carries it, and the line then starts from there."""
     line = hillside(mass, 40.0, rise, 70e3, 1.1)
     run = rw.simulate(line, until=80.0, progress=False)
     put_on = [e for e in run.noted if e.event == "load put on"]
@@ -161,15 +160,15 @@ def test_a_load_rests_on_a_drum_that_would_draw_it_back(mass: float, rise: float
         own = run.record(after).loads.set_index("load").loc[event.load]
         assert own["span"] == "n0_n1"
         assert 0.0 <= own["distance"] < 0.01
-    # At the time when the rope has brought it to the drum, it would be drawn back by more than rounding.
+    # At the time of its arrival at the drum, it would be drawn back by more than rounding.
     early = run.at(put_on[0].time - 1e-4)
     assert early["n0.rope_tension"] == pytest.approx(70e3, rel=1e-9)
     rest = rw.simulate(line, 80.0 - put_on[0].time + 1e-4, start=early, progress=False)
     assert rest.frame["n1.tension_in"].iloc[-1] == pytest.approx(run.frame["n1.tension_in"].iloc[-1], rel=1e-8)
 
 
-def test_rope_that_runs_away_at_a_crossing_is_called_unstable() -> None:
-    """Loads far too heavy for the tension that a drum keeps: the jump at a crossing has no end."""
+def test_rope_that_runs_away_at_a_crossing_is_reported_as_unstable() -> None:
+    """Loads far too heavy for the drum's tension: the jump at a crossing does not converge."""
     x = 100.0 * np.arange(7)
     table = pd.DataFrame(
         {

@@ -1,4 +1,4 @@
-"""What a run writes down, and what it deletes again when a step is repeated."""
+"""Records of a run, and their removal when a step is repeated."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
-"""What increment, initiation, period, delay and precedence of responses do to a line, in direction.
+"""Direction of the effects of increment, initiation, period, delay and precedence of responses on a line.
 
-The line is that of examples/turk_responses.py: 24 spans, loads of unequal mass, out of its range at the start.
+The line is that of examples/turk_responses.py: 24 spans, loads of unequal mass, outside its tension range at the start.
 """
 
 from collections import defaultdict
@@ -22,7 +22,7 @@ MASSES = (300.0, 100.0, 500.0, 200.0, 600.0, 0.0, 450.0)
 LOW, HIGH, SETTLED = 44e3, 66e3, 100.0
 BASE = {"increment": 0.005, "period": 1.0, "delay": 0.0, "initiation": -2e3, "hold": 3.0}
 FOREVER = 1e3
-"""A hold under which no sheave goes back by itself: every response is then an action that was granted."""
+"""A hold so long that no sheave returns by itself: every response is then a granted action."""
 DRIVE = hydraulic_drive(displacement=45e-6, pump_flow=2.4e-3, engine_power=30e3)
 SHEAVES = ("c1", "c2", "c3", "c4")
 
@@ -39,7 +39,7 @@ def run(until: float, precedence: str = "all at once", *, hydraulic: bool = Fals
 
 
 def tensions(result: rw.Result, since: float = 0.0, until: float = np.inf) -> pd.DataFrame:
-    """At the control sheaves, both sides of every event."""
+    """Tensions at the control sheaves, on both sides of every event."""
     frame = result.full_frame.filter(regex=r"^c\d\.tension_(in|out)$")
     return frame[(frame.index >= since) & (frame.index <= until)]
 
@@ -59,12 +59,12 @@ def actions(result: rw.Result) -> dict[float, list[str]]:
 
 
 def rises(values: list[float], by: float) -> bool:
-    """Whether each value is above the one before it, by a factor."""
+    """Whether each value exceeds the previous one by a factor."""
     return all(b > by * a for a, b in pairwise(values))
 
 
 @pytest.mark.parametrize("hydraulic", [False, True])
-def test_responses_keep_the_line_in_a_range_that_it_leaves_without_them(hydraulic: bool) -> None:
+def test_responses_keep_the_line_in_its_range(hydraulic: bool) -> None:
     without = simulate(300.0)
     assert tensions(without, SETTLED).max(axis=None) > HIGH + 10e3
     assert outside(without) > 290.0
@@ -96,8 +96,8 @@ def test_a_longer_period_is_slower() -> None:
 
 
 def test_a_longer_delay_overshoots() -> None:
-    # A response turns tension into a rate of tension's rate: two integrations, damped by going back only. The delay
-    # takes from that damping, so the smallest increment is the one that shows it before every line swings.
+    # A response makes tension control the second derivative of tension: two integrations, damped only by the return.
+    # The delay reduces that damping; the smallest increment shows it before every line oscillates.
     results = [run(300.0, increment=0.002, delay=d) for d in (0.0, 3.0, 6.0)]
     swings = [np.ptp(tensions(r, SETTLED).to_numpy()) for r in results]
     assert rises(swings, 1.2)
@@ -113,7 +113,7 @@ def test_the_delay_is_from_sample_to_effect() -> None:
 
 
 def needs(result: rw.Result, time: float, initiation: float) -> dict[str, float]:
-    """How far each sheave that wants to act is beyond its initiation at a sample, before anyone acts [N]."""
+    """Excess over the initiation of each sheave that wants to act at a sample, before any acts [N]."""
     row = result.full_frame.loc[[time]].iloc[0]
     found = {}
     for name in SHEAVES:
@@ -123,7 +123,7 @@ def needs(result: rw.Result, time: float, initiation: float) -> dict[str, float]
 
 
 def expected(precedence: str, need: dict[str, float]) -> set[str]:
-    """Who may act."""
+    """Sheaves with permission to act."""
     want = list(need)
     if precedence == "all at once" or not want:
         return set(want)
@@ -137,8 +137,8 @@ def expected(precedence: str, need: dict[str, float]) -> set[str]:
 @pytest.mark.parametrize(
     "precedence", ["all at once", "upstream first", "downstream first", "worst first", "neighbours locked out"]
 )
-def test_those_act_who_may_by_precedence(precedence: str) -> None:
-    # 35 s: nobody is at the limit of its correction, where acting changes nothing.
+def test_precedence_selects_the_sheaves_that_act(precedence: str) -> None:
+    # At 35 s no sheave is at the limit of its correction, where an action has no effect.
     result = run(35.0, precedence, hold=FOREVER)
     acted = actions(result)
     for time in np.arange(1.0, 35.5):
@@ -171,8 +171,8 @@ def test_neighbours_never_act_together_when_locked_out() -> None:
 
 
 def test_downstream_first_may_never_reach_the_first_sheave() -> None:
-    # With an increment and period that serve all four at once, the sheaves after c1 go on asking: what one of them
-    # overshoots while it waits, it asks back. So c1 stays as it would be without a response.
+    # With an increment and period that suit all four at once, the sheaves after c1 keep requesting: each overshoots
+    # while it waits, and then requests the reverse. So c1 behaves as without a response.
     result, without = run(100.0, "downstream first", increment=0.01, period=2.0), simulate(100.0)
     assert "c1" not in {name for names in actions(result).values() for name in names}
     assert tensions(result)["c1.tension_out"].max() == pytest.approx(

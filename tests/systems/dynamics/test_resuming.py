@@ -1,4 +1,4 @@
-"""A run that starts where another was goes on as that did: clocks, what waits in queues, brakes, an emergency stop."""
+"""A resumed run continues the run it starts from: clocks, queued decisions, brakes, an emergency stop."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def rest(start: rw.Equilibrium, time: float, **more: object) -> rw.Result:
 
 @pytest.mark.parametrize("rule", RESPONSES)
 @pytest.mark.parametrize("time", [4.0, 9.37])
-def test_a_resumed_run_ends_where_the_whole_one_does(rule: str, time: float) -> None:
+def test_a_resumed_run_ends_like_the_whole_run(rule: str, time: float) -> None:
     result = whole(rule)
     resumed = rest(result.at(time), time)
     assert tensions(resumed) == pytest.approx(tensions(result), rel=1e-9)
@@ -55,13 +55,13 @@ def test_a_resumed_run_ends_where_the_whole_one_does(rule: str, time: float) -> 
     assert [e[0] for e in ours] == pytest.approx([e[0] for e in theirs], abs=1e-6)
 
 
-def test_drives_with_inertia_go_on_too() -> None:
+def test_drives_with_inertia_are_resumed() -> None:
     result = whole("threshold that waits", hydraulic=True)
     for time in (7.0, 11.13):
         assert tensions(rest(result.at(time), time)) == pytest.approx(tensions(result), rel=1e-6)
 
 
-def test_a_resumed_run_is_resumed_and_travels_by_pickle() -> None:
+def test_a_resumed_run_can_be_resumed_and_pickled() -> None:
     result = whole("threshold that waits")
     first = rest(result.at(6.21), 6.21)
     start = pickle.loads(pickle.dumps(first.at(5.4).pending))
@@ -70,8 +70,8 @@ def test_a_resumed_run_is_resumed_and_travels_by_pickle() -> None:
     assert tensions(second) == pytest.approx(tensions(result), rel=1e-9)
 
 
-def test_a_tick_between_records_is_known() -> None:
-    """Nobody acts: only the queue and the time without need change."""
+def test_a_tick_between_records_is_kept() -> None:
+    """No response acts: only the queue and the time without need change."""
     calm = rw.ThresholdResponse(low=1.0, high=500e3, increment=0.01, period=0.7, delay=0.4)
     result = rw.simulate(line(calm), 5.0, every=5.0)
     assert result.at(2.2)["c1.response_calm"] == pytest.approx(2.1)
@@ -79,7 +79,7 @@ def test_a_tick_between_records_is_known() -> None:
     assert dict(result.at(2.2).pending.ticks) == pytest.approx({(0.7, 0.7): 0.6, (0.7, 1.1): 0.3})
 
 
-def test_brakes_and_an_emergency_stop_go_on() -> None:
+def test_brakes_and_an_emergency_stop_are_resumed() -> None:
     schedule = rw.Schedule((0.0, 30.0), (0.9, 1.4))
     acts = [rw.Intervention(3.0, "brake", "c2"), rw.Intervention(8.0, "emergency stop", deceleration=0.2)]
     system = line(RESPONSES["proportional"], speed=schedule)
@@ -105,7 +105,7 @@ def test_memory_of_results_is_released() -> None:
     calm = rw.equilibrium(here.model, start=here)
     assert calm["c1.correction"] == calm["c1.response_target"] == 0.0
     assert calm.pending == rw.equilibrium(here.model).pending
-    # Another response begins, the same one goes on.
+    # A different response begins anew; the same one continues.
     other = rw.simulate(line(RESPONSES["proportional"]), 1.0, start=here)
     assert other.at(0.0)["c1.correction"] == 0.0
     faster = line(RESPONSES["threshold that waits"], speed=1.2)

@@ -1,4 +1,4 @@
-"""A line in time: crossings, balances, both directions, what goes wrong."""
+"""A line over time: crossings, balances, both directions, failures."""
 
 from pathlib import Path
 
@@ -43,7 +43,7 @@ def test_script_of_the_design_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.isfinite(frame.to_numpy()).all()
 
 
-def test_the_picture_of_a_rope_without_sheaves_has_no_empty_field() -> None:
+def test_the_figure_of_a_rope_without_sheaves_has_no_empty_panel() -> None:
     s = rw.System("one span")
     s.string(ROPE, rw.Drum("a", at=(0, 0), speed=0.01), rw.Anchor("b", at=(100, 5)), length=101.0)
     assert len(rw.simulate(s, until=1.0).plot().axes) == 1
@@ -79,7 +79,7 @@ def test_crossings_are_located_to_a_billionth_of_a_span() -> None:
         assert start[k] - travel == pytest.approx(run.loads.place[int(row.value) - 1], abs=1e-9 * 80.0)
 
 
-def test_no_load_is_lost_or_doubled() -> None:
+def test_no_load_is_lost_or_duplicated() -> None:
     result = rw.simulate(zigzag(), until=150.0)
     events = result.events["event"].value_counts()
     change = on_line(result.records[-1]) - on_line(result.records[0])
@@ -96,14 +96,14 @@ def test_no_load_is_lost_or_doubled() -> None:
 
 
 def test_equals_an_equilibrium_at_every_output_time() -> None:
-    """The line is quasi-static: with the travel of its drives given, each instant is an equilibrium."""
+    """The line is quasi-static: for given travels of its drives, each instant is an equilibrium."""
     line = zigzag()
     result = rw.simulate(line, until=40.0, every=4.0)
     model = rw.assemble(line)
     start = rw.equilibrium(model)
     assert start["n0_n1.tension_a"] == pytest.approx(result.frame.loc[0.0, "n0_n1.tension_a"], rel=1e-12)
     for t in result.frame.index:
-        # The drive of the run is n4; the rest follows. The equilibrium is solved from cold.
+        # The drive of the run is n4. The equilibrium is solved from a cold start.
         rest = rw.equilibrium(model, parameters={"n4.travel": float(t)})
         for name in ("n0_n1.tension_a", "n3_n4.tension_b", "n4_n5.tension_a", "n7_n8.horizontal", "n2_n3.length"):
             assert result.frame.loc[t, name] == pytest.approx(rest[name], rel=2e-9), (t, name)
@@ -129,7 +129,7 @@ def test_backward_travel_takes_loads_off_at_the_start() -> None:
     assert set(events.query("event == 'load taken off'")["component"]) == {"n0"}
 
 
-def test_drives_pay_for_the_rise_of_the_loads() -> None:
+def test_drives_supply_the_potential_energy_of_the_loads() -> None:
     """Energy: work of both drives = gain of gravity and elastic energy, while no load crosses a support."""
     s = rw.System("two spans")
     drums = rw.Drum("d0", at=(0.0, 0.0), speed=1.0), rw.Drum("d1", at=(230.0, 30.0), speed=1.02)
@@ -150,7 +150,7 @@ def test_drives_pay_for_the_rise_of_the_loads() -> None:
         return energy
 
     def flow(tension: pd.Series, height: float) -> pd.Series:
-        """Energy that a metre of unstretched rope carries over a support at a height."""
+        """Energy of a metre of unstretched rope that passes a support at a height."""
         return tension + tension**2 / (2.0 * ROPE.axial_stiffness) - ROPE.mass_per_length * 9.80665 * height
 
     frame = result.frame
@@ -164,7 +164,7 @@ def test_drives_pay_for_the_rise_of_the_loads() -> None:
 
 
 def valley(speed: float, at: float) -> rw.System:
-    """A hold-down sheave in a valley: a load is pushed back there from either side."""
+    """A hold-down sheave in a valley, which pushes a load back on both sides."""
     s = rw.System("valley")
     h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
     ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
@@ -173,15 +173,15 @@ def valley(speed: float, at: float) -> rw.System:
     return s
 
 
-@pytest.mark.parametrize(("speed", "at", "way"), [(1.0, 80.0, "forward"), (-1.0, 125.0, "backward")])
-def test_load_held_at_a_hold_down_is_reported_and_passes(speed: float, at: float, way: str) -> None:
+@pytest.mark.parametrize(("speed", "at", "direction"), [(1.0, 80.0, "forward"), (-1.0, 125.0, "backward")])
+def test_load_held_at_a_hold_down_is_reported_and_passes(speed: float, at: float, direction: str) -> None:
     result = rw.simulate(valley(speed, at), until=40.0, every=0.5)
     events = result.events.query("component == 'h'")
-    assert list(events["event"]) == ["load held", f"load released {way}"]
+    assert list(events["event"]) == ["load held", f"load released {direction}"]
     held, released = events["time"]
     assert 0.0 < released - held < 0.05
     frame = result.full_frame
-    # While it stands on the sheave the travel rests and the tension difference grows.
+    # While the sheave holds it, the travel is constant and the tension difference grows.
     on = frame[(frame.index >= held) & (frame.index <= released)]
     assert np.ptp(on["h.travel"].iloc[1:-1]) < 1e-8
     after = frame[frame.index > released]
@@ -189,7 +189,7 @@ def test_load_held_at_a_hold_down_is_reported_and_passes(speed: float, at: float
     assert len(result.at(40.0).loads) == 1
 
 
-def test_limits_are_events_and_stop_the_run_only_when_asked() -> None:
+def test_limits_are_events_and_stop_the_run_only_on_request() -> None:
     weak = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=150e3)
     s = rw.System("over the limit")
     spans = s.string(weak, rw.Anchor("a", at=(0, 0)), rw.Drum("d", at=(150, 0), speed=0.02), tension=40e3)
@@ -232,8 +232,8 @@ def test_bad_times(wrong: dict[str, float]) -> None:
         rw.simulate(zigzag(), **wrong)
 
 
-def test_a_failed_run_carries_what_it_had() -> None:
-    """The drum winds in an anchored, nearly inextensible rope until there is no equilibrium left."""
+def test_a_failed_run_keeps_its_records() -> None:
+    """The drum winds in an anchored, nearly inextensible rope until no equilibrium exists."""
     stiff = rw.Rope(mass_per_length=3.48, axial_stiffness=float("inf"), breaking_load=576.6e3)
     s = rw.System("wound up")
     s.string(stiff, rw.Anchor("a", at=(0, 0)), rw.Drum("d", at=(150, 0), speed=0.05), tension=40e3)
@@ -267,8 +267,8 @@ def test_runs_are_deterministic() -> None:
     pd.testing.assert_frame_equal(one.events, two.events)
 
 
-def test_more_slots_are_made_when_loads_bunch_up() -> None:
-    """A long span between two short ones: it takes more loads than it started with."""
+def test_slots_are_added_when_loads_bunch_up() -> None:
+    """A long span between two short ones, which receives more loads than it has at the start."""
     s = rw.System("bunch")
     ends = rw.Drum("d0", at=(0, 0), speed=1.0), rw.Drum("d1", at=(330, 3), tension=50e3)
     spans = s.string(ROPE, ends[0], rw.Sheave("s1", at=(60, 3)), rw.Sheave("s2", at=(300, 4)), ends[1], tension=50e3)
@@ -280,7 +280,7 @@ def test_more_slots_are_made_when_loads_bunch_up() -> None:
 
 
 def paid_out(heights: tuple[float, ...], stations: tuple[float, ...]) -> rw.System:
-    """A drum pays half a metre a second out to a rope over idlers."""
+    """A drum pays out half a metre of rope a second over idlers."""
     s = rw.System("paid out")
     first, *between, last = zip(stations, heights, strict=True)
     idlers = [rw.Sheave(f"s{i}", at=at) for i, at in enumerate(between, 1)]
@@ -288,8 +288,8 @@ def paid_out(heights: tuple[float, ...], stations: tuple[float, ...]) -> rw.Syst
     return s
 
 
-def test_rope_that_is_paid_out_stays_on_its_balance() -> None:
-    """Most of it ends in the longest span, however coarse the record: a far one was found for some."""
+def test_a_rope_that_is_paid_out_stays_in_balance() -> None:
+    """Most of it ends in the longest span, for any interval of records; some once gave a distant root."""
     ends = []
     for every in (10.0, 200.0, 400.0):
         frame = rw.simulate(paid_out((0.0, 0.0, 3.0, 0.0), (0.0, 100.0, 210.0, 300.0)), 400.0, every=every).frame
@@ -300,7 +300,7 @@ def test_rope_that_is_paid_out_stays_on_its_balance() -> None:
 
 
 def test_a_balance_that_becomes_unstable_ends_a_run_at_its_time() -> None:
-    """Two equal spans share the rope until their end tension is least; then it would run into one of them."""
+    """Two equal spans share the rope until their end tension is minimal; then the rope would run into one of them."""
     found = []
     for every in (1.0, 30.0, 400.0):
         with pytest.raises(rw.SimulationError, match="rope over 's1' is unstable") as caught:

@@ -1,4 +1,4 @@
-"""From declarations to the flat model: determinism, names, the structure check."""
+"""Assembly of the flat model: determinism, names, structure check."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def test_the_same_declarations_give_the_same_model() -> None:
     np.testing.assert_array_equal(a.outputs, b.outputs)
 
 
-def test_assembling_changes_nothing() -> None:
+def test_assembly_does_not_change_the_system() -> None:
     s = line()
     before = (dict(s.components), dict(s.connections), list(s.hung))
     rw.assemble(s)
@@ -69,7 +69,7 @@ def test_tables_are_complete() -> None:
     assert all(legal.fullmatch(name) for name in seen)
 
 
-def test_functions_fit_the_tables() -> None:
+def test_functions_match_the_tables() -> None:
     model = rw.assemble(line())
     sizes = [1, len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)]
     for function in (model.dae, model.outputs):
@@ -98,7 +98,7 @@ def test_residuals_vanish_at_rest() -> None:
 
 
 def test_the_order_of_declaration_does_not_matter() -> None:
-    """The same line from parts, its spans declared last to first."""
+    """The same line from components, with spans declared in reverse order."""
     known = rw.equilibrium(line())
     s, other = rw.System("parts"), line()
     nodes = [c for c in other.components.values() if not isinstance(c, rw.Span)]
@@ -115,7 +115,7 @@ def test_the_order_of_declaration_does_not_matter() -> None:
         assert eq[f"{span.name}.tension_a"] == pytest.approx(known[f"{span.name}.tension_a"], rel=1e-10)
 
 
-def test_two_ropes_in_one_system_do_not_touch() -> None:
+def test_two_ropes_in_one_system_are_independent() -> None:
     both, alone = line(), rw.System("other")
     other = rw.Rope(mass_per_length=1.4, axial_stiffness=14e6, breaking_load=256.3e3)
     for s in (both, alone):

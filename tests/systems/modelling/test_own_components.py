@@ -1,4 +1,5 @@
-"""Components of a user: right numbers for each class and its constants, rest by closed forms, and typed faults."""
+"""User-defined components: correct numbers for each class and its constants, equilibria by closed forms, typed
+errors."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -15,7 +16,7 @@ GRAVITY = 9.80665
 
 @dataclass(frozen=True)
 class Rough(rw.Sheave):
-    """Lets `gain` times the tension coming in go out: a constant of the instance."""
+    """Multiplies the incoming tension by `gain`, a constant of the instance."""
 
     gain: float = 1.0
 
@@ -40,7 +41,7 @@ def test_each_class_and_each_constant_has_its_own_equations(order: tuple[int, ..
 
 @dataclass(frozen=True)
 class Spring(rw.Node):
-    """An anchor that a spring and a damper hold in x."""
+    """An anchor held in x by a spring and a damper."""
 
     stiffness: float = 2e5
     damping: float = 1e4
@@ -60,7 +61,7 @@ class Spring(rw.Node):
         return rw.Equations(rates={"x": (v.rope.force[0] - v.stiffness * (v.x - self.at[0])) / self.damping})
 
 
-def test_a_spring_is_displaced_by_its_force() -> None:
+def test_displacement_of_a_spring() -> None:
     """15.0 kN at 2e5 N/m: 75.0 mm."""
     s = rw.System("spring")
     s.string(ROPE, Spring("spring", at=(0.0, 0.0)), rw.Anchor("b", at=(120.0, 0.0)), length=120.2)
@@ -112,7 +113,7 @@ def weighted(**how: Any) -> rw.System:
     return s
 
 
-def test_a_counterweight_hangs_by_its_weight() -> None:
+def test_equilibrium_of_a_counterweight() -> None:
     s = weighted()
     table = rw.sweep(
         s, {"w.mass": [1200.0, 1500.0, 2100.0]}, outputs=["w_s.tension_a", "s.tension_out"], progress=False
@@ -122,7 +123,7 @@ def test_a_counterweight_hangs_by_its_weight() -> None:
     assert float(found.loc["w_s.tension_a", "w.mass"]) == pytest.approx(GRAVITY, rel=1e-6)
 
 
-def test_its_energy_is_balanced() -> None:
+def test_energy_balance_of_a_counterweight() -> None:
     s = weighted()
     turn = rw.Schedule((0.0, 1.0, 4.0), (0.0, 0.3, 0.3))
     run = rw.simulate(s, until=4.0, every=0.002, inputs={"d.speed": turn}, progress=False)
@@ -133,14 +134,14 @@ def test_its_energy_is_balanced() -> None:
     assert run.summary().supports.loc["w", "kind"] == "Weight"
 
 
-def test_a_travel_that_nothing_determines_is_named() -> None:
+def test_the_error_names_an_undetermined_travel() -> None:
     with pytest.raises(rw.UnbalancedSystemError, match=r"Nothing determines w\.travel at rest.*kept_at_rest"):
         rw.equilibrium(weighted(travels=False))
 
 
 @dataclass(frozen=True)
 class Faulty(rw.Node):
-    """A component with one thing wrong."""
+    """A component with one fault."""
 
     variables_: tuple[rw.Variable, ...] = ()
     given: dict[str, Any] = field(default_factory=dict, hash=False)
@@ -273,7 +274,7 @@ class Battery(rw.Component):
 
 @dataclass(frozen=True, slots=True)
 class ElectricDrive(rw.Drive):
-    """It demands power in proportion to its speed, and slows down by the part that it gets."""
+    """Its demand is proportional to its speed; its speed is reduced by its share of the supply."""
 
     shares = ("part",)
     rating: float
@@ -286,7 +287,7 @@ class ElectricDrive(rw.Drive):
 
 
 def test_own_source_shares_its_power_among_own_drives() -> None:
-    """Demands of 2 kW and 6 kW at 5 kW: each sheave gets 5/8 of its speed; without the source all of it."""
+    """Demands of 2 kW and 6 kW at 5 kW: each sheave gets 5/8 of its speed; without the source its full speed."""
 
     def frame(*, fed: bool) -> Any:
         s = rw.System("fed")
@@ -305,7 +306,7 @@ def test_own_source_shares_its_power_among_own_drives() -> None:
     assert alone[["battery.demanded", "p.travel", "q.travel"]].tolist() == pytest.approx([0.0, 2.0, 6.0], rel=1e-9)
 
 
-def test_a_source_and_a_consumer_that_do_not_fit_are_refused() -> None:
+def test_a_source_and_a_consumer_that_do_not_match_are_rejected() -> None:
     s = rw.System("unfit")
     battery = s.add(Battery("battery", limit=5e3))
     hydraulic = rw.HydraulicDrive(

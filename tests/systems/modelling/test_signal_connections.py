@@ -21,8 +21,8 @@ STRONG = rw.DieselHydraulicUnit(
 )
 
 
-def followed() -> rw.System:
-    """A sheave with an ideal drive beside a line follows the line's sheave."""
+def follower() -> rw.System:
+    """A separate sheave with an ideal drive follows the sheave of the line."""
     s = short_line(drive=HYDRAULIC)
     other = rw.ControlSheave("c2", at=(50.0, 0.0))
     ends = rw.Drum("d0", at=(0.0, 0.0), tension=40e3), rw.Drum("d1", at=(100.0, 0.0), tension=40e3)
@@ -32,7 +32,7 @@ def followed() -> rw.System:
 
 
 def test_a_driven_sheave_follows() -> None:
-    frame = rw.simulate(followed(), 20.0, every=0.5, inputs={"c1.speed": 1.1}, tolerance=1e-9).frame
+    frame = rw.simulate(follower(), 20.0, every=0.5, inputs={"c1.speed": 1.1}, tolerance=1e-9).frame
     assert frame["c1.travel"].iloc[-1] > 20.0
     assert frame["c2.travel"].to_numpy() == pytest.approx(frame["c1.travel"].to_numpy(), abs=1e-7)
 
@@ -56,7 +56,7 @@ def test_a_weak_unit_slows_the_line() -> None:
 
 
 def test_a_report_of_a_run_with_crossings() -> None:
-    """A load that stands on a support to rounding is on its span."""
+    """A load at a support to within rounding is on its span."""
     lost = rw.Intervention(1.0, "pressure lost", "c1")
     spans = rw.simulate(fed_line(WEAK_UNIT), 5.0, interventions=[lost]).summary().spans
     assert (spans["largest_sag"] > 0.5).all()
@@ -66,14 +66,14 @@ def test_ports_that_do_not_match() -> None:
     s = fed_line(STRONG)
     c1, unit = s.components["c1"], s.components["unit"]
 
-    def refused(one: Port, other: Port, match: str) -> None:
+    def rejected(one: Port, other: Port, match: str) -> None:
         with pytest.raises(rw.InputError, match=match):
             s.connect(one, other)
 
-    refused(unit.output("flow"), c1.input("speed"), r"unit\.flow is in m3/s, c1\.speed in m/s")
-    refused(unit.output("flow"), c1.input("pump_flow"), "connected twice")
-    refused(unit.output("flow"), unit.output("pressure"), "Connect an output to an input")
-    refused(unit.input("load_power"), c1.input("speed"), "Connect an output to an input")
+    rejected(unit.output("flow"), c1.input("speed"), r"unit\.flow is in m3/s, c1\.speed in m/s")
+    rejected(unit.output("flow"), c1.input("pump_flow"), "connected twice")
+    rejected(unit.output("flow"), unit.output("pressure"), "Connect an output to an input")
+    rejected(unit.input("load_power"), c1.input("speed"), "Connect an output to an input")
     with pytest.raises(rw.UnknownNameError, match="has no input 'pressure'"):
         unit.input("pressure")
     with pytest.raises(rw.UnknownNameError, match="has no output or state 'load_power'"):
@@ -84,7 +84,7 @@ def test_ports_that_do_not_match() -> None:
 
 def test_an_emergency_stop_needs_the_command() -> None:
     with pytest.raises(rw.InputError, match=r"cannot ramp down 'c2\.speed'"):
-        rw.simulate(followed(), 5.0, interventions=[rw.Intervention(1.0, "emergency stop")])
+        rw.simulate(follower(), 5.0, interventions=[rw.Intervention(1.0, "emergency stop")])
 
 
 def test_an_emergency_stop_keeps_other_inputs() -> None:

@@ -1,4 +1,4 @@
-"""Systems as parts of others: what they give apart, component for component, and what they share."""
+"""Systems as parts of others: the same results as separate systems, component for component, and shared components."""
 
 from typing import Any
 
@@ -30,12 +30,12 @@ def line(mass: float, *, spans: int = 6, precedence: str = "worst first", **how:
 
 
 def test_two_lines_in_one_system_are_independent() -> None:
-    apart = {"p": line(300.0), "q": line(420.0)}
+    separate = {"p": line(300.0), "q": line(420.0)}
     outer = rw.System("yard")
-    for name, inner in apart.items():
+    for name, inner in separate.items():
         assert len(outer.add(inner, name=name)) == len(inner.components)
     together, run = rw.equilibrium(outer), rw.simulate(outer, until=45.0, every=1.0, progress=False)
-    for name, inner in apart.items():
+    for name, inner in separate.items():
         eq, alone = rw.equilibrium(inner), rw.simulate(inner, until=45.0, every=1.0, progress=False)
         for variable in eq.model.y.names:
             assert together[f"{name}.{variable}"] == pytest.approx(eq[variable], rel=1e-10, abs=1e-10)
@@ -63,7 +63,7 @@ def test_two_lines_share_a_power_unit() -> None:
     assert flows[0] == pytest.approx(flows[1], rel=0.01)
 
 
-def test_parts_of_parts_keep_loads_links_and_origins() -> None:
+def test_nested_parts_keep_loads_connections_and_origins() -> None:
     inner = rw.System("inner")
     over = (rw.Anchor("a", at=(0.0, 0.0)), rw.Sheave("m", at=(50.0, 2.0)), rw.Anchor("b", at=(90.0, 0.0)))
     spans = inner.string(ROPE, *over, length=91.0)
@@ -83,7 +83,7 @@ def test_parts_of_parts_keep_loads_links_and_origins() -> None:
     assert inner.components["a"].name == "a"
 
 
-def test_parts_are_swept_and_summed_up() -> None:
+def test_parts_in_sweeps_and_summaries() -> None:
     outer = rw.System("yard")
     outer.add(line(300.0, spans=4), name="p")
     frame = rw.sweep(outer, rw.latin_hypercube({"p.first.tension": (58e3, 62e3)}, 3), outputs=["p.c3.tension_in"])

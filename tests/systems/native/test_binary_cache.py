@@ -1,4 +1,4 @@
-"""Compiled libraries are kept, checked, and compiled again where they are not whole."""
+"""Compiled libraries are cached, checked, and compiled again if damaged."""
 
 import ctypes
 import subprocess
@@ -21,7 +21,7 @@ def answer(value: int) -> int:
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A cache of the test's own, and nothing loaded."""
+    """A separate cache without loaded libraries."""
     monkeypatch.setenv("ROPEWAY_CACHE", str(tmp_path / "cache"))
     binary_cache._loaded.cache_clear()
     return tmp_path / "cache"
@@ -44,7 +44,7 @@ def test_a_library_is_compiled_once(folder: Path, monkeypatch: pytest.MonkeyPatc
     assert cache_info().libraries == 0
 
 
-def test_a_file_that_was_cut_off_is_compiled_again(folder: Path) -> None:
+def test_a_truncated_file_is_compiled_again(folder: Path) -> None:
     assert answer(42) == 42
     whole = kept(folder).read_bytes()
     kept(folder).unlink()
@@ -63,7 +63,7 @@ def test_a_file_that_was_cut_off_is_compiled_again(folder: Path) -> None:
     assert path.read_bytes() == whole
 
 
-def test_another_processor_or_compiler_has_libraries_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_processor_or_compiler_has_separate_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     assert answer(43) == 43
     monkeypatch.setattr(binary_cache, "_processor", lambda: "another")
     assert answer(43) == 43

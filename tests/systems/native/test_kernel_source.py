@@ -1,4 +1,4 @@
-"""A kernel in C, and on arrays, has the values of the CasADi function that it is made of."""
+"""Kernels in C and on arrays have the values of their CasADi function."""
 
 import ctypes
 

@@ -6,7 +6,9 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import rasterio
 
 import ropeway as rw
 from support import call_objects as objects
@@ -79,3 +81,23 @@ def test_a_pdf_has_text_and_pages(tmp_path: Path) -> None:
     data = path.read_bytes()
     assert data.startswith(b"%PDF")
     assert 2 <= data.count(b"/Type /Page\n") + data.count(b"/Type /Page ") + data.count(b"/Type/Page/") <= 8
+
+
+def test_from_an_elevation_model_to_the_contractor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The script of docs/reports.md: at most 12 lines to a report, a PDF, a GeoPackage and a DXF."""
+    document = (Path(__file__).resolve().parents[3] / "docs" / "reports.md").read_text(encoding="utf-8")
+    script = document.split("to the contractor")[1].split("```text\n")[1].split("```")[0]
+    assert len([line for line in script.splitlines() if line.strip()]) <= 12
+    east, north = np.meshgrid(2600050.0 + 4.0 * np.arange(110), 1200650.0 - 4.0 * np.arange(130))
+    along = 0.6 * (east - 2600100.0) + 0.8 * (north - 1200200.0)
+    heights = 846.0 - 0.27 * along + 9.0 * np.cos(along / 60.0)
+    place = rasterio.Affine(4.0, 0.0, 2600048.0, 0.0, -4.0, 1200652.0)
+    with rasterio.open(tmp_path / "dem.tif", "w", driver="GTiff", height=130, width=110, count=1, dtype="float64",
+                       crs="EPSG:2056", transform=place) as file:  # fmt: skip
+        file.write(heights, 1)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(script, "docs/reports.md", "exec"), {})
+    for name in ("corridor.html", "corridor.pdf", "corridor.gpkg", "corridor.dxf"):
+        assert (tmp_path / name).stat().st_size > 10_000
+    shown = {row["Name"]: row for row in Page(tmp_path / "corridor.html").rows("Staking out")}
+    assert float(shown["jack"]["Easting"]) == pytest.approx(2600100.0 + 250.0 * 0.6, abs=0.2)

@@ -161,7 +161,7 @@ def test_limits_that_are_exceeded_are_warnings(tmp_path: Path) -> None:
 def test_what_is_missing_is_named(study: rw.PayloadStudy, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(rw.InputError, match=r"end with .html or .pdf"):
         study.report(tmp_path / "report.docx")
-    with pytest.raises(rw.InputError, match="no load path"):
+    with pytest.raises(rw.InputError, match="not a load path"):
         rw.load_path_report(objects.rig(), 900.0, study.frame[["station"]], tmp_path / "x.html")
     monkeypatch.setattr(printing, "_browsers", lambda: iter(()))
     with pytest.raises(rw.InputError, match="Install Chromium, Chrome or Edge"):

@@ -1,4 +1,4 @@
-"""Units and descriptions go with a frame through pandas without being copied each time."""
+"""Units and descriptions follow a frame through pandas without copies."""
 
 import copy
 import json
@@ -21,7 +21,7 @@ def test_pandas_does_not_copy_them() -> None:
         assert derived.attrs["units"] is labels
 
 
-def test_they_are_a_dictionary_that_does_not_change() -> None:
+def test_labels_are_an_immutable_dictionary() -> None:
     labels = Labels({"c1.speed": "m/s"})
     assert labels == {"c1.speed": "m/s"}
     assert json.loads(json.dumps(labels)) == labels
@@ -46,7 +46,7 @@ def test_results_keep_their_units_in_files(tmp_path: Path) -> None:
     assert read.attrs["units"]["c1.tension_in"] == "N"
 
 
-def test_a_summary_makes_each_record_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_summary_builds_each_record_once(monkeypatch: pytest.MonkeyPatch) -> None:
     result = rw.simulate(line(12, 3), 3.0)
     made: list[int] = []
     original = rw.Result.record

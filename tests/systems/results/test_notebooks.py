@@ -1,4 +1,4 @@
-"""What notebooks show: tables and pictures of systems, rigs, profiles, results and studies; moving pictures."""
+"""Output in notebooks: tables and figures of systems, rigs, profiles, results and studies; animations."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_objects_show_a_table(make: object, words: tuple[str, ...]) -> None:
     assert "&lt;" in text  # of the angle brackets of a name
 
 
-def test_pictures_show_themselves() -> None:
+def test_figures_have_a_png_representation() -> None:
     ground = objects.GROUND
     for figure in (ground.plot(), objects.rig().plot(), objects.rig().plot(view="3d"), objects.line().plot("3d"),
                    objects.line().plot(), objects.run().plot()):  # fmt: skip
@@ -46,7 +46,7 @@ def test_pictures_show_themselves() -> None:
         rw.System("empty").plot()
 
 
-def test_a_run_moves_in_a_gif_and_on_a_page(tmp_path: Path) -> None:
+def test_animation_of_a_run_as_gif_and_page(tmp_path: Path) -> None:
     with Image.open(objects.run().animate(tmp_path / "run.gif", frames=4)) as picture:
         assert picture.n_frames == 4
     assert "data-player" in objects.run().animate(tmp_path / "run.html").read_text()

@@ -1,4 +1,4 @@
-"""What pictures of a line show: their curves, limits, names and scales."""
+"""Figures of a line: curves, limits, names and scales."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TURN = math.radians(37.0)
 
 
 def supports(*, map_coordinates: bool) -> pd.DataFrame:
-    """Zig-zag supports along x, or the same turned and shifted to map coordinates."""
+    """Zig-zag supports along x, or the same rotated and shifted to map coordinates."""
     rows = [
         ("low", 0.0, 0.0, 12.0, "drum"),
         ("post1", 95.0, 6.0, 20.0, "idler"),
@@ -67,7 +67,7 @@ def labels(axis: Axes) -> list[str]:
 
 
 def curves(axis: Axes) -> dict[str, np.ndarray]:
-    """The curves with names: their values."""
+    """Values of the named curves."""
     return {str(line.get_label()): np.asarray(line.get_ydata(), dtype=float) for line in axis.lines}
 
 
@@ -76,7 +76,7 @@ def names(axis: Axes) -> set[str]:
 
 
 def all_legends_are_drawn(axes: Sequence[Axes]) -> None:
-    """Each entry of a legend stands for a curve that its panel shows, or says what is not drawn."""
+    """Each entry of a legend belongs to a visible curve of its panel, or names limits that are not drawn."""
     for axis in axes:
         low, high = axis.get_ylim()
         for label, values in curves(axis).items():
@@ -100,7 +100,7 @@ def test_tensions_fill_their_panel_when_limits_are_far(strong: rw.Result) -> Non
     all_legends_are_drawn(figure.axes)
 
 
-def test_tensions_above_the_limits_are_in_the_panel_and_said(weak: rw.Result) -> None:
+def test_tensions_above_the_limits_are_in_the_panel_and_reported(weak: rw.Result) -> None:
     figure = weak.plot()
     top = figure.axes[0]
     highest = weak.full_frame.filter(regex=r"\.tension_[ab]$").max(axis=None)
@@ -121,7 +121,7 @@ def test_a_tension_beyond_all_limits_is_never_off_the_panel() -> None:
     assert names(axis) == {"905.0 kN: above MBL 420.0 kN"}
 
 
-def test_a_tension_brought_just_to_its_limit_is_not_above_it() -> None:
+def test_a_tension_at_its_limit_is_not_above_it() -> None:
     axis = Figure().subplots()
     draw_limits(axis, [(140e3 * (1.0 + 1e-9), [LimitLine(140e3, "SWL")])])
     assert names(axis) == set()
@@ -151,7 +151,7 @@ def test_a_straight_line_has_no_plan() -> None:
     assert len(rw.simulate(line, 1.0).plot_line().axes) == 2
 
 
-def test_all_supports_have_names_and_loads_leave_the_rope_in_sight(strong: rw.Result) -> None:
+def test_all_supports_have_names_and_loads_do_not_hide_the_rope(strong: rw.Result) -> None:
     figure = strong.plot_line(6.0)
     elevation = figure.axes[0]
     assert {"low", "post1", "pull1", "post2", "pull2", "high"} <= names(elevation)
@@ -163,7 +163,7 @@ def test_all_supports_have_names_and_loads_leave_the_rope_in_sight(strong: rw.Re
     assert f"{count} loads, 180 to 260 kg" in labels(elevation)
 
 
-def test_supports_stand_on_the_ground_only_where_it_is_known(strong: rw.Result) -> None:
+def test_supports_reach_a_known_ground_only(strong: rw.Result) -> None:
     def posts(figure: Figure) -> list[tuple[float, float]]:
         upright = [line for line in figure.axes[0].lines if np.ptp(line.get_xdata()) == 0.0]
         return [tuple(line.get_ydata()) for line in upright if line.get_color() == "tab:brown"]
@@ -179,7 +179,7 @@ def test_supports_stand_on_the_ground_only_where_it_is_known(strong: rw.Result) 
         strong.plot_line(6.0, ground=rw.Profile((0.0, 300.0), (3.0, 4.0)))
 
 
-def test_the_lines_tension_panel_has_the_limits_too(weak: rw.Result, strong: rw.Result) -> None:
+def test_the_tension_panel_of_a_line_has_the_limits(weak: rw.Result, strong: rw.Result) -> None:
     for result, drawn in ((weak, True), (strong, False)):
         axis = result.plot_line(6.0).axes[1]
         assert any(label.startswith("SWL") for label in curves(axis)) == drawn
@@ -228,7 +228,7 @@ def corridor() -> Callable[..., rw.SkylineRig]:
     return rig
 
 
-def test_a_payload_picture_says_what_it_holds_for(corridor: Callable[..., rw.SkylineRig]) -> None:
+def test_a_payload_figure_states_its_assumptions(corridor: Callable[..., rw.SkylineRig]) -> None:
     study = rw.payload(corridor(), safety_factor=2.5, clearance=0.5, stations=np.arange(10.0, 300.0, 20.0))
     figure = study.plot()
     top, payloads, tensions = figure.axes
@@ -248,16 +248,16 @@ def test_a_payload_picture_says_what_it_holds_for(corridor: Callable[..., rw.Sky
     all_legends_are_drawn([payloads, tensions])
 
 
-def test_stations_without_a_payload_break_the_curve(corridor: Callable[..., rw.SkylineRig]) -> None:
+def test_stations_without_a_payload_interrupt_the_curve(corridor: Callable[..., rw.SkylineRig]) -> None:
     study = rw.payload(corridor(depth=11.0), clearance=1.0, stations=np.arange(10.0, 300.0, 20.0))
-    none = (study.frame["payload"] == 0.0).to_numpy()
-    assert none.any()
-    assert not none.all()
+    without_payload = (study.frame["payload"] == 0.0).to_numpy()
+    assert without_payload.any()
+    assert not without_payload.all()
     axis = study.plot().axes[1]
     curve = axis.lines[0].get_ydata()
-    assert np.isnan(curve[none]).all()
+    assert np.isnan(curve[without_payload]).all()
     crosses = [x for line in axis.lines if line.get_marker() == "x" for x in line.get_xdata()]
-    assert sorted(crosses) == pytest.approx(study.frame["station"][none])
+    assert sorted(crosses) == pytest.approx(study.frame["station"][without_payload])
     assert "no payload" in study.plot().get_suptitle()
 
 

@@ -1,4 +1,4 @@
-"""A guyed spar: p-delta, stiff guys, springs, and forces that sum to zero."""
+"""A guyed spar: p-delta, stiff guys, springs, and balance of forces."""
 
 import math
 from dataclasses import replace
@@ -45,13 +45,13 @@ def test_released_without_a_skyline_it_keeps_its_pretension_when_symmetric() -> 
     assert eq["mast.lean"] == pytest.approx(0.0, abs=1e-9)
     for span in spans:
         assert eq[f"{span.name}.tension_a"] == pytest.approx(15e3, rel=1e-9)
-    # Its compression is what the guys pull down.
+    # Its compression is the downward pull of the guys.
     down = sum(eq[f"{span.name}.vertical_b"] for span in spans)
     assert eq["mast.compression"] == pytest.approx(down, rel=1e-9)
 
 
 def test_stiff_guys_are_a_fixed_spar() -> None:
-    """What is left falls in proportion to the guys' compliance: two stiff ones give the limit."""
+    """The deviation is proportional to the guys' compliance: two stiff ones give the limit."""
     stations = [60.0, 125.0, 200.0]
     fixed = rw.load_path(rig(rw.HeadSpar("head", at=(0.0, 15.0))), 2500.0, stations)
 
@@ -121,7 +121,7 @@ def of_kind(kind: str, head: rw.HeadSpar, tail: rw.TailSpar | rw.GuyedSpar) -> r
 
 @pytest.mark.parametrize("kind", ["live", "gravity", "running"])
 def test_stiff_guys_on_both_spars_of_a_lowered_skyline_are_fixed_spars(kind: str) -> None:
-    """At a given height of the carriage it does not matter where the drum stands."""
+    """At a given height of the carriage the position of the drum is irrelevant."""
     stations = [60.0, 125.0, 200.0]
     fixed = of_kind(kind, rw.HeadSpar("head", at=(0.0, 15.0)), rw.TailSpar("tail", at=(250.0, -10.0)))
     there = rw.load_path(fixed, 1000.0, stations, height=12.0)
@@ -134,7 +134,7 @@ def test_stiff_guys_on_both_spars_of_a_lowered_skyline_are_fixed_spars(kind: str
     once, twice = guyed(1e12), guyed(2e12)
     for column in ("skyline_tension", "headspar_tension", "tailspar_tension", "mainline_pull"):
         if kind == "running" and column == "headspar_tension":
-            continue  # that of the drum, which stands at the spar's foot
+            continue  # that of the drum at the spar's foot
         np.testing.assert_allclose(2.0 * twice[column] - once[column], there[column], rtol=1e-9)
 
 
@@ -142,7 +142,7 @@ def test_a_live_skyline_at_rest_is_the_standing_one_but_for_the_rope_down_to_its
     fixed = rw.TailSpar("tail", at=(250.0, -10.0))
     rig = of_kind("standing", spar(), fixed)
     live = rw.load_path(of_kind("live", spar(), fixed), 2500.0, [120.0]).iloc[0]
-    # That rope, 15 m long, is stretched by the load; so much more comes into the span.
+    # The load stretches this rope of 15 m; its stretch enters the span.
     given = 15.0 * (ROPE.strain.at(live.headspar_tension) - ROPE.strain.at(60e3))
     standing = rw.load_path(replace(rig, length=(rig.length or 0.0) + given), 2500.0, [120.0]).iloc[0]
     assert live.skyline_tension == pytest.approx(standing.skyline_tension, rel=2e-4)
@@ -181,7 +181,7 @@ def test_payload_is_limited_by_a_guyline() -> None:
 
 
 def test_an_unstable_spar_is_reported() -> None:
-    """Behind a spar and almost in line with the skyline they leave it free to go aside."""
+    """Guylines behind a spar and almost in line with the skyline do not hold it sideways."""
 
     def narrow(half: float) -> rw.SkylineRig:
         anchors = {"g1": (-22.0, -half, 0.0), "g2": (-20.0, half, 0.0)}
@@ -198,7 +198,7 @@ def test_an_unstable_spar_is_reported() -> None:
     assert rw.load_path(narrow(8.0), 2500.0, [120.0]).spar_lean.iloc[0] < 0.3
 
 
-def test_an_ideal_haulback_at_a_guyed_tailspar_is_refused() -> None:
+def test_an_ideal_haulback_at_a_guyed_tailspar_is_rejected() -> None:
     fixed = of_kind("standing", rw.HeadSpar("head", at=(0.0, 15.0)), rw.TailSpar("tail", at=(250.0, -10.0)))
     parts = {"headspar": fixed.headspar, "skyline": ROPE, "tension": 60e3, "mainline": MAIN, "carriage": fixed.carriage}
     with pytest.raises(rw.InputError, match="is guyed") as error:
@@ -206,7 +206,7 @@ def test_an_ideal_haulback_at_a_guyed_tailspar_is_refused() -> None:
     assert "haulback_block" in error.value.remedy
 
 
-def test_bad_spars_are_refused() -> None:
+def test_bad_spars_are_rejected() -> None:
     with pytest.raises(rw.InputError, match="below the ground"):
         of_kind("standing", spar(), replace(tailspar(), foot=(250.0, -60.0), at=()))
     guys = (rw.Guyline("g1", rope=GUY, at=(1.0, 2.0, 0.0), pretension=1e3),)

@@ -1,4 +1,4 @@
-"""A haulback from the headspar to a block by the tailspar and back to the carriage."""
+"""A haulback from the headspar to a block near the tailspar and back to the carriage."""
 
 import numpy as np
 import pytest
@@ -30,14 +30,14 @@ BLOCK = rw.Block("tail_block", at=(495.0, -78.0))
 
 
 def lowered(tension: float, drop: float) -> float:
-    """Tension of the haulback `drop` metres below a place where it is `tension`: T + T^2/2EA changes by the weight."""
+    """Tension of the haulback `drop` metres below a point with `tension`: T + T^2/2EA changes by the weight."""
     stiffness = 8e6
     potential = tension + tension**2 / (2.0 * stiffness) - 0.73 * G * drop
     return float(stiffness * (np.sqrt(1.0 + 2.0 * potential / stiffness) - 1.0))
 
 
 @pytest.mark.parametrize("make", [rw.standing_skyline, rw.live_skyline])
-def test_a_block_at_the_tailspars_top_is_a_drum_there_with_the_tension_that_is_left(make: object) -> None:
+def test_a_block_at_the_tailspars_top_equals_a_drum_there_with_the_tension_at_the_block(make: object) -> None:
     stations = [60.0, 200.0, 420.0]
     real = rw.load_path(rig(make, rw.Block("tail_block", at=(480.0, TAIL))), 2500.0, stations)
     at_tail = lowered(8e3, TOP - TAIL)
@@ -71,7 +71,7 @@ def test_a_run_with_a_real_haulback_is_the_load_path_and_its_drum_brakes() -> No
     for column in ("carriage_z", "skyline_tension", "mainline_pull", "haulback_pull"):
         np.testing.assert_allclose(run.frame[column], path[column], rtol=1e-6)
     assert (run.frame.haulback_power < 0.0).all()
-    # It comes off the drum as fast as the carriage comes in, about.
+    # It leaves the drum at about the speed of the carriage.
     paid = run.frame.haulback_power / -8e3
     assert paid.to_numpy() == pytest.approx(-run.frame.carriage_speed.to_numpy(), rel=0.15)
 

@@ -1,4 +1,4 @@
-"""Lines from map coordinates and over their ground: the same line as in axes of its own, heights over the ground."""
+"""Lines in map coordinates and over their ground: the same line as in local axes, heights over the ground."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def local() -> pd.DataFrame:
     return pd.DataFrame(maps.SUPPORTS, columns=["name", "x", "y", "z", "kind"])
 
 
-def test_a_line_from_map_coordinates_is_that_of_its_own_axes() -> None:
+def test_a_line_in_map_coordinates_equals_one_in_local_axes() -> None:
     on_map, own = rw.equilibrium(maps.line()), rw.equilibrium(rw.monocable(maps.ROPE, local(), **LOADED))
     values, expected = on_map.frame["value"].to_numpy(), own.frame["value"].to_numpy()
     np.testing.assert_allclose(values, expected, rtol=1e-6, atol=1e-3)
@@ -42,14 +42,14 @@ def test_heights_over_the_ground_are_those_of_many_points() -> None:
     eq, ground = rw.equilibrium(maps.line()), maps.ground()
     for span, row in eq.clearance.iterrows():
         curve = eq.profile(span, 4001)
-        # The terrain lies along the line's own axis, level across.
+        # The terrain follows the line's axis and is level across it.
         over = curve["z"].to_numpy() - ground.elevations(curve["x"].to_numpy())
         assert row["rope_clearance"] == pytest.approx(over.min(), abs=5e-3)
         loads = eq.loads[eq.loads["span"] == span]
         assert row["load_clearance"] == pytest.approx((loads["z"] - ground.elevations(loads["x"])).min(), abs=1e-4)
 
 
-def test_a_run_keeps_its_clearance_or_says_where_not() -> None:
+def test_a_run_reports_where_it_falls_below_its_clearance() -> None:
     line = rw.monocable(maps.ROPE, maps.supports(), **LOADED, crs="EPSG:2056", terrain=maps.ground(), clearance=7.5)
     run = rw.simulate(line, 40.0, every=2.0, progress=False)
     lowest = run.clearance.loc["valley_s1"]
@@ -81,7 +81,7 @@ ENDLESS = [
 ]
 
 
-def test_the_ground_lies_under_both_ways_of_an_endless_line() -> None:
+def test_ground_under_both_directions_of_an_endless_line() -> None:
     supports = pd.DataFrame(ENDLESS, columns=["name", "x", "y", "z", "kind"])
     line = rw.endless(maps.ROPE, supports, tension=45e3, load_mass=150.0, load_spacing=60.0, terrain=maps.ground())
     table = rw.places(line)
@@ -106,7 +106,7 @@ def test_the_ground_lies_under_both_ways_of_an_endless_line() -> None:
           "supports": maps.supports(), "crs": "EPSG:2056"}, "its terrain in EPSG:32632"),
     ],
 )  # fmt: skip
-def test_bad_grounds_are_refused(change: dict, words: str) -> None:
+def test_bad_grounds_are_rejected(change: dict, words: str) -> None:
     arguments = {"supports": local(), **change}
     with pytest.raises(rw.InputError, match=words):
         rw.monocable(maps.ROPE, arguments.pop("supports"), tension=45e3, **arguments)
@@ -114,7 +114,7 @@ def test_bad_grounds_are_refused(change: dict, words: str) -> None:
         rw.equilibrium(rw.monocable(maps.ROPE, local(), tension=45e3)).heights_over_ground()
 
 
-def test_the_picture_shows_ground_and_map() -> None:
+def test_the_figure_shows_ground_and_map() -> None:
     run = rw.simulate(maps.line(), 1.0, every=1.0, progress=False)
     axes = run.plot_line().axes
     (ground,) = [

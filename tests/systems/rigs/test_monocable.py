@@ -1,4 +1,4 @@
-"""The mono-cable rig: what it builds from a table, and what it refuses."""
+"""The mono-cable rig: lines from tables, and rejected tables."""
 
 from pathlib import Path
 

@@ -60,7 +60,7 @@ def test_a_given_height_sets_the_haulback_tension() -> None:
     assert row.mainline_pull == pytest.approx(free.mainline_pull, rel=1e-9)
 
 
-def test_beyond_its_rest_point_is_a_typed_error() -> None:
+def test_a_carriage_beyond_its_rest_point_is_a_typed_error() -> None:
     rope = rw.Rope(mass_per_length=1.4, axial_stiffness=15e6, breaking_load=300e3)
     uphill = rw.running_skyline(
         None,
@@ -74,7 +74,7 @@ def test_beyond_its_rest_point_is_a_typed_error() -> None:
     with pytest.raises(rw.OutOfReachError, match="beyond its rest point") as error:
         rw.load_path(uphill, 4000.0, [160.0])
     assert "haulback" in error.value.remedy
-    # For a payload that is an answer: so much and no more, because the carriage would run back from there.
+    # In a payload study this is a limit: a heavier carriage would run back from the station.
     row = rw.payload(uphill, stations=[160.0]).limiting
     assert row.limited_by == "rest point"
     assert 0.0 < row.payload < 4000.0
@@ -86,7 +86,7 @@ def test_beyond_its_rest_point_is_a_typed_error() -> None:
     assert (row.payload, row.limited_by) == (0.0, "rest point")
 
 
-def test_a_clamped_carriage_is_refused() -> None:
+def test_a_clamped_carriage_is_rejected() -> None:
     rope = rw.Rope(mass_per_length=1.4, axial_stiffness=15e6, breaking_load=300e3)
     with pytest.raises(rw.InputError, match="clamped"):
         rw.running_skyline(
@@ -100,8 +100,8 @@ def test_a_clamped_carriage_is_refused() -> None:
         )
 
 
-def test_how_much_a_haulback_carries_however_deep() -> None:
-    """Its own ropes outweigh what they lift before they hang plumb: less than 2 T L / x of weightless ones."""
+def test_largest_load_of_a_haulback_at_any_depth() -> None:
+    """Its ropes add more weight than lift before they are vertical: less than 2 T L / x of weightless ropes."""
     row = rw.payload(rig(1.4, tension=20e3), stations=[110.0]).limiting
     assert row.limited_by == "haulback tension"
     assert 0.5 * 80e3 < (row.payload + 500.0) * G < 0.95 * 80e3
@@ -110,7 +110,7 @@ def test_how_much_a_haulback_carries_however_deep() -> None:
         rw.load_path(rig(1.4, tension=20e3), 1.01 * row.payload, [110.0])
 
 
-def test_a_tailhold_is_refused() -> None:
+def test_a_tailhold_is_rejected() -> None:
     one = rig(1.4)
     held = replace(one.tailspar, tailhold=rw.Tailhold("stump", at=(240.0, -30.0)))
     with pytest.raises(rw.InputError, match="no skyline for Tailhold 'stump'"):

@@ -1,4 +1,4 @@
-"""Standing skylines: the scripts of the design, three dimensions, haulback, the parts alone in a System."""
+"""Standing skylines: scripts of the design, three dimensions, haulback, components in a plain System."""
 
 from pathlib import Path
 
@@ -83,8 +83,8 @@ def test_a_haulback_pulls_against_the_mainline() -> None:
     assert both - alone == pytest.approx(8e3, rel=0.1)
 
 
-def test_parts_alone_in_a_system_with_a_dropline() -> None:
-    """A carriage hung by a rope of two parts; on its dropline a block that a second rope's ends hold."""
+def test_components_in_a_plain_system_with_a_dropline() -> None:
+    """A carriage on a rope in two parts; a second rope holds a block on its dropline."""
     s = rw.System("dropline")
     carriage = rw.Carriage("carriage", at=(50.0, -8.0), mass=300.0, holding="bisector")
     s.string(ROPE, rw.HeadSpar("head", at=(0.0, 0.0)), carriage, rw.TailSpar("tail", at=(100.0, 0.0)), length=101.0)
@@ -97,7 +97,7 @@ def test_parts_alone_in_a_system_with_a_dropline() -> None:
     assert lift == pytest.approx(weight, rel=1e-10)
 
 
-def test_the_commands_function_writes_table_and_picture(tmp_path: Path) -> None:
+def test_the_command_writes_table_and_figure(tmp_path: Path) -> None:
     request = CorridorRequest(
         corridor=CORRIDOR,
         skyline=ROPE,

@@ -1,4 +1,4 @@
-"""Tables of supports as people write them: names, kinds, and values of drives and responses."""
+"""Tables of supports in practice: names, kinds, and values of drives and responses."""
 
 from pathlib import Path
 
@@ -68,7 +68,7 @@ def test_numbers_in_a_frame_are_names() -> None:
         (("s1;90;0;5,5;idler;",), "line 3: 6 values in a table of 5 columns"),
     ],
 )
-def test_names_and_kinds_that_are_refused(tmp_path: Path, rows: tuple[str, ...], words: str) -> None:
+def test_names_and_kinds_that_are_rejected(tmp_path: Path, rows: tuple[str, ...], words: str) -> None:
     with pytest.raises(rw.InputError) as error:
         line(table(tmp_path, *rows))
     assert words in str(error.value)
@@ -119,7 +119,7 @@ def test_values_of_a_drive(tmp_path: Path, column: str, value: str, found: objec
         ("drive.engine_power", "much", "control", "line 4, column drive.engine_power: 'much' is not a number"),
     ],
 )
-def test_values_that_nothing_uses_are_refused(tmp_path: Path, column: str, value: str, kind: str, words: str) -> None:
+def test_values_without_a_use_are_rejected(tmp_path: Path, column: str, value: str, kind: str, words: str) -> None:
     with pytest.raises(rw.InputError) as error:
         line(owned(tmp_path, column, value, kind), drive=DRIVE)
     assert words in str(error.value)
@@ -155,13 +155,13 @@ def test_endless_lines_take_the_same_tables(tmp_path: Path) -> None:
         rw.endless(ROPE, path, tension=45e3, drive=DRIVE)
 
 
-def test_a_table_of_the_terrain_is_refused_at_once() -> None:
+def test_a_table_of_the_terrain_is_rejected_at_once() -> None:
     frame = pd.DataFrame({"name": range(30_000), "x": range(30_000), "y": 0, "z": 0, "kind": "idler"})
     with pytest.raises(rw.InputError, match=r"30000 supports.*terrain"):
         line(frame)
 
 
 @pytest.mark.parametrize("spacing", [1e-9, 1e-300, 0.005])
-def test_loads_closer_than_any_are_refused_before_they_are_made(tmp_path: Path, spacing: float) -> None:
+def test_a_spacing_too_small_is_rejected_before_loads_are_created(tmp_path: Path, spacing: float) -> None:
     with pytest.raises(rw.InputError, match=r"feed would make .* loads"):
         line(table(tmp_path, "s1;90;0;5;idler"), load_mass=1.0, load_spacing=spacing)

@@ -1,4 +1,4 @@
-"""A log under a skyline: partial and full suspension along a corridor, and the forces on the whole."""
+"""A log under a skyline: partial and full suspension along a corridor, and the balance of forces."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -35,12 +35,12 @@ def test_the_corridor_in_partial_and_full_suspension() -> None:
     short, long = (rw.load_path(rig(d), 2500.0, stations) for d in (1.0, 7.0))
     assert set(short.suspension) == {"partial", "full"}
     assert set(long.suspension) == {"partial"}
-    # What drags weighs less on the skyline and more on the mainline.
+    # A dragging log loads the skyline less and the mainline more.
     assert (long.highest_tension <= short.highest_tension + 1.0).all()
     full = short[short.suspension == "full"]
     np.testing.assert_allclose(full.dropline_tension, (2500.0 + 0.73 * 1.0) * G, rtol=1e-9)
     np.testing.assert_allclose(full.ground_force, 0.0, atol=1e-6)
-    # Hanging free it is the same as a payload at the carriage with the dropline's weight.
+    # A free log equals a payload at the carriage with the dropline's weight.
     plain = rw.standing_skyline(
         CORRIDOR,
         headspar=rw.HeadSpar("head", station=0.0, height=15.0),
@@ -118,7 +118,7 @@ def test_payload_study_with_a_log() -> None:
 def test_a_payload_keeps_the_logs_front_clear_and_its_dropline_whole() -> None:
     stations = [60.0, 130.0, 230.0, 400.0]
     free, clear = (rw.payload(rig(7.0), clearance=c, stations=stations).frame for c in (None, 1.0))
-    # The rear may drag; a log of next to nothing, which hangs with its rear just over the ground, is no limit.
+    # The rear may drag. A log of almost no mass, with its rear just over the ground, is not a limit.
     assert (clear.payload > 1000.0).all()
     near = free.front_clearance < 1.0
     assert set(clear.limited_by[near]) == {"clearance"}
@@ -131,7 +131,7 @@ def test_a_payload_keeps_the_logs_front_clear_and_its_dropline_whole() -> None:
     assert (limited.limited_by, limited.dropline_tension) == ("dropline tension", pytest.approx(15e3, rel=1e-9))
 
 
-def test_what_a_log_does_not_go_with() -> None:
+def test_invalid_combinations_with_a_log() -> None:
     with pytest.raises(rw.InputError, match="drags on a terrain"):
         rw.standing_skyline(
             None,
@@ -142,7 +142,7 @@ def test_what_a_log_does_not_go_with() -> None:
             carriage=rw.Carriage("carriage", mass=100.0),
             turn=rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=3.0),
         )
-    with pytest.raises(rw.InputError, match="the other way"):
+    with pytest.raises(rw.InputError, match="the opposite way"):
         rw.inhaul(rig(3.0), payload=1000.0, start=100.0, end=200.0)
     with pytest.raises(rw.InputError, match="length"):
         rw.Turn(rw.Log("log", mass=2000.0, length=10.0), dropline=MAIN, length=0.0)

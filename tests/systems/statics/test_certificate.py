@@ -1,4 +1,4 @@
-"""The certificate: what holds at rest is found to hold, and each thing that does not is found by its own check."""
+"""The certificate: all checks hold at rest, and each fault fails its own check."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def test_a_line_at_rest_has_a_certificate() -> None:
         ({"e__stiffness": 1.0}, "SpringAnchor: forces, x", "e"),
     ],
 )
-def test_each_fault_of_a_line_is_found(change: dict[str, float], check: str, component: str) -> None:
+def test_each_fault_of_a_line_is_detected(change: dict[str, float], check: str, component: str) -> None:
     found = again(line(), **change)
     failed = {c.name: c for c in found.checks if not c.holds}
     assert check in failed
@@ -89,7 +89,7 @@ def test_each_fault_of_a_line_is_found(change: dict[str, float], check: str, com
         found.require(line().model)
 
 
-def test_a_load_beyond_its_span_and_a_load_lost_are_found() -> None:
+def test_a_load_beyond_its_span_and_a_lost_load_are_detected() -> None:
     eq = line()
     (run,) = eq.runs
     place = run.loads.place.copy()
@@ -103,22 +103,23 @@ def test_a_load_beyond_its_span_and_a_load_lost_are_found() -> None:
 
 def test_given_values_rope_and_numbers_are_checked() -> None:
     eq = line()
-    asked = {"d_rough.tension_b": eq["d_rough.tension_b"]}
+    given = {"d_rough.tension_b": eq["d_rough.tension_b"]}
     total = [sum(eq[f"{s.name}.length"] for s in run.spans) for run in eq.runs]
-    assert certify(eq.model, eq.point, eq.runs, eq.passed, given=asked, rope=total).failed is None
-    asked["d_rough.tension_b"] *= 1.0 + 1e-6
-    missed = certify(eq.model, eq.point, eq.runs, eq.passed, given=asked)
-    assert missed.failed is not None
-    assert missed.failed.name == checks.VALUES
+    assert certify(eq.model, eq.point, eq.runs, eq.passed, given=given, rope=total).failed is None
+    given["d_rough.tension_b"] *= 1.0 + 1e-6
+    violated = certify(eq.model, eq.point, eq.runs, eq.passed, given=given)
+    assert violated.failed is not None
+    assert violated.failed.name == checks.VALUES
     short = certify(eq.model, eq.point, eq.runs, eq.passed, rope=[total[0] + 1e-5])
     assert short.failed is not None
     assert short.failed.name == checks.ROPE_SUM
-    none = replace(eq.point, z=np.full_like(eq.point.z, np.nan))
-    assert certify(eq.model, none, eq.runs, eq.passed).failed is not None
+    invalid = replace(eq.point, z=np.full_like(eq.point.z, np.nan))
+    assert certify(eq.model, invalid, eq.runs, eq.passed).failed is not None
 
 
-def test_an_unstable_root_is_found() -> None:
-    """Two equal spans of a slack rope, each on the branch where more rope means more tension: balanced by symmetry."""
+def test_an_unstable_root_is_detected() -> None:
+    """Two equal spans of a slack rope, both on the branch where more rope increases the tension: balanced by
+    symmetry."""
     s = rw.System("saddle")
     nodes = [rw.Anchor("a", at=(0.0, 0.0)), rw.Sheave("s", at=(50.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0))]
     s.string(ROPE, *nodes, length=138.0)
@@ -180,7 +181,7 @@ def test_an_inverted_log_has_no_certificate() -> None:
 
 @dataclass(frozen=True)
 class Cam(rw.Sheave):
-    """A user's sheave that lets a tenth less tension out than comes in, with a law that says so."""
+    """A user's sheave with an outgoing tension 10 % below the incoming one, and a law for it."""
 
     gain: float = 0.9
 
@@ -207,7 +208,7 @@ def test_laws_of_a_users_component() -> None:
     assert again(eq, cam_b__force_x=1.0).failed is not None
 
 
-def test_wrap_is_the_angle_of_the_turn() -> None:
+def test_wrap_is_the_change_of_direction() -> None:
     coming, going = np.array([[-3.0], [0.0], [0.0]]), np.array([[0.0], [0.0], [-5.0]])
     np.testing.assert_allclose(wrap(coming, going), math.pi / 2.0)
     np.testing.assert_allclose(wrap(coming, -coming), 0.0, atol=1e-15)
@@ -244,9 +245,9 @@ def test_a_run_ends_before_a_record_that_fails() -> None:
         broken.require_certified()
     assert info.value.time == records[6].time
     assert len(info.value.result.records) == 6
-    for ask in (lambda: broken.at(records[6].time), lambda: broken.record(6)):
+    for request in (lambda: broken.at(records[6].time), lambda: broken.record(6)):
         with pytest.raises(rw.SimulationError, match="fails its check") as info:
-            ask()
+            request()
         assert info.value.time == records[6].time
     assert broken.at(records[5].time).certificate["holds"].all()
 

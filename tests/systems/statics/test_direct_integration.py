@@ -15,12 +15,12 @@ BATCH = 20
 UP = (0.0, 0.0, 1.0)
 pytestmark = pytest.mark.filterwarnings(
     "ignore::ropeway.components.errors.RopewayWarning"
-)  # drawn without a look at their strength
+)  # drawn without regard to their strength
 
 
 @dataclass(frozen=True)
 class Single:
-    """A span with loads, for the library and for the oracle."""
+    """A span with loads, solved by the library and by the oracle."""
 
     rope: rw.Rope
     hung: Hung
@@ -43,7 +43,7 @@ class Single:
 
 
 def agree(case: Single, note: object = "") -> None:
-    """1e-9 of the tension in force and 1e-7 m in position."""
+    """Requires agreement to 1e-9 of the tension in force and 1e-7 m in position."""
     eq = case.solve()
     known = hang([case.hung], case.material)
     start = np.array([eq[f"a_b.force_{axis}"] for axis in "xyz"])
@@ -164,7 +164,7 @@ def test_loads_by_number(count: int) -> None:
 
 
 def integrated_line(seed: int) -> None:
-    """An idler line of `lines.py`, polished with the integrator, against the library."""
+    """An idler line of `lines.py`, refined with the integrator, against the library."""
     case = random_line(seed, most=8, controlled=False)
     eq = rw.equilibrium(case.system())
     names = [s.name for s in eq.runs[0].spans]
@@ -194,7 +194,7 @@ def test_more_idler_lines() -> None:
 
 
 def test_the_curve_between_the_supports() -> None:
-    """Positions, tensions and slopes at any station, also just where a load hangs."""
+    """Positions, tensions and slopes at any station, also exactly at a load."""
     case = Limit(300.0, -35.0, 1.02, (0.2, 0.7), (4e3, 9e3)).single(ELASTIC)
     eq = case.solve()
     stations = np.linspace(0.0, case.hung.length, 41)
@@ -214,7 +214,7 @@ def test_the_curve_between_the_supports() -> None:
 
 
 def test_the_two_integrators_of_the_oracle_agree() -> None:
-    """Quadrature, which builds the random lines, and the Runge-Kutta method."""
+    """Quadrature, used to build the random lines, and the Runge-Kutta method."""
     for seed in range(5):
         (section,) = random_line(seed, most=6, controlled=False).sections
         line, solved = section.line, section.solved
@@ -229,7 +229,7 @@ def test_the_two_integrators_of_the_oracle_agree() -> None:
 
 
 def test_the_oracle_by_hand() -> None:
-    """A level inextensible span whose catenary is known: a = 1000 m, half span a asinh(1/4) wide."""
+    """A level inextensible span with a known catenary: a = 1000 m, half span a asinh(1/4)."""
     across = 2000.0 * np.arcsinh(0.25)
     solved = hang([Hung((across, 0.0, 0.0), 500.0)], Material(20.0))
     np.testing.assert_allclose(solved.start[0], [20e3, 0.0, -5e3], rtol=1e-11, atol=1e-7)

@@ -1,4 +1,4 @@
-"""The first public scripts as written, and what can be asked of an equilibrium."""
+"""The first public scripts, and the interface of an equilibrium."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def idlers() -> rw.System:
 
 
 def described(eq: rw.Equilibrium, *names: str) -> None:
-    """Each quantity exists, with unit and description, in the frame and by name."""
+    """Requires each quantity, with unit and description, in the frame and by name."""
     frame = eq.frame
     assert list(frame.columns) == ["value", "unit", "description"]
     assert frame.index.name == "name"
@@ -112,7 +112,7 @@ def test_payload_for_a_tension() -> None:
     assert again["turn.z"] == pytest.approx(eq["turn.z"], abs=1e-7)
 
 
-def test_length_for_a_place_and_for_a_tension() -> None:
+def test_length_for_a_position_and_for_a_tension() -> None:
     by_place = rw.equilibrium(one_span(), given={"turn.z": -58.0}, solve_for="a_b.length")
     assert by_place["turn.z"] == pytest.approx(-58.0, abs=1e-8)
     assert by_place["a_b.length"] < 408.0
@@ -121,7 +121,7 @@ def test_length_for_a_place_and_for_a_tension() -> None:
 
 
 def test_the_taut_branch_for_a_tension() -> None:
-    """A very slack rope has the same end tension: the answer is the taut one."""
+    """A very slack rope has the same end tension: the solution is the taut one."""
     s = rw.System("level")
     s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0)), length=102.0)
     eq = rw.equilibrium(s, given={"a_b.tension_a": 4000.0}, solve_for="a_b.length")
@@ -130,7 +130,7 @@ def test_the_taut_branch_for_a_tension() -> None:
     assert eq["a_b.horizontal"] > 3000.0
 
 
-def test_two_values_for_two() -> None:
+def test_two_given_values_for_two_unknowns() -> None:
     s = one_span()
     eq = rw.equilibrium(s, given={"a_b.tension_a": 150e3, "turn.z": -60.0}, solve_for=["turn.mass", "a_b.length"])
     assert eq["a_b.tension_a"] == pytest.approx(150e3, rel=1e-9)
@@ -174,8 +174,8 @@ def test_a_model_keeps_its_declarations() -> None:
     assert rw.equilibrium(s)["a_b.tension_a"] > first["a_b.tension_a"]
 
 
-def test_an_equilibrium_is_where_a_line_starts_from() -> None:
-    """Solved again from its own lengths nothing moves, and all travels are zero."""
+def test_an_equilibrium_as_the_start_of_a_line() -> None:
+    """A new solve from its own lengths moves nothing, and all travels are zero."""
     eq = rw.equilibrium(idlers())
     again = rw.equilibrium(eq.model, start=eq)
     for name in ("s1.travel", "s2.travel"):
@@ -185,8 +185,8 @@ def test_an_equilibrium_is_where_a_line_starts_from() -> None:
         assert again[name] == pytest.approx(eq[name], rel=1e-10)
 
 
-def test_a_load_hung_outside_its_first_guess_finds_its_span() -> None:
-    """Where the load stands on the whole string decides, not the empty rope."""
+def test_a_load_outside_its_initial_span_moves_to_its_span() -> None:
+    """The load's position on the whole string decides, not the empty rope."""
     s = idlers()
     for name, at in (("first", 20.0), ("middle", 140.0), ("last", 290.0)):
         s.hang(rw.Load(name, mass=50.0), [c for c in s.components.values() if isinstance(c, rw.Span)], at=at)
@@ -199,7 +199,7 @@ def test_a_load_hung_outside_its_first_guess_finds_its_span() -> None:
 
 
 def test_a_rope_too_slack_for_its_idlers() -> None:
-    """With this much rope it runs into one of the spans: no stable balance on the taut branch."""
+    """This long rope runs into one of the spans: no stable balance on the taut branch."""
     s = rw.System("slack")
     nodes = (rw.Anchor("a", at=(0, 0)), rw.Sheave("m", at=(100, 0)), rw.Anchor("b", at=(200, 0)))
     s.string(ROPE, *nodes, length=400.0)
@@ -209,8 +209,8 @@ def test_a_rope_too_slack_for_its_idlers() -> None:
     assert info.value.component is not None
 
 
-def test_a_moved_support_is_where_it_was_moved_to() -> None:
-    """Pictures and starts take supports from the parameters, not from the declarations."""
+def test_position_of_a_moved_support() -> None:
+    """Figures and initial guesses use supports from the parameters, not from the declarations."""
     s = rw.System("moved")
     nodes = [rw.Anchor("a", at=(0.0, 0.0)), rw.Sheave("s", at=(100.0, 5.0)), rw.Anchor("b", at=(200.0, 0.0))]
     s.string(ROPE, *nodes, length=204.0)
@@ -238,7 +238,7 @@ def test_length_of_one_span_over_idlers_counts_from_those_at_rest(name: str) -> 
 
 @pytest.mark.parametrize(("easting", "stiffness"), [(3.1e6, 11.2e6), (3.5e6, 14.3e6), (3.9e6, 18.3e6)])
 def test_a_stiff_spring_in_national_coordinates_is_solved(easting: float, stiffness: float) -> None:
-    """The residual is at the rounding of the coordinates after one long step already."""
+    """One long step already reduces the residual to the rounding of the coordinates."""
 
     def solved(origin: float) -> rw.Equilibrium:
         s, rope = rw.System("far"), rw.Rope(mass_per_length=1.9, axial_stiffness=75e6, breaking_load=1e6)

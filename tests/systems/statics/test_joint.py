@@ -46,7 +46,7 @@ def bridle(mass: float = 800.0) -> rw.System:
     return s
 
 
-def test_a_bridle_is_in_balance_by_integration() -> None:
+def test_balance_of_a_bridle_by_integration() -> None:
     eq = rw.equilibrium(bridle())
     material = Material(2.6 * 9.80665, 1.0 / 24e6)
     knot, total = np.array([eq[f"knot.{axis}"] for axis in "xyz"]), -800.0 * 9.80665 * UP
@@ -59,7 +59,7 @@ def test_a_bridle_is_in_balance_by_integration() -> None:
     assert total == pytest.approx(np.zeros(3), abs=1e-6)
 
 
-def test_a_net_is_where_others_find_it() -> None:
+def test_a_net_against_published_displacements() -> None:
     """SAP2000 software verification, example 7-003: twelve cables between eight supports and four nodes, 8 kip at each;
     printed displacements -0.1328, -0.1328, -1.4745 ft (Tibert 1999, elastic catenaries: -1.4764)."""
     stiffness = 0.227 * 0.0254**2 * 12e6 * 6894.757293168

@@ -13,7 +13,7 @@ import ropeway as rw
 from support.lines import GRAVITY, random_line
 
 Point = tuple[float, float, float]
-# Drawn without a look at their strength.
+# Drawn without regard to their strength.
 pytestmark = pytest.mark.filterwarnings("ignore::ropeway.components.errors.RopewayWarning")
 
 
@@ -113,7 +113,7 @@ def test_moved_and_turned(drawn: Drawn, start: Point, turn: float) -> None:
     spin = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     moved = replace(drawn, end=tuple(map(float, spin @ drawn.end))).solve(start)
     for one, other in zip(vectors(moved), vectors(eq), strict=True):
-        # The end points are rounded to 1e-13 m, which a taut rope magnifies.
+        # The end points are rounded to 1e-13 m; a taut rope amplifies the error.
         np.testing.assert_allclose(one, spin @ other, atol=2e-8 * tops(eq))
     for i in range(len(drawn.at)):
         place = np.array([eq[f"l{i}.{axis}"] for axis in "xyz"])
@@ -123,7 +123,7 @@ def test_moved_and_turned(drawn: Drawn, start: Point, turn: float) -> None:
 @given(spans(), st.floats(0.05, 0.95))
 @settings(max_examples=25)
 def test_cut_in_two_by_a_sheave_on_its_own_curve(drawn: Drawn, share: float) -> None:
-    assume(all(abs(at - share) > 1e-3 for at in drawn.at))  # else a load would stand on the sheave
+    assume(all(abs(at - share) > 1e-3 for at in drawn.at))  # otherwise a load would be on the sheave
     eq = drawn.solve()
     cut = share * drawn.length
     place = eq.profile("a_b", [cut]).iloc[0]
@@ -151,7 +151,7 @@ def test_cut_in_two_by_a_sheave_on_its_own_curve(drawn: Drawn, share: float) -> 
 @given(st.integers(0, 10_000))
 @settings(max_examples=20)
 def test_cut_by_an_idler(seed: int) -> None:
-    """An idler on a taut span's own curve carries nothing and changes nothing."""
+    """An idler on the curve of a taut span has no load and changes nothing."""
     rng = np.random.default_rng(seed)
     rope = rw.Rope(mass_per_length=2.0, axial_stiffness=2e7, breaking_load=3.6e5)
     end, length = (200.0, 0.0, float(rng.uniform(-80.0, 80.0))), 0.0
@@ -171,7 +171,7 @@ def test_cut_by_an_idler(seed: int) -> None:
 
 @given(spans())
 def test_the_tension_invariant(drawn: Drawn) -> None:
-    """The tension law with construction stretch: the strain potential grows by w times the height."""
+    """The tension law with construction stretch: the strain potential increases by w times the height."""
     eq = replace(drawn, at=(), masses=()).solve()
     c1, c2 = drawn.rope.strain
     low, high = eq["a_b.tension_a"], eq["a_b.tension_b"]

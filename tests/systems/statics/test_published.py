@@ -25,7 +25,7 @@ def rope(weight: float, axial_stiffness: float) -> rw.Rope:
 
 
 def span(made: rw.Rope, across: float, length: float, at: float, load: float) -> rw.Equilibrium:
-    """A level span with one load, which may weigh next to nothing."""
+    """A level span with one load, which may be almost weightless."""
     s = rw.System("published")
     (on,) = s.string(made, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(across, 0.0)), length=length)
     s.hang(rw.Load("joint", mass=load / G), on, at=at)
@@ -90,7 +90,7 @@ def pulley(**amount: float) -> rw.System:
 
 
 def test_code_aster_pulley() -> None:
-    """Tension 5000 N at the ends: exact sag 7.9397 m; the parabola's 7.941 there is 1.3 mm off."""
+    """Tension 5000 N at the ends: exact sag 7.9397 m; the parabola gives 7.941 m, an error of 1.3 mm."""
     case = CASES["code_aster pulley"]
     eq = rw.equilibrium(pulley(tension=case["tension"]))
     for name in ("a_m", "m_b"):
@@ -130,13 +130,13 @@ def test_lyons_construction_stretch(number: str) -> None:
         breaking_load=weight * case["tau"],
         stretch=rw.ConstructionStretch(lyons["coefficient"]),
     )
-    # One metre of unstretched rope, held by (-across, upward) at its upper end.
+    # One metre of unstretched rope with the force (-across, upward) at its upper end.
     start = (across, 0.0, -upward)
     stretched = catenary.stretched_length(start, weight, 1.0, made.strain)
     end = catenary.segment(start, weight, 1.0, made.strain)
     average = (math.hypot(across, upward) + float(np.linalg.norm(end.force))) / 2.0
     assert stretched / (1.0 + case["beta"] * average / weight) == pytest.approx(case["ratio"], abs=5e-7)
-    # A span between those two ends takes these forces.
+    # A span between those two ends has these forces.
     s = rw.System("Lyons")
     s.string(made, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(end.reach[0], end.reach[2])), length=1.0)
     eq = rw.equilibrium(s)

@@ -1,6 +1,6 @@
-"""Equilibrium of random lines that have a stable one, from a cold start.
+"""Stable equilibria of random lines from a cold start.
 
-The lines are built backwards by `lines.py`, so that their equilibrium is known from direct integration.
+`lines.py` builds the lines backwards, so their equilibrium is known from direct integration.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def chunks(quick: int, count: int) -> list[object]:
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::ropeway.components.errors.RopewayWarning"
-)  # drawn without a look at their strength
+)  # drawn without regard to their strength
 
 
 def forces(eq: rw.Equilibrium) -> np.ndarray:
@@ -56,7 +56,7 @@ def check(case: Case, eq: rw.Equilibrium) -> None:
 
 
 def failures(first: int, count: int) -> int:
-    """Solves lines `first` .. and counts those that raise; any other answer must be right."""
+    """Solves lines from `first` on and counts errors; any solution must be correct."""
     failed = 0
     for seed in range(first, first + count):
         case = random_line(seed)
@@ -70,16 +70,16 @@ def failures(first: int, count: int) -> int:
 
 
 @pytest.mark.parametrize("first", chunks(75, 200))
-def test_stable_lines_are_solved_from_cold(first: int) -> None:
+def test_stable_lines_from_a_cold_start(first: int) -> None:
     assert failures(first, CHUNK) == 0
 
 
 @pytest.mark.slow
-def test_a_thousand_stable_lines_are_solved_from_cold() -> None:
+def test_a_thousand_stable_lines_from_a_cold_start() -> None:
     assert failures(1000, 1000) <= 1
 
 
-def test_the_lines_cover_what_they_should() -> None:
+def test_the_lines_cover_all_cases() -> None:
     cases = [random_line(seed) for seed in range(200)]
     spans = [len(c.points) - 1 for c in cases]
     assert (min(spans), max(spans)) == (1, 20)
@@ -106,7 +106,7 @@ def test_the_known_equilibrium_is_the_taut_branch() -> None:
 
 
 def confirmed(line: Line, eq: rw.Equilibrium, note: str) -> None:
-    """An independent polish does not move the equilibrium of a line over idlers, and finds it stable."""
+    """An independent Newton step does not move the equilibrium of a line over idlers, and its check shows it stable."""
     found = forces(eq)
     solved = solve_line(line, found, rope(eq))
     np.testing.assert_allclose(found, solved.start, rtol=0.0, atol=1e-9 * np.abs(found).max(), err_msg=note)
@@ -116,7 +116,7 @@ def confirmed(line: Line, eq: rw.Equilibrium, note: str) -> None:
 
 
 @pytest.mark.parametrize("first", chunks(50, 100))
-def test_a_line_of_unknown_equilibrium_is_solved_or_refused(first: int) -> None:
+def test_a_line_of_unknown_equilibrium_is_solved_or_rejected(first: int) -> None:
     solved = 0
     for seed in range(first, first + CHUNK):
         system, line = unknown_line(seed)

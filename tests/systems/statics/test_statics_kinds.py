@@ -1,4 +1,4 @@
-"""Kinds of statics that once gave wrong numbers without a word, each against physics of its own."""
+"""Cases of statics that once gave wrong numbers without an error, each against independent physics."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def one_span(rope: rw.Rope, end: tuple[float, float], length: float) -> rw.Syste
 @pytest.mark.parametrize("stiffness", [4e5, 3e7])
 @pytest.mark.parametrize("excess", [0.0, 0.02, -0.004])
 def test_an_inextensible_rope_on_a_spring(stiffness: float, excess: float) -> None:
-    """No start from geometry is near where the rope is as long as its chord, or shorter: the spring gives way."""
+    """For a rope as long as its chord, or shorter, geometry is no good guess: the spring yields."""
     rope = rw.Rope(mass_per_length=2.7, axial_stiffness=np.inf, breaking_load=9e6)
     s = rw.System("spring")
     a, b = rw.SpringAnchor("a", at=(0.0, 0.0), stiffness=stiffness), rw.Anchor("b", at=(84.0, 13.0))
@@ -46,8 +46,8 @@ def test_an_inextensible_rope_on_a_spring(stiffness: float, excess: float) -> No
     np.testing.assert_allclose(at + hung.node[0, -1], [84.0, 0.0, 13.0], atol=1e-7)
 
 
-def test_a_root_that_is_foreseen_is_looked_at() -> None:
-    """A residual whose slope promises a root one tiny step away, where there is none."""
+def test_a_predicted_root_is_checked() -> None:
+    """A residual with a slope that predicts a root one tiny step away, where none exists."""
 
     def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return 0.38 + 1e-9 * v, (0.38 + 1e-9 * v) / 1e9
@@ -64,8 +64,8 @@ def test_a_root_that_is_foreseen_is_looked_at() -> None:
 
 @pytest.mark.parametrize("across", [0.0, 1e-7, 0.004, 0.3])
 @pytest.mark.parametrize(("rise", "length"), [(35.0, 48.0), (-35.0, 48.0), (35.0, 34.99), (35.0, 35.0), (0.5, 90.0)])
-def test_plumb_ropes(across: float, rise: float, length: float) -> None:
-    """A rope that hangs doubled beside itself, or straight down: from each end its own part hangs."""
+def test_vertical_ropes(across: float, rise: float, length: float) -> None:
+    """A doubled or vertical rope: each end carries its own part."""
     rope = rw.Rope(mass_per_length=41.0, axial_stiffness=6e8, breaking_load=4e6)
     eq = rw.equilibrium(one_span(rope, (across, rise), length))
     w, c1 = 41.0 * G, 1.0 / 6e8
@@ -84,8 +84,8 @@ def test_plumb_ropes(across: float, rise: float, length: float) -> None:
         assert np.isfinite(eq[f"a_b.{energy}"])
 
 
-def test_a_nearly_plumb_slack_rope_against_integration() -> None:
-    """The rope's direction, integrated around its sharp belly, leads from one end to the other."""
+def test_a_nearly_vertical_slack_rope_against_integration() -> None:
+    """The rope's direction, integrated around its sharp bend, leads from one end to the other."""
     rope = rw.Rope(mass_per_length=8.3, axial_stiffness=7e7, breaking_load=9e5)
     eq = rw.equilibrium(one_span(rope, (0.02, 21.0), 64.0))
     across, up, w = eq["a_b.force_x"], eq["a_b.force_z"], 8.3 * G
@@ -104,7 +104,7 @@ def test_a_nearly_plumb_slack_rope_against_integration() -> None:
 @pytest.mark.parametrize(
     ("spans", "kept", "pinned"), list(itertools.product((1, 2, 3), ("start", "end", "none"), (0, -1)))
 )
-def test_a_load_on_one_span_hangs_where_it_was_asked(spans: int, kept: str, pinned: int) -> None:
+def test_a_load_on_one_span_has_its_declared_position(spans: int, kept: str, pinned: int) -> None:
     at = [(47.0 * k, 2.5 * (k % 2)) for k in range(spans + 1)]
     nodes = [rw.Anchor("n0", at=at[0]), *(rw.Sheave(f"n{k}", at=at[k]) for k in range(1, spans))]
     nodes.append(rw.Anchor(f"n{spans}", at=at[-1]))
@@ -121,7 +121,7 @@ def test_a_load_on_one_span_hangs_where_it_was_asked(spans: int, kept: str, pinn
     assert eq.loads["span"].tolist() == [on[pinned].name]
 
 
-def test_a_load_at_the_very_start_of_a_span_stays_on_it_and_one_beyond_its_end_is_refused() -> None:
+def test_loads_at_the_start_and_beyond_the_end_of_a_span() -> None:
     def made(at: float) -> rw.System:
         s = rw.System("ends")
         nodes = [
@@ -141,7 +141,7 @@ def test_a_load_at_the_very_start_of_a_span_stays_on_it_and_one_beyond_its_end_i
 
 @pytest.mark.parametrize("tension", [35e3, 75e3])
 def test_a_freed_length_and_loads_along_the_rope(tension: float) -> None:
-    """Whichever span's length is freed, the rope is as long in the end, and the loads are where they were hung."""
+    """For each freed span the rope has the same final length, and the loads are at their declared positions."""
     found = []
     for freed in ("a_m1.length", "m1_m2.length", "m2_b.length"):
         s = rw.System("freed")
@@ -162,7 +162,7 @@ def test_a_freed_length_and_loads_along_the_rope(tension: float) -> None:
     np.testing.assert_allclose(found[1:], found[:1] * np.ones((2, 1)), atol=1e-7)
 
 
-def test_loads_above_the_breaking_load_are_warned_of() -> None:
+def test_loads_above_the_breaking_load_cause_a_warning() -> None:
     s = one_span(ROPE, (240.0, 0.0), 241.0)
     s.hang(rw.Load("turn", mass=26e3), s.components["a_b"], at=100.0)  # type: ignore[arg-type]
     with pytest.warns(rw.RopewayWarning, match=r"span 'a_b' at rest is 1\.\d+ times .* breaking load\. Take lighter"):
@@ -173,11 +173,11 @@ def test_loads_above_the_breaking_load_are_warned_of() -> None:
 @pytest.mark.parametrize(
     ("mass", "tension", "blamed"), [(60.0, 20e3, False), (2600.0, 20e3, True), (2600.0, None, False)]
 )
-def test_loads_are_not_the_reason_of_a_numerical_failure(
+def test_loads_are_not_the_cause_of_a_numerical_failure(
     mass: float, tension: float | None, blamed: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A solver that fails from 30 % of the loads on: loads are blamed only where their weight compares with the
-    tension, and where a drum lets rope out. A rope of fixed length holds any load."""
+    """A solver that fails above 30 % of the loads. The error names loads only if their weight is comparable with the
+    tension, and if a drum pays out rope. A rope of fixed length holds any load."""
     s = rw.System("one span")
     (span,) = s.string(
         ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Drum("b", at=(150.0, 12.0), tension=tension), length=155.0
@@ -197,8 +197,8 @@ def test_loads_are_not_the_reason_of_a_numerical_failure(
     assert ("too heavy" in caught.value.cause) == blamed
 
 
-def test_loads_on_a_rope_of_fixed_length_are_not_the_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Another rope of the system, without loads, is held by a drum's tension."""
+def test_loads_on_a_rope_of_fixed_length_are_not_the_cause(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drum's tension holds another rope of the system, without loads."""
     s = rw.System("two ropes")
     (span,) = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(150.0, 12.0)), length=155.0)
     s.hang(rw.Load("turn", mass=4000.0), span, at=70.0)
@@ -215,8 +215,8 @@ def test_loads_on_a_rope_of_fixed_length_are_not_the_reason(monkeypatch: pytest.
         settling.loaded(LineState.cold(rw.assemble(s)))
 
 
-def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where the way from geometry fails, loads are brought on by degrees, also those that a feed still has."""
+def test_a_line_is_solved_by_continuation_in_its_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the start from geometry fails, loads are increased gradually, including those still in a feed."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
     line = rw.assemble(rw.monocable(ROPE, table, tension=48e3, load_mass=[700.0, 250.0], load_spacing=37.0))
     shares: list[float] = []
@@ -232,8 +232,8 @@ def test_a_line_is_solved_by_its_loads_growing(monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.slow
-def test_loads_that_are_too_heavy_are_named() -> None:
-    """A line of ten spans whose rope is held by a drum's tension: with such loads it would run out for ever."""
+def test_the_error_names_loads_that_are_too_heavy() -> None:
+    """A line of ten spans with a constant-tension drum: under these loads the rope would run out indefinitely."""
     table = Path(__file__).parents[3] / "examples" / "line.csv"
     line = rw.monocable(ROPE, table, tension=45e3, load_mass=18e3, load_spacing=50.0)
     with pytest.raises(rw.EquilibriumError, match=r"too heavy for its rope.* Take lighter or fewer loads"):

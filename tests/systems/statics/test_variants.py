@@ -1,4 +1,4 @@
-"""Variants of a line solved many at once are the equilibria solved one by one, whatever else is in the batch."""
+"""Variants of a line solved in a batch equal single equilibria, independent of the rest of the batch."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6
 
 
 def line(rope: rw.Rope = ROPE) -> rw.System:
-    """A drum, a rough idler, a control sheave, an idler, and a drum that keeps a tension; off the plane, one load
+    """A drum, a rough idler, a control sheave, an idler, and a constant-tension drum, not in one plane, with one load
     pinned to its span."""
     system = rw.System("variants")
     nodes = (
@@ -50,7 +50,7 @@ def values(count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("rope", [ROPE, rw.Rope(3.48, 34.8e6, 576.6e3, stretch=rw.ConstructionStretch())])
-def test_a_variant_is_the_equilibrium_solved_alone(rope: rw.Rope) -> None:
+def test_a_variant_equals_a_single_equilibrium(rope: rw.Rope) -> None:
     state, many = prepared(line(rope))
     given = values(40)
     good, cases = many.solve(given)
@@ -78,7 +78,7 @@ def test_the_bits_of_a_variant_do_not_depend_on_its_batch() -> None:
             np.testing.assert_array_equal(whole[:, first : first + size][:, some], part[:, some])
 
 
-def test_what_a_batch_cannot_do_is_left_out() -> None:
+def test_unsuitable_variants_are_omitted_from_a_batch() -> None:
     _, many = prepared(line())
     given = values(6)
     given[0, NAMES.index("l0.mass")] = -1.0
@@ -122,14 +122,14 @@ def test_an_equilibrium_in_the_compiled_core() -> None:
     assert one.certificate["holds"].all()
 
 
-def test_what_the_compiled_core_does_not_solve() -> None:
+def test_variants_that_the_compiled_core_does_not_solve() -> None:
     with pytest.raises(rw.CompiledError, match="given"):
         rw.equilibrium(line(), given={"e.rope_tension": 46e3}, solve_for="e.tension", compiled=True)
     with pytest.raises(rw.CompiledError, match="function"):
         rw.sweep(lambda x: x, {"x": [1.0]}, compiled=True)
 
 
-def test_a_compiled_sweep_has_the_rows_of_the_other() -> None:
+def test_a_compiled_sweep_has_the_same_rows() -> None:
     table = {"l0.mass": [150.0, 250.0], "s3.z": [14.0, 15.5], "e.tension": [44e3, 1.0]}
     one, other = (rw.sweep(line(), table, workers=1, compiled=compiled) for compiled in (True, False))
     assert one["error"].tolist() == other["error"].tolist()

@@ -1,4 +1,4 @@
-"""Variants side by side: the numbers are those of the studies."""
+"""Comparison of variants: the numbers equal those of the studies."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_runs() -> None:
     assert isinstance(found.frame, pd.DataFrame)
 
 
-def test_what_cannot_be_compared_is_refused() -> None:
+def test_invalid_comparisons_are_rejected() -> None:
     study = rw.payload(objects.rig(), stations=[70.0])
     for call, message in (
         (lambda: rw.compare(study), "Give two or more"),

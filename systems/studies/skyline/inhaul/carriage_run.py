@@ -41,7 +41,7 @@ class CarriageRun:
         self.rows: list[StationRow] = []
         self.events: list[CarriageEvent] = []
         self.margins = margins_of(rig, LoadLimits(rig.skyline.safety_factor))
-        self.beyond: set[str] = set()
+        self.exceeded: set[str] = set()
 
     def frame(self) -> pd.DataFrame:
         """The rows so far, index time [s]."""
@@ -68,9 +68,9 @@ class CarriageRun:
             last = Place(self.rig.span_of(end))
         while at.place != last:
             eq = self.through(at, eq, partial(self.border, at, last, direction), speed)
-            beyond = self.next(at, last, direction)
+            following = self.next(at, last, direction)
             try:
-                at, eq = beyond, self.over(at, beyond, eq, direction, speed)
+                at, eq = following, self.over(at, following, eq, direction, speed)
             except EquilibriumError as error:
                 self.record(at, eq, speed)
                 raise self.stopped(eq, speed, error) from error
@@ -86,10 +86,12 @@ class CarriageRun:
         """The next place on the carriage's route."""
         places = self.places
         order = places.in_order()
-        beyond = span_model(self.rig, order[order.index(at.place) + direction])
-        while beyond.place != last and not (places.laid(beyond) and (beyond.on is None or self.rolls(beyond.on))):
-            beyond = span_model(self.rig, order[order.index(beyond.place) + direction])
-        return beyond
+        following = span_model(self.rig, order[order.index(at.place) + direction])
+        while following.place != last and not (
+            places.laid(following) and (following.on is None or self.rolls(following.on))
+        ):
+            following = span_model(self.rig, order[order.index(following.place) + direction])
+        return following
 
     def rolls(self, k: int) -> bool:
         """Whether the carriage rolls over the shoe of support k, or onto it as far as the mainline holds it."""
@@ -226,33 +228,37 @@ class CarriageRun:
             return 0.1 / abs(speed)
         return duration / 40.0 if at.on is not None else duration
 
-    def over(self, at: SpanModel, beyond: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
+    def over(self, at: SpanModel, following: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
         """Changes to the next place. The carriage waits on a point saddle while the drum runs, unless the mainline's
         length already allows the next place."""
         name = self.rig.carriage.name
-        support = self.rig.supports[min(at.span, beyond.span)]
+        support = self.rig.supports[min(at.span, following.span)]
         x = eq[f"{name}.x"]
         if support.radius == 0.0:
-            x = float(self.rig.points[min(at.span, beyond.span) + 1, 0]) + direction * SIDE
-        elif at.on is None and beyond.on is None and at.span != beyond.span:
-            x = self.places.edge(min(at.span, beyond.span), direction)
+            x = float(self.rig.points[min(at.span, following.span) + 1, 0]) + direction * SIDE
+        elif at.on is None and following.on is None and at.span != following.span:
+            x = self.places.edge(min(at.span, following.span), direction)
         paid = self.places.paid_out(at, eq.point)
-        point = self.places.solve(beyond, x) if support.radius > 0.0 else self.places.first(beyond, x, direction, paid)
-        required = self.places.paid_out(beyond, point)
+        point = (
+            self.places.solve(following, x)
+            if support.radius > 0.0
+            else self.places.first(following, x, direction, paid)
+        )
+        required = self.places.paid_out(following, point)
         delay = (paid - required) / speed
-        if at.on is None and (beyond.on is not None or at.span != beyond.span):
+        if at.on is None and (following.on is not None or at.span != following.span):
             self.events.append(CarriageEvent(self.time, f"reaches {support.name}", eq[f"{name}.x"]))
-        if delay >= 0.0 and abs(beyond.read(point, beyond.axes[0]) - x) < NEAR:
+        if delay >= 0.0 and abs(following.read(point, following.axes[0]) - x) < NEAR:
             self.time += delay
         else:  # the mainline's length already suits a station further on: the carriage jumps ahead
-            index = beyond.model.p.index
-            run = beyond.model.runs[beyond.roles.index("mainline")]
+            index = following.model.p.index
+            run = following.model.runs[following.roles.index("mainline")]
             point.p[index[f"{run.spans[0].name}.length_start"]] += paid - required
-            newton_of(beyond.model).solve(point)
-            beyond.check.require(point)
-        if beyond.on is None and (at.on is not None or at.span != beyond.span):
-            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[beyond.axes[0][1]])))
-        return beyond.rest(point)
+            newton_of(following.model).solve(point)
+            following.check.require(point)
+        if following.on is None and (at.on is not None or at.span != following.span):
+            self.events.append(CarriageEvent(self.time, f"leaves {support.name}", float(point.z[following.axes[0][1]])))
+        return following.rest(point)
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Appends a row, at most one per time and payload. Raises EquilibriumError if the mainline is slack."""
@@ -269,10 +275,10 @@ class CarriageRun:
         solved = Solved(at, eq.point, outputs, "mainline")
         name = self.rig.carriage.name
         values = station_row(solved, solved[f"{name}.x"])
-        beyond = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
-        for limit in sorted(beyond - self.beyond):
+        exceeded = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
+        for limit in sorted(exceeded - self.exceeded):
             self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
-        self.beyond = beyond
+        self.exceeded = exceeded
         point = eq.point.copy()
         point.u[:] = 0.0
         if "mainline.speed" in at.model.u.index:

@@ -23,8 +23,8 @@ _COLOURS = ("#1f77b4", "#ff7f0e", "#9467bd", "#bcbd22", "#e377c2", "#17becf", "#
 def sections_of(study: PayloadData, style: Style) -> list[Section]:
     """The sections of the report."""
     rig, frame = study.rig, study.frame
-    asked = style.text("none") if study.clearance is None else style.value(study.clearance, "length")
-    given = [(style.text("clearance_asked"), asked)]
+    clearance = style.text("none") if study.clearance is None else style.value(study.clearance, "length")
+    given = [(style.text("clearance_asked"), clearance)]
     return [
         Section(style.text("payload"), (Text((_headline(study, style),)),)),
         warnings_of(study.remarks, style),
@@ -61,7 +61,7 @@ def _headline(study: PayloadData, style: Style) -> str:
 
 
 def _player(study: PayloadData, style: Style) -> Any:
-    """The rig with its carriage at all stations, each under the largest payload there."""
+    """The rig with its carriage at all stations, each with its largest payload."""
     frame = study.frame
     places = frame[frame["carriage_z"].notna()] if "carriage_z" in frame else frame
     places = places.iloc[np.unique(np.linspace(0, len(places) - 1, min(FRAMES, len(places))).astype(int))]
@@ -92,7 +92,7 @@ def _player(study: PayloadData, style: Style) -> Any:
 
 
 def _payloads(study: PayloadData, style: Style) -> Chart:
-    """Payload by station, in the colour of what limits it."""
+    """Payload by station, in the colour of its limit."""
     frame = study.frame
     x, y = style.scaled(frame["station"], "length"), style.scaled(frame["payload"], "mass")
     traces = [curve(x, y, style.text("payload"), "#bbb", width=1.0, shown=False, hoverinfo="skip")]
@@ -112,7 +112,7 @@ def _payloads(study: PayloadData, style: Style) -> Chart:
 
 
 def tensions(study: PayloadData, style: Style) -> Chart:
-    """Highest tensions by station under the largest payload there, against the safe working loads."""
+    """Highest tensions by station under its largest payload, against the safe working loads."""
     frame, rig = study.frame, study.rig
     x = style.scaled(frame["station"], "length")
     traces, ropes = [], dict(rig_sections.ropes_of(rig))

@@ -142,10 +142,10 @@ class PayloadSearch:
                 # An end of states outside a limit would give no payload: it needs a full search.
                 efforts = (Effort.QUICK,) if last.within else (Effort.QUICK, Effort.FULL)
                 deep = [gap for gap in (1.1 * low, *gaps) if low < gap < depth]
-                beyond = next((gap for effort in efforts for gap in deep if hangs(gap, effort)), None)
-                if beyond is None:
+                lower_gap = next((gap for effort in efforts for gap in deep if hangs(gap, effort)), None)
+                if lower_gap is None:
                     break
-                low, ratio = beyond, 1.3
+                low, ratio = lower_gap, 1.3
         return height + depth - low, search
 
     def _raised(self, station: float, height: float) -> tuple[float, Trial]:

@@ -21,7 +21,7 @@ from ropeway.systems.studies.skyline.reporting.rig_player import FRAMES, Places,
 from ropeway.systems.studies.skyline.reporting.rig_sections import TENSIONS
 
 _OWN = (None, None)
-"""Safety factors: each rope has its own."""
+"""Safety factors of skyline and other ropes; None: each rope's own."""
 _COLUMNS: tuple[tuple[str, str, str | None, Any], ...] = (
     ("station", "station", "length", "near"),
     ("held_by", "held_by", None, None),
@@ -55,19 +55,19 @@ def load_path_report(
     rig : SkylineRig
         The rig.
     payload : float
-        With which the load path was made [kg].
+        Payload of the load path [kg].
     frame : DataFrame
-        As `rw.load_path(rig, payload)` gives it.
+        Load path from `rw.load_path(rig, payload)`.
     path : str or Path
-        HTML, or PDF by a browser's print; needs the extra `report`.
+        Path of an HTML file, or of a PDF printed by a browser; needs the extra `report`.
     project : Project, optional
         Title, place, client, author and a remark.
     units : {"metric", "imperial"}, default "metric"
         System of units.
     labels : mapping, optional
-        Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
+        Replacements for words in `ropeway.systems.reporting.labels.ENGLISH`, by key.
     more : sequence of Section, optional
-        Sections of your own after the others.
+        Additional sections at the end.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def load_path_report(
     Raises
     ------
     InputError
-        The frame is no load path.
+        The frame is not a load path.
     WriteError
         The file could not be written.
 
@@ -85,7 +85,7 @@ def load_path_report(
     >>> rw.load_path_report(rig, 2500.0, rw.load_path(rig, 2500.0), "path.html")
     """
     if not {"station", "carriage_z", "highest_tension"} <= set(frame.columns):
-        raise InputError("The frame is no load path", "Give what rw.load_path(rig, payload) returns")
+        raise InputError("The frame is not a load path", "Give the frame of rw.load_path(rig, payload)")
     options = ReportOptions(project, units, labels, more)
     style = options.style
     loaded = frame.assign(payload=payload)
@@ -131,7 +131,7 @@ def _common(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> list[Section]
 
 
 def _warnings(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Iterator[str]:
-    """Ropes above their safe working load, supports that the rope lifts off from."""
+    """Warnings: ropes above their safe working load, supports with lift-off."""
     ropes = dict(rig_sections.ropes_of(rig))
     for column, label, _ in TENSIONS:
         rope = ropes.get(label, rig.skyline if label == "skyline" else None)

@@ -1,4 +1,4 @@
-"""A rig to scale with its carriage at one place after another: the player of a report."""
+"""The player of a report: a rig to scale with its carriage at successive stations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 FRAMES = 150
-"""Most places of the carriage."""
+"""Largest number of carriage stations."""
 _POINTS = 24
 """Points of a span's curve."""
 _WIDTH = 724
@@ -28,8 +28,8 @@ _COLOURS = {"skyline": "#111", "mainline": "#d62728", "haulback": "#1f77b4", "dr
 
 @dataclass(frozen=True)
 class Places:
-    """Where the carriage is shown: `stations` [m], `payloads` [kg], `heights` z of the carriage [m] where the yarder
-    sets them; `frames`: a label for each; `values` and `events` beside, as those of a player; `start`: shown first."""
+    """Positions of the carriage to show: `stations` [m], `payloads` [kg], and `heights` z [m] if the yarder sets them.
+    `frames` has a label for each; `values` and `events` are those of a player; `start` is the first one shown."""
 
     stations: np.ndarray
     payloads: np.ndarray
@@ -42,7 +42,7 @@ class Places:
 
 
 def rig_player(rig: SkylineRig, places: Places, style: Style) -> Player:
-    """The rig at all places; where there is no equilibrium the ropes are left out."""
+    """The rig at all positions; ropes are omitted without an equilibrium."""
     solver = Stations(rig, by_height=places.heights is not None)
     found: list[Solved | None] = []
     for i, (x, mass) in enumerate(zip(places.stations, places.payloads, strict=True)):
@@ -87,7 +87,7 @@ def _name(rig: SkylineRig, role: str, style: Style) -> str:
 
 
 def _ropes(solved: Solved) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Curves of the ropes by role, spans apart by NaN: stations and heights [m]."""
+    """Curves of the ropes by role: stations and heights [m], with NaN between spans."""
     rig, model = solved.at.rig, solved.at.model
     parts: dict[str, list[np.ndarray]] = {}
     for r, run in enumerate(model.runs):
@@ -140,7 +140,7 @@ def _still(rig: SkylineRig, style: Style) -> list[dict[str, Any]]:
 
 
 def _layout(rig: SkylineRig, found: Sequence[Solved | None], style: Style) -> dict[str, Any]:
-    """To scale, as high as that needs."""
+    """Layout to scale, with the height that this requires."""
     x = rig.points[:, 0]
     width = float(np.ptp(x))
     name = rig.carriage.name

@@ -1,4 +1,4 @@
-"""Sections that all reports of a rig share: inputs, supports, anchors, staking-out list, rope lengths and set-up."""
+"""Common sections of reports of a rig: inputs, supports, anchors, staking-out list, rope lengths and set-up."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ TENSIONS = (
     ("highest_tension", "skyline", "#111"), ("mainline_highest", "mainline", "#d62728"),
     ("haulback_highest", "haulback", "#1f77b4"), ("dropline_tension", "dropline", "#2ca02c"),
 )  # fmt: skip
-"""Columns of tensions, the rope that they belong to, and its colour."""
+"""Columns of tensions, with their rope and its colour."""
 
 
 def inputs(
     rig: SkylineRig, style: Style, factors: tuple[float | None, float | None], more: Sequence[tuple[str, str]]
 ) -> Section:
-    """The rig as it was given. factors: safety factors of the skyline and of the other ropes, None: each its own."""
+    """The declared rig. `factors` are safety factors of the skyline and of the other ropes; None: each rope's own."""
     rows = [(style.text("kind"), f"{rig.kind.name} skyline"), *more]
     if rig.tension is not None:
         rows.append((style.text("pretension"), style.value(rig.tension, "force")))
@@ -46,7 +46,7 @@ def inputs(
 
 
 def ropes_of(rig: SkylineRig) -> list[tuple[str, Rope]]:
-    """The ropes of a rig by their use, equal guylines once."""
+    """The ropes of a rig by use, with equal guylines once."""
     found: list[tuple[str, Rope]] = [(rig.kind.carrying_rope, rig.skyline)]
     for use, rope in (("mainline", rig.mainline), ("haulback", rig.haulback)):
         if rope is not None:
@@ -92,7 +92,7 @@ def supports(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Section:
 
 
 def _range(frame: pd.DataFrame, column: str) -> tuple[float | None, float | None]:
-    """Lowest and highest value of a column, None where there is none."""
+    """Lowest and highest value of a column; None without values."""
     if column not in frame or frame[column].isna().all():
         return None, None
     return float(frame[column].min()), float(frame[column].max())
@@ -108,7 +108,7 @@ def _saddle(support: IntermediateSupport, style: Style) -> str:
 
 
 def _break_angle(rig: SkylineRig, k: int) -> float | None:
-    """Between the chords before and after a support, positive where it carries [rad]."""
+    """Angle between the chords before and after a support, positive for a loaded support [rad]."""
     if not 0 < k < rig.spans:
         return None
     (x0, _, z0), (x1, _, z1), (x2, _, z2) = rig.points[k - 1 : k + 2]
@@ -116,7 +116,7 @@ def _break_angle(rig: SkylineRig, k: int) -> float | None:
 
 
 def anchors(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Section:
-    """What holds the ropes: their highest tensions over all rows."""
+    """Anchors with their highest tensions over all rows."""
     rows: list[tuple[str, ...]] = []
 
     def add(name: str, kind: str, at: Sequence[float], columns: Sequence[str], capacity: float | None) -> None:
@@ -146,7 +146,7 @@ def anchors(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Section:
 
 
 def set_up(rig: SkylineRig, style: Style) -> Section:
-    """Rope lengths, and the tension at which the bare rope is strung."""
+    """Rope lengths, and the tension of the bare rope."""
     chord = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
     reach = float(np.linalg.norm(np.diff(rig.points[: rig.spans + 1], axis=0), axis=1).sum())
     rows = [(style.text("chord"), style.value(chord, "length", "up"))]
@@ -162,7 +162,7 @@ def set_up(rig: SkylineRig, style: Style) -> Section:
 
 
 def staking(rig: SkylineRig, style: Style) -> list[Section]:
-    """Where everything stands: map coordinates where they are known, directions and distances to stake out by."""
+    """Staking-out list: map coordinates if known, directions and distances."""
     table = places(rig)
     columns: list[tuple[str, str, str | None, Any]] = [
         ("label", "name", None, None), ("kind", "kind", None, None), ("easting", "easting", "map", "near"),
@@ -207,7 +207,8 @@ def _map(rig: SkylineRig, table: pd.DataFrame, style: Style) -> Section:
 def stations_table(
     frame: pd.DataFrame, columns: Sequence[tuple[str, str, str | None, Any]], style: Style, texts: int = 1
 ) -> Table:
-    """Rows of a frame. columns: name in the frame, label, quantity (None for text) and the side to round to."""
+    """Rows of a frame. `columns` gives the name in the frame, label, quantity (None for text) and direction of
+    rounding."""
     known = [c for c in columns if c[0] in frame and (c[2] is None or frame[c[0]].fillna(0.0).any())]
     rows = [
         tuple(

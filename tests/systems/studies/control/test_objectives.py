@@ -1,4 +1,4 @@
-"""The objectives of a run against its reports, a line at rest and their own algebra."""
+"""Objectives of a run against its reports, against a line at rest, and against their definitions."""
 
 import numpy as np
 import pandas as pd
@@ -34,21 +34,21 @@ def test_peak_is_the_highest_of_the_safety_report(moving: rw.Result) -> None:
     assert rw.objectives(moving)["peak tension"] == moving.summary().spans["highest_tension"].max()
 
 
-def test_energy_is_what_the_drives_pull(moving: rw.Result) -> None:
+def test_energy_is_the_pulled_energy_of_the_drives(moving: rw.Result) -> None:
     assert rw.objectives(moving)["energy"] == pytest.approx(moving.power()["pulled"]["c1"], rel=1e-12)
 
 
-def test_only_what_comes_after_counts(moving: rw.Result) -> None:
+def test_only_records_after_settle_count(moving: rw.Result) -> None:
     whole, late = (rw.objectives(moving, settle=settle, target=45e3) for settle in (0.0, 30.0))
     assert late["peak tension"] < whole["peak tension"]
     assert late["tension deviation"] != whole["tension deviation"]
 
 
-def test_energy_counts_from_the_start_whenever_tensions_do(moving: rw.Result) -> None:
+def test_energy_always_counts_from_the_start(moving: rw.Result) -> None:
     assert {rw.objectives(moving, settle=s)["energy"] for s in (0.0, 12.5, 30.0)} == {moving.power()["pulled"]["c1"]}
 
 
-def test_deviation_is_a_root_of_a_mean_square(moving: rw.Result) -> None:
+def test_deviation_is_a_root_mean_square(moving: rw.Result) -> None:
     low, middle, high = (rw.objectives(moving, target=t)["tension deviation"] ** 2 for t in (40e3, 45e3, 50e3))
     assert low - 2.0 * middle + high == pytest.approx(2.0 * 5e3**2, rel=1e-9)
 

@@ -1,4 +1,4 @@
-"""Optimal schedules: better than what is there by the simulation's numbers, within limits, from any start."""
+"""Optimal schedules: better than constant speed in simulation, within limits, from any start."""
 
 from collections.abc import Mapping
 
@@ -46,7 +46,7 @@ def test_each_objective_is_best_by_its_own_plan_and_better_than_constant_speed(
 
 @pytest.fixture(scope="module")
 def from_balance() -> dict[str, rw.SchedulePlan]:
-    """Plans of a line that starts in balance, with the default of `settle`."""
+    """Plans of a line that starts in balance, with the default `settle`."""
     line = schedule_lines.line(6, 2, tension=46e3)
     start, limits = rw.balanced(line), rw.ScheduleLimits(force=1.8e3, power=1.9e3)
     return {
@@ -83,18 +83,18 @@ def test_limits_hold_from_the_beginning_of_a_line_in_balance(from_balance: dict[
         assert ends(plan.result, 0.0).min() > plan.tension[0] - 45.0
 
 
-def test_before_tensions_count_none_is_higher_than_with_sheaves_in_balance(
+def test_tensions_before_settle_stay_below_those_with_balanced_sheaves(
     plans: dict[str, rw.SchedulePlan],
 ) -> None:
-    """A line that starts out of balance: its start is the highest."""
+    """A line that starts out of balance: its highest tension is at the start."""
     for plan in plans.values():
         assert ends(plan.result, 0.0).max() == pytest.approx(ends(plan.result, 0.0)[0].max(), abs=50.0)
         early = plan.result.full_frame.loc[:10.0].filter(regex=r"c\d\.drive_force$").abs()
         assert early.max(axis=None) < 1.01 * early.iloc[0].max()
 
 
-def test_constant_speed_is_the_plan_where_nothing_is_better() -> None:
-    """Two alike spans without loads or heights, at rest: each change of speed only raises the tension."""
+def test_constant_speed_is_the_plan_if_it_is_optimal() -> None:
+    """Two equal level spans without loads, at rest: any change of speed raises the tension."""
     line = rw.monocable(schedule_lines.ROPE, FLAT, tension=42e3, speed=0.0)
     plan = rw.optimise_schedule(line, 16.0, intervals=8)
     assert plan.objective <= plan.constant["peak tension"]
@@ -152,7 +152,7 @@ def test_the_first_sheave_keeps_the_speed_of_the_line(plans: dict[str, rw.Schedu
         assert plan.schedules["c2"].speeds[0] == 1.0
 
 
-def test_the_lead_keeps_its_own_schedule_whatever_a_plan_starts_from() -> None:
+def test_the_lead_keeps_its_schedule_from_any_start() -> None:
     line = schedule_lines.line(speed=rw.Schedule((0.0, 10.0, 20.0), (1.0, 1.1, 1.1)))
     constant = {name: rw.Schedule((0.0, 20.0), (1.0, 1.0)) for name in ("c1", "c2", "c3")}
     plans = [rw.optimise_schedule(line, 20.0, intervals=10, warm_start=given) for given in (None, constant)]
@@ -161,7 +161,7 @@ def test_the_lead_keeps_its_own_schedule_whatever_a_plan_starts_from() -> None:
     assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-3)
 
 
-def test_three_starts_end_in_one_objective(plans: dict[str, rw.SchedulePlan]) -> None:
+def test_three_starts_give_the_same_objective(plans: dict[str, rw.SchedulePlan]) -> None:
     times = plans["energy"].schedules["c1"].times
     waves = np.random.default_rng(3).uniform(-0.03, 0.03, 3)
     starts = (
@@ -181,8 +181,8 @@ def test_an_earlier_plan_starts_the_next(plans: dict[str, rw.SchedulePlan]) -> N
     assert again.objective == pytest.approx(plans["peak tension"].objective, rel=1e-4)
 
 
-def test_a_limit_costs_what_its_multiplier_says(plans: dict[str, rw.SchedulePlan]) -> None:
-    """A tension limit just below the highest of the least energy."""
+def test_the_multiplier_of_a_limit_is_its_cost(plans: dict[str, rw.SchedulePlan]) -> None:
+    """A tension limit just below the highest tension of the plan with least energy."""
     high = plans["energy"].objectives["peak tension"] - 150.0
     tight, less = (
         plan_of("energy", limits=rw.ScheduleLimits(force=2.5e3, power=2.5e3, tension_high=high + more))
@@ -194,8 +194,8 @@ def test_a_limit_costs_what_its_multiplier_says(plans: dict[str, rw.SchedulePlan
     assert cost == pytest.approx(saved, rel=0.05)
 
 
-def test_a_force_costs_deviation_as_its_multiplier_says() -> None:
-    """Against the central difference of what simulations reach."""
+def test_the_multiplier_of_a_force_limit_is_its_cost() -> None:
+    """Against the central difference of simulated objectives."""
     tight, plan, wide = (
         plan_of("tension deviation", limits=rw.ScheduleLimits(force=force)) for force in (1180.0, 1200.0, 1220.0)
     )
@@ -210,7 +210,7 @@ def test_a_deviation_is_reached_as_planned(plans: dict[str, rw.SchedulePlan]) ->
         assert len(plan.history.rounds) <= 4
 
 
-def test_a_plan_shows_itself_in_a_line(plans: dict[str, rw.SchedulePlan]) -> None:
+def test_a_plan_has_a_one_line_representation(plans: dict[str, rw.SchedulePlan]) -> None:
     for name, plan in plans.items():
         since = "0 to 40 s" if name == "energy" else "10 to 40 s"
         unit = "kJ" if name == "energy" else "kN"
@@ -237,13 +237,13 @@ def test_the_frame_holds_the_schedules(plans: dict[str, rw.SchedulePlan]) -> Non
     assert ends(repeated, 10.0).max() == pytest.approx(plan.objectives["peak tension"], abs=1e-3)
 
 
-def test_schedules_go_out_and_in_as_csv(plans: dict[str, rw.SchedulePlan], tmp_path: object) -> None:
+def test_schedules_are_written_and_read_as_csv(plans: dict[str, rw.SchedulePlan], tmp_path: object) -> None:
     plan = plans["peak tension"]
     path = plan.to_csv(f"{tmp_path}/plan.csv")
     assert rw.Schedule.from_csv(path, column="c2.speed") == plan.schedules["c2"]
 
 
-def test_a_plan_makes_a_picture(plans: dict[str, rw.SchedulePlan]) -> None:
+def test_the_figure_of_a_plan(plans: dict[str, rw.SchedulePlan]) -> None:
     plan = plans["peak tension"]
     figure = plan.plot()
     speeds, tensions, forces = figure.axes

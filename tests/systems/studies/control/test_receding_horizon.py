@@ -1,4 +1,4 @@
-"""Plans that follow each other, and the line under them."""
+"""Successive plans, and the line that follows them."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def driven() -> rw.RecedingHorizon:
 
 
 @pytest.mark.slow
-def test_each_plan_begins_where_the_line_is(driven: rw.RecedingHorizon) -> None:
+def test_each_plan_begins_at_the_state_of_the_line(driven: rw.RecedingHorizon) -> None:
     assert driven.begins == (0.0, 20.0, 40.0)
     for begin, plan in zip(driven.begins, driven.plans, strict=True):
         for name, schedule in driven.schedules.items():
@@ -31,7 +31,7 @@ def test_each_plan_begins_where_the_line_is(driven: rw.RecedingHorizon) -> None:
 
 
 @pytest.mark.slow
-def test_the_line_keeps_its_limits_all_the_way(driven: rw.RecedingHorizon) -> None:
+def test_the_line_keeps_its_limits_throughout(driven: rw.RecedingHorizon) -> None:
     frame = driven.result.full_frame.loc[10.0:]
     for name in ("c1", "c2", "c3"):
         assert frame[f"{name}.drive_force"].abs().max() < 1.02 * 3e3
@@ -41,7 +41,7 @@ def test_the_line_keeps_its_limits_all_the_way(driven: rw.RecedingHorizon) -> No
 
 
 @pytest.mark.slow
-def test_it_does_better_than_constant_speed(driven: rw.RecedingHorizon) -> None:
+def test_it_is_better_than_constant_speed(driven: rw.RecedingHorizon) -> None:
     constant = rw.simulate(schedule_lines.line(), UNTIL, every=0.5, start=rw.balanced(schedule_lines.line()))
     found, other = (rw.objectives(r, settle=10.0) for r in (driven.result, constant))
     assert found["peak tension"] < other["peak tension"]

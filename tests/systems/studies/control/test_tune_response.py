@@ -1,4 +1,4 @@
-"""A tuned response beats the one it began with, by simulations that anyone can repeat."""
+"""A tuned response improves on its initial response in reproducible simulations."""
 
 from dataclasses import replace
 from typing import Any
@@ -36,7 +36,7 @@ def tuned() -> rw.TunedResponse:
     return tune()
 
 
-def test_it_beats_the_response_it_began_with(tuned: rw.TunedResponse) -> None:
+def test_it_improves_on_the_initial_response(tuned: rw.TunedResponse) -> None:
     assert tuned.objective < 0.8 * tuned.baseline
     assert tuned.objective == tuned.history["objective"].min()
     assert tuned.history["objective"][0] == tuned.baseline
@@ -58,7 +58,7 @@ def test_its_objective_is_that_of_its_line(tuned: rw.TunedResponse) -> None:
 
 
 def test_the_sheaves_that_respond_and_the_start_can_be_chosen() -> None:
-    start = rw.balanced(tune(generations=0, over={"hold": (1.0, 2.0)}).line)  # with a response of its own
+    start = rw.balanced(tune(generations=0, over={"hold": (1.0, 2.0)}).line)  # with its own response
     found = tune(generations=0, sheaves=("s4",), start=start, over={"increment": (0.002, 0.01)}, workers=2)
     assert found.line.components["s2"].response is None
     assert found.line.components["s4"].response == found.response
@@ -69,7 +69,7 @@ def test_the_sheaves_that_respond_and_the_start_can_be_chosen() -> None:
     assert found.objective != pytest.approx(found.baseline, rel=1e-3)
 
 
-def test_processes_and_seed_do_not_change_it(tuned: rw.TunedResponse) -> None:
+def test_the_result_does_not_depend_on_processes(tuned: rw.TunedResponse) -> None:
     pd.testing.assert_frame_equal(tune(workers=2).history, tuned.history, check_exact=True)
     first = tune(seed=1, generations=0).history
     assert not first.equals(tuned.history.head(len(first)))
@@ -84,7 +84,7 @@ def test_runs_that_fail_count_as_infinite() -> None:
     assert np.isfinite(found.objective)
 
 
-def test_a_response_outside_the_ranges_counts_too() -> None:
+def test_an_initial_response_outside_the_ranges_counts() -> None:
     good = replace(COARSE, increment=0.005, delay=0.0, initiation=-500.0)
     found = rw.tune_response(
         line(),
@@ -101,7 +101,7 @@ def test_a_response_outside_the_ranges_counts_too() -> None:
     assert found.objective == found.baseline == found.history["objective"].min()
 
 
-def test_a_line_that_cannot_run_says_why() -> None:
+def test_a_line_that_cannot_run_is_an_error_with_its_cause() -> None:
     heavy = rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=8e3, load_spacing=30.0)
     with pytest.raises(rw.SimulationError, match=r"The message of the first: The loads .* are too heavy"):
         rw.tune_response(

@@ -1,4 +1,4 @@
-"""Lyons' (2008) three methods against quadrature of the cable's strain, and every number that he prints."""
+"""Lyons' (2008) three methods against quadrature of the cable's strain, and all printed numbers."""
 
 import json
 from collections.abc import Callable
@@ -110,7 +110,7 @@ def rw_call(method: Any) -> UnstretchedLength:
     return unstretched_length(ROPE, length=250.0, horizontal=40e3, vertical=12e3, method=method)
 
 
-def test_rope_without_construction_stretch_gets_lyons() -> None:
+def test_lyons_construction_stretch_is_the_default() -> None:
     plain = rw_call("elastic and construction")
     new = rw.Rope(
         mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3, stretch=rw.ConstructionStretch(0.0414)
@@ -200,11 +200,11 @@ def test_locus_of_a_third() -> None:
         assert round(float(ratio), 4) != reference["printed_phi_ratio"]  # printed, not reproducible
 
 
-def test_impossible_cases_are_flagged() -> None:
+def test_impossible_cases_are_marked() -> None:
     assert [c.number for c in CASES if not c.possible] == LYONS["impossible_cases"]
     table = twelve_cases([33.0]).set_index("case")
     assert not table.loc[LYONS["impossible_cases"], "possible"].any()
-    assert not table.loc[11, "possible"]  # a rope, but torn
+    assert not table.loc[11, "possible"]  # beta and tau of a rope, but above its breaking load
     assert table.loc[12, "possible"]
     for number in ("7", "11"):
         assert table.loc[int(number), "ratio"] == pytest.approx(LYONS["worst_over_phi"][number], abs=5.1e-5)
@@ -214,7 +214,7 @@ def test_impossible_cases_are_flagged() -> None:
 @settings(max_examples=60, deadline=None)
 @given(beta=st.floats(1e-5, 3e-4), phi=st.floats(-20.0, 30.0), chi=st.floats(0.05, 100.0), tau=st.floats(40.0, 400.0))
 def test_dimensionless_forms_are_the_printed_equations(beta: float, phi: float, chi: float, tau: float) -> None:
-    """Eq. 24 literally; eq. 25 with the corrected last term, and as printed."""
+    """Eq. 24 as printed; eq. 25 with the corrected last term, and as printed."""
     a, b = (phi - 1.0) / chi, phi / chi
     brace = a * np.hypot(1, a) + np.arcsinh(a) - b * np.hypot(1, b) - np.arcsinh(b)
     elastic = 1.0 - chi**2 * beta / 2.0 * brace
@@ -234,7 +234,7 @@ def test_dimensional_and_dimensionless_agree() -> None:
 
 
 def test_implicit_weight_is_solved() -> None:
-    """Eq. 11 and 19 hold W = w L0, and L0 is what they are to give."""
+    """Eq. 11 and 19 contain W = w L0 with the unknown L0."""
     w = 3.48 * G
     strain = strain_law(ROPE, construction=True)
     root = brentq(lambda s: quadrature(ROPE, s, 40e3, 12e3, strain) - 250.0, 200.0, 260.0, xtol=1e-12)

@@ -34,7 +34,7 @@ curves = st.builds(
 
 @settings(max_examples=100, deadline=None)
 @given(curve=curves, place=st.floats(0.02, 0.98))
-def test_one_curve_however_it_is_asked_for(curve: CatenaryCurve, place: float) -> None:
+def test_all_functions_give_the_same_curve(curve: CatenaryCurve, place: float) -> None:
     d, r, a = float(curve.span), float(curve.rise), float(curve.parameter)
     same = pytest.approx(a, rel=1e-6)
     assert catenary_for_horizontal(d, r, 7.0 * a, 7.0).parameter == pytest.approx(a, rel=1e-14)
@@ -91,7 +91,7 @@ def test_arrays() -> None:
 
 
 def test_harveys_appendix_1() -> None:
-    """Figure 3's parameters: H over w, not over w times the span."""
+    """Parameters of Figure 3: H over w, not over w times the span."""
     a = HARVEY["appendix_1"]
     curve = catenary_for_horizontal(200.0, 0.0, np.array(a["horizontal"]), a["weight"])
     assert curve.parameter == pytest.approx(a["parameter"], abs=0.6)
@@ -122,7 +122,7 @@ def test_harveys_table_3_exact(k: int) -> None:
 
 
 def test_rope_touches_inside_a_piece_of_terrain() -> None:
-    """Both vertices are clear of the rope by metres; it touches the straight piece between them."""
+    """Both vertices clear the rope by metres; it touches the straight piece between them."""
     rope = longest_rope([0.0, 60.0, 140.0, 200.0], [-60.0, -25.0, -25.0, -60.0], (0.0, 0.0), (200.0, 0.0))
     assert rope.touches == pytest.approx(100.0, abs=1e-6)
     assert rope.height(100.0) == pytest.approx(-25.0, abs=1e-9)
@@ -158,7 +158,7 @@ def test_longest_rope_is_clear_and_longest(depths: list[float], rise: float, cle
 
 
 def test_longest_rope_agrees_with_bisection_over_lengths() -> None:
-    """Harvey's own way, on many nodes: bisection on the length."""
+    """Harvey's method on many nodes: bisection on the length."""
     x, z = np.array([0.0, 70.0, 130.0, 200.0]), np.array([-40.0, -22.0, -33.0, -60.0])
     nodes = np.linspace(0.0, 200.0, 20001)
     ground = np.interp(nodes, x, z)

@@ -31,7 +31,7 @@ def test_log_friction() -> None:
         log_friction(1.2)
 
 
-def test_log_slope_is_that_of_the_step_before_the_carriage() -> None:
+def test_log_slope_is_the_slope_of_the_terrain_step_before_the_carriage() -> None:
     x, z = [0.0, 10.0, 25.0, 40.0], [0.0, 4.0, 7.0, 16.0]
     assert log_slope(x, z, 25.0) == pytest.approx(0.2)
     assert log_slope(x, z, 39.0) == pytest.approx(0.2)
@@ -61,7 +61,7 @@ def test_one_stiffness_for_all_ropes() -> None:
     assert stiffness_ratio(fitting) == pytest.approx(1.0, abs=6e-3)
 
 
-def test_nothing_left_at_the_lower_end() -> None:
+def test_no_tension_at_the_lower_end() -> None:
     with pytest.raises(InputError, match="raise the upper tension"):
         lower_tension(100.0, 10.0, 20.0)
     with pytest.raises(InputError, match="height"):

@@ -1,4 +1,4 @@
-"""What docs/methods.md and the benchmarks say of the payload methods."""
+"""Payload methods in docs/methods.md and in the benchmarks."""
 
 import importlib.util
 from collections.abc import Callable
@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[4]
 
 
 def script(name: str) -> ModuleType:
-    """A benchmark, which is a script and no part of the package."""
+    """A benchmark: a script outside the package."""
     spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
@@ -52,7 +52,7 @@ def test_hundred_thousand_exact_payloads_in_one_sweep() -> None:
     assert np.isfinite(catenary_clamped(line, 3.48, 19600.0)).all()
 
 
-def test_sweep_is_the_same_as_one_by_one() -> None:
+def test_a_sweep_equals_single_calls() -> None:
     line = script("payload_speed").sweep(125)
     gross = catenary_clamped(line, 3.48, 19600.0)
     one = [

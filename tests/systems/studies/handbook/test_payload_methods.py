@@ -1,5 +1,5 @@
-"""Harvey's (2013) methods: corrected against the exact payload, as printed against his numbers, exact against the
-library's own components."""
+"""Harvey's (2013) methods: corrected ones against the exact payload, printed ones against his numbers, exact ones
+against the library's components."""
 
 import json
 from pathlib import Path
@@ -81,7 +81,7 @@ def test_direction_of_the_mainline() -> None:
 @pytest.mark.parametrize("k", range(3))
 @pytest.mark.parametrize("carriage", [0.5, 0.2])
 def test_clamped_payload_from_components(k: int, carriage: float) -> None:
-    """A System whose turn is freed for the tension at the upper support."""
+    """A System with its payload solved for the tension at the upper support."""
     line = LoadedSpan(200.0, 25.0, SLOPES[k], carriage)
     exact = exact_load(line, W * G, T * G, "clamped")
     s = rw.System("Harvey")
@@ -97,7 +97,7 @@ def test_clamped_payload_from_components(k: int, carriage: float) -> None:
 
 @pytest.mark.parametrize("k", range(3))
 def test_rolling_payload_from_components(k: int) -> None:
-    """A rolling carriage is an idler: it must hold up what the rope over it presses down."""
+    """A rolling carriage is an idler whose weight equals the downward force of the rope on it."""
     line = LoadedSpan(200.0, 25.0, SLOPES[k])
     exact = exact_load(line, W * G, T * G, "rolling")
     s = rw.System("Harvey")
@@ -122,9 +122,9 @@ def test_elastic_gain(joint: Joint) -> None:
         strain = Strain(G / reference["axial_stiffness"], 0.0)
         gain = elastic_load(LINE, W, T, strain, joint).gross - stiff
         assert np.all((gain > reference["low"]) & (gain < reference["high"]))
-    none = elastic_load(LINE, W, T, Strain(0.0, 0.0), joint)
-    assert none.gross == pytest.approx(stiff, rel=1e-12)
-    assert none.length_lower == pytest.approx(exact_load(LINE, W, T, joint).length_lower, rel=1e-12)
+    inextensible = elastic_load(LINE, W, T, Strain(0.0, 0.0), joint)
+    assert inextensible.gross == pytest.approx(stiff, rel=1e-12)
+    assert inextensible.length_lower == pytest.approx(exact_load(LINE, W, T, joint).length_lower, rel=1e-12)
 
 
 def test_elastic_clamped_payload_from_components() -> None:
@@ -193,14 +193,14 @@ def test_tension_for_payload_inverts_payload_for_tension(
 @settings(max_examples=60, deadline=None)
 @given(share=st.floats(0.02, 0.2), place=st.floats(0.1, 0.9), spare=st.floats(20.0, 300.0))
 def test_level_span_is_its_own_mirror_image(share: float, place: float, spare: float) -> None:
-    """On a level span, clamped: the mirrored carriage under the tension of the other end carries the same."""
+    """On a level span, clamped: the mirrored carriage under the tension of the other end has the same payload."""
     here = LoadedSpan(200.0, 200.0 * share, 0.0, place)
     one = exact_load(here, W, spare * W * 200.0, "clamped")
     other = exact_load(LoadedSpan(200.0, 200.0 * share, 0.0, 1.0 - place), W, one.tension_lower_support, "clamped")
     assert other.gross == pytest.approx(one.gross, rel=1e-10)
 
 
-def test_methods_meet_in_the_limit_of_a_weightless_rope() -> None:
+def test_methods_agree_in_the_limit_of_a_weightless_rope() -> None:
     line = LoadedSpan(200.0, 25.0, 0.1, 0.3)
     for name, method in METHODS.items():
         if "moment" not in name and "rolling" not in name:
@@ -215,7 +215,7 @@ def test_tension_for_a_payload_near_the_lower_support() -> None:
     assert tension_for_payload(catenary_rolling, line, STIFF, payload) == pytest.approx(tension, rel=1e-10)
 
 
-def test_no_payload_is_the_bare_rope() -> None:
+def test_zero_payload_is_the_bare_rope() -> None:
     bare = catenary_for_sag(200.0, -20.0, 30.0, 0.4).forces(W * G).tension_start
     found = tension_for_payload(catenary_clamped, LoadedSpan(200.0, 30.0, 0.1, 0.4), ROPE, 0.0)
     assert found == pytest.approx(bare, rel=1e-10)
@@ -283,7 +283,7 @@ def test_table_2_as_printed(name: str) -> None:
     for k, (value, printed) in enumerate(zip(found, reference["printed"], strict=True)):
         if k != reference.get("off_by_one"):
             assert abs(value - printed) < 0.51
-        else:  # 8820 is printed, 8819.33 (8819.17 with his 14.04 degrees) is what it gives
+        else:  # 8820 is printed; the formula gives 8819.33 (8819.17 with his 14.04 degrees)
             assert round(value) == printed - 1
     assert TABLE_2[name].erratum
 
@@ -322,7 +322,7 @@ def test_improved_rigid_link_intermediates() -> None:
     found = improved_rigid_link_sum(LINE, W, T)
     assert round(float(found.tension_lower[1])) == r["lower_tension"]["0.1"]
     assert round(float(found.tension_lower[2])) == r["misprints"]["lower_tension_true"]
-    # 18735 is printed and not reproducible; with it the sum is 8088.59, with the true one 8089.46
+    # 18735 is printed and not reproducible; the sum is 8088.59 with it, 8089.46 with the true value
     off = found.gross[2] + (r["misprints"]["lower_tension"] - found.tension_lower[2]) * 5.0 / np.hypot(100.0, 5.0)
     assert off - C - (r["misprints"]["weight"] - 348.58) == pytest.approx(r["payload_from_misprint"], abs=0.4)
 
@@ -440,7 +440,7 @@ def test_bad_input(change: dict[str, Any], word: str) -> None:
         harvey_comparison(**change)
 
 
-def test_tension_below_what_the_rope_needs() -> None:
+def test_tension_too_low_for_the_rope() -> None:
     least = minimum_tension(100.0, -25.0, W * G)
     line = LoadedSpan(200.0, 25.0)
     with pytest.raises(SlackRopeError, match=f"{least:.6g} N"):
@@ -457,7 +457,7 @@ def test_tension_below_what_the_rope_needs() -> None:
         payload_for_tension(catenary_rolling, steep, ROPE, tension)
 
 
-def test_no_tension_for_so_little() -> None:
+def test_payload_too_low_for_a_taut_rope() -> None:
     with pytest.raises(SlackRopeError, match="deflection"):
         tension_for_payload(catenary_clamped, LoadedSpan(200.0, 60.0, 0.0, 0.95), ROPE, 0.0)
     with pytest.raises(InputError, match="payload"):

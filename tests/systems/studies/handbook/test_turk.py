@@ -1,4 +1,4 @@
-"""The cable's classic forms against each other and the library's own, and the span solvers (Turk 1988, corrected)."""
+"""The classic cable forms against each other and against the library, and the span solvers (Turk 1988, corrected)."""
 
 from collections.abc import Callable
 from typing import Any
@@ -32,7 +32,7 @@ def test_irvine_is_gonsior_is_the_library(c: dict[str, float]) -> None:
     v = c["lean"] * h
     at_end = irvine(h, v, w, ea, length)
     piece = gonsior(h, -np.arctan(v / h), np.arctan((w * length - v) / h), w, ea)
-    size = max(length, h / w * 1e-3)  # both lose digits by differences of h/w
+    size = max(length, h / w * 1e-3)  # both lose digits in differences of h/w
     assert at_end.x == pytest.approx(piece.x, rel=1e-12, abs=1e-12 * size + 4e-15 * h / w)
     assert -at_end.z == pytest.approx(piece.z, rel=1e-12, abs=1e-12 * size + 4e-15 * h / w * (1 + c["lean"] ** 2))
     assert piece.unstretched == pytest.approx(length, rel=1e-9)
@@ -59,7 +59,7 @@ def test_gonsior_angle_recovers_the_angle(c: dict[str, float]) -> None:
 def test_contraction_of_the_substitution() -> None:
     h, ea = 42000.0, 2.5e7
     found = gonsior_angle(h, -0.3, 200.0, 29.0, ea)
-    slope = np.tan(found.iterates[1:])  # the first is the other end's
+    slope = np.tan(found.iterates[1:])  # the first iterate is the slope at the other end
     ratio = (slope[2] - slope[1]) / (slope[1] - slope[0])
     tension = h / np.cos(found.angle)
     assert ratio == pytest.approx(-tension / ea, rel=1e-2)
@@ -79,7 +79,7 @@ def test_steep_angles_and_overflow() -> None:
 @settings(max_examples=80, deadline=None)
 @given(c=cables, places=st.lists(st.floats(0.0, 1.0), max_size=5), data=st.data())
 def test_sinclair_is_the_library(c: dict[str, float], places: list[float], data: Any) -> None:
-    """The recursion for N loads, at its end and at stations, also with loads that pull up."""
+    """The recursion for N loads, at its end and at stations, including upward loads."""
     h, w, length, ea = c["h"], c["w"], c["length"], c["ea"]
     v, at = c["lean"] * h, np.sort(places)
     loads = np.array([data.draw(st.floats(-0.3, 1.0)) * h for _ in places])
@@ -117,7 +117,7 @@ def test_three_loads_against_integration() -> None:
 
 
 def test_point_load() -> None:
-    """Eq. 2.96-2.100 corrected, literally."""
+    """Eq. 2.96-2.100, corrected."""
     h, v, w, ea, length, m, s1, s = 42000.0, 9000.0, 29.0, 2.5e7, 250.0, 15000.0, 110.0, 250.0
     total = w * length
     u = [v / h, (v - m - w * s) / h, (v - m - w * s1) / h, (v - w * s1) / h]
@@ -181,7 +181,7 @@ def test_solvers_find_the_equilibrium_of_the_components() -> None:
         assert last["vertical"] == pytest.approx(eq["a_b.vertical_a"], rel=1e-8)
 
 
-def test_newton_is_quadratic_and_brown_cheaper_a_round() -> None:
+def test_newton_is_quadratic_and_brown_cheaper_per_iteration() -> None:
     span = problem(1000.0)
     newton = solve_span(span, "Newton-Raphson", start=start(span, 1.0 / 3.0), damped=False)
     brown = solve_span(span, "Brown", start=start(span, 1.0 / 3.0), damped=False)
@@ -193,7 +193,8 @@ def test_newton_is_quadratic_and_brown_cheaper_a_round() -> None:
 
 
 def test_one_foot_more_halves_the_substitution() -> None:
-    """Its error falls by the rope's stretch over twice its excess over the chord, which one foot of rope moves."""
+    """The contraction factor is the rope's stretch over twice its excess over the chord, which a foot of rope
+    changes."""
     rounds = {}
     for length in (1000.0, 1001.0):
         span = problem(length)
@@ -208,7 +209,7 @@ def test_one_foot_more_halves_the_substitution() -> None:
     assert rounds[1000.0] > 1.8 * rounds[1001.0]
 
 
-def test_undamped_methods_can_fail_and_say_so() -> None:
+def test_undamped_methods_can_fail_and_report_it() -> None:
     span = problem(1000.0)
     for method in ("successive substitution", "Brown"):
         history = solve_span(span, method, start=start(span, 10.0), damped=False)
@@ -218,7 +219,7 @@ def test_undamped_methods_can_fail_and_say_so() -> None:
     assert solve_span(problem(1001.0), start=start(problem(1001.0), 10.0), unknowns="tension and angle").converged
 
 
-def test_history_has_its_start_first() -> None:
+def test_history_begins_with_the_start() -> None:
     span = problem(1000.0)
     history = solve_span(span)
     assert history.frame["horizontal"].iloc[0] == pytest.approx(span.start[0])

@@ -23,7 +23,7 @@ def idlers(tension: float = 30e3) -> rw.System:
 
 
 def difference(at: Callable[[float], np.ndarray], value: float, h: float) -> np.ndarray:
-    """Central difference, its error in h squared taken away."""
+    """Central difference, extrapolated to cancel the error in h squared."""
     near, far = ((at(value + d) - at(value - d)) / (2.0 * d) for d in (h, 2.0 * h))
     return (4.0 * near - far) / 3.0
 
@@ -57,7 +57,7 @@ def test_statics_equal_central_differences() -> None:
         np.testing.assert_allclose(frame[name], expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max(), err_msg=name)
 
 
-def test_pretension_of_an_empty_rope_is_its_own() -> None:
+def test_derivative_of_the_pretension_of_an_empty_rope() -> None:
     s = rw.System("empty")
     nodes = [rw.Anchor("a", at=(0, 0)), rw.Sheave("s", at=(100, 5)), rw.Anchor("b", at=(210, 2))]
     s.string(ROPE, *nodes, tension=30e3)
@@ -76,7 +76,7 @@ def test_pretension_equals_differences_of_strung_ropes() -> None:
     np.testing.assert_allclose(frame["a.pretension"], difference(at, 30e3, 10.0), rtol=1e-6)
 
 
-def test_a_skyline_has_a_pretension_without_its_carriage() -> None:
+def test_pretension_of_a_skyline_without_its_carriage() -> None:
     def rig(tension: float) -> rw.System:
         return rw.standing_skyline(
             None,
@@ -100,7 +100,7 @@ def test_a_skyline_has_a_pretension_without_its_carriage() -> None:
     np.testing.assert_allclose(frame["head.pretension"], difference(at, 60e3, 20.0), rtol=1e-5)
 
 
-def test_units_stand_beside_the_numbers() -> None:
+def test_units_of_derivatives() -> None:
     frame = rw.sensitivities(rw.equilibrium(idlers()), of=["l1.z", "a.tension"], to=["l1.mass", "a.pretension"])
     assert frame.attrs["units"] == {"l1.z": "m", "a.tension": "N"}
     assert frame.attrs["per"] == {"l1.mass": "kg", "a.pretension": "N"}
@@ -144,7 +144,7 @@ def line(
 
 
 def run(system: rw.System, name: str = "", value: float = 0.0, until: float = 60.0) -> rw.Result:
-    """A run in which one quantity has another value."""
+    """A run with a changed value of one quantity."""
     model = rw.assemble(system)
     inputs: dict[str, float | rw.Schedule] = {"c2.speed": RAMP}
     start = None
@@ -183,7 +183,7 @@ def test_a_run_with_crossings_equals_central_differences() -> None:
     compare(line, of, ["l6.mass", "s3.z", "c1.speed", "c2.speed", "start.pretension"])
 
 
-def test_samples_with_delay_and_drives_with_states_are_followed() -> None:
+def test_derivatives_through_delayed_samples_and_drive_states() -> None:
     response = rw.ProportionalResponse(gain=4e-6, period=1.0, delay=0.7)
     of = ["c1.tension_out", "c2.power", "c1.travel"]
     compare(
@@ -194,8 +194,8 @@ def test_samples_with_delay_and_drives_with_states_are_followed() -> None:
     )
 
 
-def test_drives_at_their_limit_are_followed() -> None:
-    """The engine's power limits the force: speeds and tensions depend on each other, and crossings shake both."""
+def test_derivatives_through_drives_at_their_limit() -> None:
+    """The engine's power limits the force: speeds and tensions are coupled, and crossings disturb both."""
     weak = replace(DRIVE, engine_power=12e3)
     base = run(line(drive=weak), until=30.0)
     assert base.frame["c2.power_limited"].max() == 1.0
@@ -238,7 +238,7 @@ def test_a_load_that_is_not_on_the_line_has_no_derivative() -> None:
 
 
 @pytest.mark.parametrize(
-    ("of", "to", "error", "says"),
+    ("of", "to", "error", "words"),
     [
         ("a.tension", "a.tension", rw.InputError, "is a result"),
         ("a.tension", "l9.mass", rw.UnknownNameError, "l9"),
@@ -247,17 +247,17 @@ def test_a_load_that_is_not_on_the_line_has_no_derivative() -> None:
         ("a.tension", [], rw.InputError, "nothing to derive"),
     ],
 )
-def test_bad_requests(of: str, to: str, error: type[Exception], says: str) -> None:
-    with pytest.raises(error, match=says):
+def test_bad_requests(of: str, to: str, error: type[Exception], words: str) -> None:
+    with pytest.raises(error, match=words):
         rw.sensitivities(rw.equilibrium(idlers()), of=of, to=to)
 
 
-def test_a_system_is_to_be_solved_first() -> None:
+def test_a_system_must_be_solved_first() -> None:
     with pytest.raises(rw.InputError, match=r"solution is a System\. Give an Equilibrium or a Result"):
         rw.sensitivities(idlers(), of="a.tension", to="l1.mass")  # type: ignore[arg-type]
 
 
-def test_an_emergency_stop_is_refused() -> None:
+def test_an_emergency_stop_is_rejected() -> None:
     stop = rw.Intervention(time=5.0, action="emergency stop")
     result = rw.simulate(line(), 20.0, interventions=[stop])
     with pytest.raises(rw.InputError, match="emergency stop"):

@@ -1,4 +1,4 @@
-"""Rig states and their certificate: shoes, carriages on them and logs have laws of their own, and a fault is found."""
+"""Certificates of rig states: laws of shoes, of carriages on them and of logs, and detection of faults."""
 
 from dataclasses import replace
 
@@ -42,7 +42,7 @@ def certificate(solved: Solved, **how: float) -> Certificate:
 @pytest.mark.parametrize("how", [{}, {"mainline": None}, {"mainline": None, "holding": "horizontal"}])
 @pytest.mark.parametrize("station", [60.0, 137.5, ON, 140.6, 220.0])
 @pytest.mark.parametrize("payload", [0.0, 1900.0])
-def test_states_beside_and_on_a_shoe_hold_their_laws(how: dict[str, object], station: float, payload: float) -> None:
+def test_states_near_and_on_a_shoe_satisfy_their_laws(how: dict[str, object], station: float, payload: float) -> None:
     solved = Stations(rig(**how)).solve(station, payload)
     checks = solved.at.certificate([solved.point]).checks
     assert all(check.holds for check in checks)
@@ -66,14 +66,14 @@ def test_states_beside_and_on_a_shoe_hold_their_laws(how: dict[str, object], sta
         (60.0, {"head_car__length_start": 1e-5}, ROPE_SUM),
     ],
 )
-def test_each_fault_is_found(station: float, change: dict[str, float], check: str) -> None:
+def test_each_fault_is_detected(station: float, change: dict[str, float], check: str) -> None:
     solved = Stations(rig()).solve(station, 1900.0)
     assert solved.held_by == "mainline"
     assert check in [found.name for found in certificate(solved, **change).checks if not found.holds]
 
 
-def test_a_log_has_its_contact_by_another_formula() -> None:
-    """On a slope, on the rounding of its vertex, beyond it, and free."""
+def test_contact_of_a_log_by_an_independent_formula() -> None:
+    """On a slope, on the rounding of its vertex, past it, and free."""
     ground = rw.Profile([-20.0, 90.0, 100.0, 220.0], [-14.0, -12.0, -5.0, -2.0])
     log = rw.Log("log", mass=600.0, length=9.0, friction=0.4, rounding=2.0)
     held = rw.standing_skyline(
@@ -99,7 +99,7 @@ def test_a_log_has_its_contact_by_another_formula() -> None:
     assert dragged == {True, False}
 
 
-def test_a_state_that_fails_is_solved_again_or_refused() -> None:
+def test_a_state_that_fails_is_solved_again_or_rejected() -> None:
     held = rig()
     good = [Stations(held).solve(x, 1500.0) for x in (50.0, ON, 90.0)]
     bad = good[2].point.copy()
@@ -114,7 +114,7 @@ def test_a_state_that_fails_is_solved_again_or_refused() -> None:
     assert good[1].at.place == Place(0, 0)
 
 
-def test_a_rest_for_a_run_is_certified() -> None:
+def test_the_start_of_a_run_is_certified() -> None:
     solved = Stations(rig()).solve(ON, 1500.0)
     assert solved.at.rest(solved.point)["car.z"] == solved["car.z"]
     bad = solved.point.copy()

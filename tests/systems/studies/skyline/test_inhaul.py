@@ -1,4 +1,4 @@
-"""A skyline rig in time: the same statics at every moment, events, power, and refusals."""
+"""A skyline rig over time: statics at every instant, events, power, and rejected arguments."""
 
 from dataclasses import replace
 
@@ -41,7 +41,7 @@ def test_a_full_run_over_two_supports_is_the_load_path(start: float, end: float)
     assert [e for e in run.events.event if e.startswith("reaches")] == (
         ["reaches s2", "reaches s1"] if end < start else ["reaches s1", "reaches s2"]
     )
-    # Inhaul takes power at the mainline's drum and gives some back at the haulback's; outhaul the other way.
+    # Inhaul takes power at the mainline's drum and returns some at the haulback's; outhaul does the reverse.
     sign = 1.0 if end < start else -1.0
     assert (sign * frame.drum_power > 0.0).all()
     assert (sign * frame.haulback_power < 0.0).all()
@@ -50,10 +50,8 @@ def test_a_full_run_over_two_supports_is_the_load_path(start: float, end: float)
 @pytest.mark.parametrize(
     ("how", "payload"), [({}, 2500.0), ({}, 4000.0), ({"haulback": None, "haulback_tension": None}, 2500.0)]
 )
-def test_over_shoes_where_the_carriage_moves_far_and_the_drum_turns_little(
-    how: dict[str, object], payload: float
-) -> None:
-    """Near a shoe Newton's method from a long step before comes to nothing, or to a mainline of negative length."""
+def test_over_shoes_with_a_large_move_of_the_carriage_for_little_rope(how: dict[str, object], payload: float) -> None:
+    """Near a shoe, Newton's method from a distant solution fails, or converges to a mainline of negative length."""
     supports = [
         rw.IntermediateSupport(name, at=at, radius=3.0) for name, at in (("s1", (160.0, 40.0)), ("s2", (330.0, -20.0)))
     ]
@@ -65,9 +63,9 @@ def test_over_shoes_where_the_carriage_moves_far_and_the_drum_turns_little(
         np.testing.assert_allclose(frame[column], path[column], rtol=1e-6)
 
 
-def test_power_is_what_lifts_the_load() -> None:
-    """Between two moments in one span, the drums' work is what load and ropes have gained: here almost all of it is
-    the load's own height, with ropes light and stiff."""
+def test_work_of_the_drums_is_the_energy_of_the_load() -> None:
+    """Between two times in one span, the drums' work equals the energy gained by load and ropes. With light, stiff
+    ropes it is almost only the height of the load."""
     light = rw.Rope(mass_per_length=1e-3, axial_stiffness=1e10, breaking_load=1e6)
     alone = rw.standing_skyline(
         None,
@@ -106,7 +104,7 @@ FLAT = rw.standing_skyline(
 )
 
 
-def test_a_carriage_that_runs_ahead_stops_the_run_with_what_there_is() -> None:
+def test_a_carriage_that_runs_ahead_stops_the_run_with_its_rows() -> None:
     with pytest.raises(rw.SimulationError, match=r"stops at station .* would have to push") as error:
         rw.inhaul(FLAT, payload=2000.0, start=60.0, end=280.0, speed=2.0, every=2.0)
     run = error.value.result
@@ -114,14 +112,14 @@ def test_a_carriage_that_runs_ahead_stops_the_run_with_what_there_is() -> None:
     assert run.frame.index[-1] == error.value.time
     last = run.frame.carriage_x.iloc[-1]
     assert rw.load_path(FLAT, 2000.0, [last, last + 0.2]).held_by.tolist() == ["mainline", "clamp"]
-    # With more payload from before that on it comes there.
+    # With more payload from an earlier time on, it reaches its end.
     on = rw.inhaul(FLAT, payload=2000.0, start=60.0, end=last + 5.0, speed=2.0, every=5.0, changes=[(70.0, 4000.0)])
     assert on.frame.carriage_x.iloc[-1] == pytest.approx(last + 5.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(("radius", "haulback"), [(0.0, 10e3), (0.5, 14e3), (1.5, 10e3), (1.5, 14e3)])
 def test_a_carriage_that_runs_ahead_at_a_support_stops_there(radius: float, haulback: float) -> None:
-    """Downhill over a support, with a haulback that does not brake enough beyond it."""
+    """Downhill over a support, with a haulback that brakes too little beyond it."""
     steep = rw.standing_skyline(
         None,
         headspar=rw.HeadSpar("head", at=(0.0, 0.0)),
@@ -140,11 +138,11 @@ def test_a_carriage_that_runs_ahead_at_a_support_stops_there(radius: float, haul
     assert isinstance(run, rw.Inhaul)
     assert error.value.time == pytest.approx(run.frame.index[-1], abs=1.0)
     last = run.frame.iloc[-1]
-    assert last.carriage_x == pytest.approx(170.0, abs=0.7)  # at the saddle, or where it comes to its shoe
+    assert last.carriage_x == pytest.approx(170.0, abs=0.7)  # at the saddle, or at the edge of its shoe
     assert last.carriage_z == pytest.approx(rw.load_path(steep, 2500.0, [last.carriage_x]).carriage_z[0], abs=1e-3)
 
 
-def test_a_run_that_starts_at_a_point_saddle_starts_beside_it() -> None:
+def test_a_run_from_a_point_saddle_starts_next_to_it() -> None:
     frame = rw.inhaul(rig(), payload=2000.0, start=160.0, end=120.0, every=5.0).frame
     assert frame.carriage_x.iloc[0] == pytest.approx(rw.load_path(rig(), 2000.0, [160.0]).carriage_x.iloc[0])
 
@@ -158,17 +156,17 @@ def test_a_run_that_starts_at_a_point_saddle_starts_beside_it() -> None:
         ({"start": 700.0}, "outside the skyline"),
     ],
 )
-def test_bad_questions_are_refused(how: dict[str, object], words: str) -> None:
-    asked: dict[str, object] = {"payload": 100.0, "start": 300.0, "end": 200.0, **how}
+def test_bad_arguments_are_rejected(how: dict[str, object], words: str) -> None:
+    arguments: dict[str, object] = {"payload": 100.0, "start": 300.0, "end": 200.0, **how}
     with pytest.raises(rw.InputError, match=words):
-        rw.inhaul(rig(), **asked)  # type: ignore[arg-type]
+        rw.inhaul(rig(), **arguments)  # type: ignore[arg-type]
     with pytest.raises(rw.InputError, match="no mainline"):
         rw.inhaul(rig(mainline=None, haulback=None, haulback_tension=None), payload=1.0, start=300.0, end=200.0)
 
 
 @pytest.mark.parametrize("radius", [0.0, 1.5])
-def test_limits_that_are_passed_are_events(radius: float) -> None:
-    """At the first row beyond each, over supports and shoes too."""
+def test_exceeded_limits_are_events(radius: float) -> None:
+    """At the first row beyond each limit, also over supports and shoes."""
     rig = rw.standing_skyline(
         None,
         headspar=rw.HeadSpar("head", at=(0.0, 22.0)),
@@ -185,10 +183,10 @@ def test_limits_that_are_passed_are_events(radius: float) -> None:
     run = rw.inhaul(rig, payload=800.0, start=380.0, end=20.0, speed=3.0, every=1.0, changes=[(40.0, 2500.0)])
     over = run.frame.highest_tension > rig.skyline.safe_working_load
     begins = over & ~over.shift(fill_value=False)
-    told = run.events.set_index("event")
+    reported = run.events.set_index("event")
     assert begins.sum() > 1
-    assert told.time["beyond skyline tension"].to_list() == begins.index[begins].to_list()
-    first = int(np.searchsorted(run.frame.index, told.time["beyond capacity of s1"]))
+    assert reported.time["beyond skyline tension"].to_list() == begins.index[begins].to_list()
+    first = int(np.searchsorted(run.frame.index, reported.time["beyond capacity of s1"]))
     most = rw.payload(rig, safety_factor=1.0, stations=run.frame.carriage_x.iloc[first - 1 : first + 1]).frame
     assert most.limited_by.iloc[1] == "capacity of s1"
     assert most.payload.iloc[0] > 2500.0 > most.payload.iloc[1]

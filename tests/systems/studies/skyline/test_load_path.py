@@ -1,4 +1,4 @@
-"""The load path against direct integration, published cases, and itself mirrored."""
+"""The load path against direct integration, published cases, and its mirror image."""
 
 import numpy as np
 import pytest
@@ -177,7 +177,7 @@ def test_six_spans_and_two_hundred_stations() -> None:
     assert len(path) == 200
     assert (path.carriage_x - np.linspace(2.0, 598.0, 200)).abs().max() <= 0.021
     assert path.notna().drop(columns=["clearance", "rope_clearance"]).all().all()
-    # Equal tension throughout the rope, up to its weight times the difference in height.
+    # Equal tension throughout the rope, except for its weight times the difference in height.
     w = 3.48 * oracle.G
     high = path.headspar_tension + path.headspar_tension**2 / (2 * 34.8e6)
     low = path.tailspar_tension + path.tailspar_tension**2 / (2 * 34.8e6)
@@ -208,8 +208,8 @@ def test_capstan_friction_holds_rope_back() -> None:
 
 
 @pytest.mark.parametrize("guyed", [False, True])
-def test_friction_counts_from_the_bare_rope_wherever_the_carriage_is(guyed: bool) -> None:
-    """Before a shoe, on it and beyond it; with the drum at a guyed spar's foot."""
+def test_friction_counts_from_the_bare_rope_at_any_station(guyed: bool) -> None:
+    """Before, on and after a shoe; with the drum at the foot of a guyed spar."""
     points = [(0.0, 15.0), (150.0, 12.0), (320.0, 4.0), (450.0, -9.0)]
     guys = tuple(
         rw.Guyline(f"g{i}", rope=ROPE, at=at, pretension=20e3)
@@ -232,28 +232,28 @@ def test_friction_counts_from_the_bare_rope_wherever_the_carriage_is(guyed: bool
     ends = [rw.Anchor("a", at=points[0]), rw.Anchor("b", at=points[3])]
     blocks = [rw.Block(f"b{i}", at=points[i]) for i in (1, 2)]
     *_, last = bare.string(ROPE, ends[0], *blocks, ends[1], length=452.5)
-    beyond = rw.equilibrium(bare)[f"{last.name}.length"]
+    distance = rw.equilibrium(bare)[f"{last.name}.length"]
     places, stations = set(), Stations(rough)
     for station in (40.0, 149.2, 150.0, 150.3, 152.0, 200.0):
         found = stations.solve(station, 2500.0)
         places.add((found.at.span, found.at.on))
         assert found["rough.travel"] - found["rough.grip"] == pytest.approx(
-            found["rough_tail.length"] - beyond, abs=1e-8
+            found["rough_tail.length"] - distance, abs=1e-8
         )
     assert places == {(0, None), (0, 0), (1, None)}
 
 
-@pytest.mark.parametrize(("payload", "beyond"), [(5000.0, 0.2), (8000.0, 0.02), (10_000.0, 0.03)])
-def test_a_station_close_beyond_a_saddle_is_solved_on_its_own(payload: float, beyond: float) -> None:
-    """Where the mainline pulls hard and geometry is far from what is there; as well as coming from mid-span."""
+@pytest.mark.parametrize(("payload", "distance"), [(5000.0, 0.2), (8000.0, 0.02), (10_000.0, 0.03)])
+def test_a_station_close_to_a_saddle_is_solved_directly(payload: float, distance: float) -> None:
+    """The mainline pulls hard there and geometry is a poor guess. Continuation from mid-span gives the same state."""
     points = [(0.0, 100.0), (160.0, 40.0), (330.0, -20.0), (480.0, -70.0)]
     main = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
-    alone, coming = (
+    direct, continued = (
         rw.load_path(rig(points, 508.4341828211807, mainline=main), payload, stations).iloc[-1]
-        for stations in ([160.0 + beyond], np.linspace(230.0, 160.0 + beyond, 30))
+        for stations in ([160.0 + distance], np.linspace(230.0, 160.0 + distance, 30))
     )
-    assert alone.held_by == coming.held_by == "mainline"
-    assert alone.carriage_z == pytest.approx(coming.carriage_z, abs=1e-8)
+    assert direct.held_by == continued.held_by == "mainline"
+    assert direct.carriage_z == pytest.approx(continued.carriage_z, abs=1e-8)
 
 
 def test_design_scripts_run_as_written() -> None:
@@ -272,8 +272,7 @@ def test_design_scripts_run_as_written() -> None:
 
 
 def test_clearance_of_all_ropes_against_sampled_ones() -> None:
-    """Also of a haulback that runs back from its block by the tailspar to the carriage, looked at from its other
-    end."""
+    """Also for a haulback that returns from its block near the tailspar to the carriage."""
     ground = rw.Profile([-10.0, 60.0, 120.0, 200.0, 260.0], [0.0, -12.0, -9.0, -14.0, 0.0])
     line = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
     rig = rw.standing_skyline(
@@ -306,7 +305,7 @@ def test_clearance_of_all_ropes_against_sampled_ones() -> None:
 
 @pytest.mark.parametrize("radius", [0.0, 3.0])
 def test_a_live_skyline_of_a_given_length_is_a_standing_one(radius: float) -> None:
-    """Its drum stands still: wherever the carriage is, the rope is as long."""
+    """Its drum is at rest, so the rope length does not depend on the carriage."""
     stations = [430.0, 345.0, 331.0, 320.0, 250.0, 170.0, 159.0, 50.0]
     paths = [
         rw.load_path(

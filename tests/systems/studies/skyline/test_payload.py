@@ -1,4 +1,4 @@
-"""The payload study: Harvey's exact payloads, limits that govern, infeasible corridors."""
+"""The payload study: Harvey's exact payloads, governing limits, infeasible corridors."""
 
 from dataclasses import replace
 
@@ -60,7 +60,7 @@ def test_exact_payloads_of_harveys_profiles(drop: float, clamped: float, rolling
 
 @pytest.mark.parametrize("station", [40.0, 100.0, 170.0])
 def test_largest_payload_against_direct_integration(station: float) -> None:
-    """Equal tension on both sides, on and off mid-span: with the payload found, the integrated rope has just its safe
+    """Equal tension on both sides, at and off mid-span: under the payload the integrated rope has exactly its safe
     working load at the headspar."""
     points = [(0.0, 0.0), (200.0, -20.0)]
     rig = rw.standing_skyline(
@@ -105,7 +105,7 @@ def test_a_corridor_with_all_limits() -> None:
         assert again.highest_tension == pytest.approx(found.highest_tension, rel=1e-8)
 
 
-def test_clearance_governs_where_the_ground_is_near() -> None:
+def test_clearance_governs_near_the_ground() -> None:
     study = rw.payload(corridor(mainline=None), safety_factor=3.0, clearance=3.5, stations=[95.0, 100.0, 150.0])
     low = study.frame.iloc[1]
     assert low.limited_by == "clearance"
@@ -145,7 +145,7 @@ def test_capacities_govern() -> None:
     assert rw.payload(corridor(headspar=head), stations=[100.0]).limiting.limited_by == "capacity of head"
 
 
-def test_a_tailspar_carries_the_haulbacks_drum_too() -> None:
+def test_load_on_a_tailspar_includes_the_haulbacks_drum() -> None:
     tail = rw.TailSpar("tail", station=480.0, height=8.0, capacity=140e3)
     rig = corridor(tailspar=tail, haulback=MAIN, haulback_tension=20e3)
     study = rw.payload(rig, stations=[400.0])
@@ -158,7 +158,7 @@ def test_a_tailspar_carries_the_haulbacks_drum_too() -> None:
     assert np.linalg.norm(haul - sky) == pytest.approx(140e3, rel=1e-8)
 
 
-def test_a_jack_carries_the_mainline_too() -> None:
+def test_load_on_a_jack_includes_the_mainline() -> None:
     jack = rw.IntermediateSupport("jack", station=260.0, height=9.0, capacity=30e3)
     study = rw.payload(corridor(supports=[jack]), stations=[330.0])
     assert study.limiting.limited_by == "capacity of jack"
@@ -168,7 +168,7 @@ def test_a_jack_carries_the_mainline_too() -> None:
     up = eq["jack.support_force"] + eq["jack_mainline.support_force"]
     assert eq["jack_mainline.support_force"] > 500.0
     assert eq["jack.bearing_load"] < 29.5e3 < up < 30e3
-    # On a shoe hardly wider than a point it is the same.
+    # A very small shoe gives the same result.
     shod = rw.payload(corridor(supports=[replace(jack, radius=0.01)]), stations=[330.0])
     assert shod.payload == pytest.approx(study.payload, rel=2e-3)
 
@@ -201,7 +201,7 @@ def test_representations_are_short() -> None:
     assert repr(study).endswith("kg, limited at 100 m by skyline tension>")
 
 
-def test_an_infeasible_corridor_is_an_answer() -> None:
+def test_an_infeasible_corridor_is_a_result() -> None:
     study = rw.payload(corridor(), clearance=30.0, stations=[100.0, 200.0])
     assert study.payload == 0.0
     assert "clearance" in study.limiting.limited_by
@@ -231,7 +231,7 @@ def test_live_and_running_skylines_keep_the_clearance() -> None:
         np.testing.assert_allclose(path.clearance, 4.0, atol=1e-9)
 
 
-def test_a_height_above_the_chord_is_told() -> None:
+def test_a_height_above_the_chord_is_an_error() -> None:
     live = lowered(supports=[], tailspar=rw.TailSpar("tail", station=240.0, height=10.0))
     study = rw.payload(live, clearance=60.0, stations=[120.0])
     assert (study.payload, study.limiting.limited_by) == (0.0, "clearance")
@@ -239,20 +239,20 @@ def test_a_height_above_the_chord_is_told() -> None:
         rw.load_path(live, 1000.0, [120.0], height=60.0)
 
 
-def test_a_live_skyline_over_a_jack_comes_as_low_as_it_goes() -> None:
-    """Beside the saddle no tension brings the carriage down to the clearance: there it rides higher, and carries."""
+def test_lowest_position_of_a_live_skyline_over_a_jack() -> None:
+    """Next to the saddle no tension lowers the carriage to the clearance: it stays higher and carries a payload."""
     live = lowered()
     study = rw.payload(live, clearance=1.0, stations=[100.0, 259.0, 260.0, 261.0, 380.0])
     assert (study.frame.payload > 2000.0).all()
     assert study.frame.clearance[[0, 4]].to_numpy() == pytest.approx(1.0, abs=1e-9)
     assert (study.frame.clearance[1:4] > 2.0).all()
     assert study.frame.highest_tension.max() <= 576.6e3 / 3.0 * (1.0 + 1e-9)
-    # A little lower there is no equilibrium of the empty carriage.
+    # Slightly lower the empty carriage has no equilibrium.
     lowest = study.frame.clearance[1]
     rw.load_path(live, 0.0, [259.0], height=lowest)
     with pytest.raises(rw.EquilibriumError):
         rw.load_path(live, 0.0, [259.0], height=lowest - 0.05)
-    # The picture has these heights too: the payload of the corridor keeps the limit all along.
+    # The figure has the same heights: the payload of the corridor keeps the limit at all stations.
     (line,) = (line for line in study.plot().axes[2].lines if line.get_label() == "skyline, highest")
     assert np.max(line.get_ydata()) == pytest.approx(576.6 / 3.0, rel=1e-6)
 
@@ -315,7 +315,7 @@ def test_bad_arguments_are_rejected() -> None:
 
 
 def guyed(heights: float, behind: float) -> rw.SkylineRig:
-    """A rig with a guyed headspar; its guylines' anchors at a height z and a distance behind [m]."""
+    """A rig with a guyed headspar; its guylines have anchors at a height z and a distance behind it [m]."""
     guy = rw.Rope(mass_per_length=2.0, axial_stiffness=20e6, breaking_load=250e3)
     guys = tuple(
         rw.Guyline(f"g{i}", rope=guy, at=(-behind, y, heights), pretension=10e3) for i, y in enumerate((-12.0, 12.0), 1)
@@ -331,13 +331,13 @@ def guyed(heights: float, behind: float) -> rw.SkylineRig:
     )
 
 
-def test_the_first_of_guylines_that_stand_alike_governs() -> None:
+def test_the_first_of_symmetric_guylines_governs() -> None:
     frame = rw.payload(guyed(-2.0, 20.0), safety_factor=3.0, stations=np.linspace(20.0, 230.0, 15)).frame
     assert set(frame.limited_by) == {"guyline g1"}
 
 
 def test_a_guyed_spar_must_stay_on_its_foot() -> None:
-    """Its anchors stand above its top and the skyline rises: with little load it is lifted."""
+    """Its anchors are above its top and the skyline rises: a small load lifts it."""
     rig = guyed(40.0, 15.0)
     frame = rw.payload(rig, safety_factor=3.0, stations=[40.0]).frame
     assert (frame.payload[0], frame.limited_by[0]) == (0.0, "lift-off of head")

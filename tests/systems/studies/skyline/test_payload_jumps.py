@@ -1,4 +1,5 @@
-"""Payloads at which a rig's state jumps: the answer stays on the inner side, and names what limits it beyond."""
+"""Payloads at discontinuities of a rig's state: the result is on the inner side and names the limit of the outer
+side."""
 
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ def _case(seed: int, i: int) -> Drawn:
 
 
 @pytest.mark.parametrize(("seed", "i", "station"), [(1013, 142, 257.55), (1024, 211, 295.29), (1024, 120, 147.87)])
-def test_payload_is_within_its_limit_where_the_mainline_takes_over(seed: int, i: int, station: float) -> None:
-    """The log's front is lower by decimetres once the mainline holds the carriage in place of its clamp."""
+def test_payload_is_within_its_limit_at_the_change_from_clamp_to_mainline(seed: int, i: int, station: float) -> None:
+    """The log's front drops by decimetres when the mainline instead of the clamp holds the carriage."""
     case = _case(seed, i)
     (found,) = rw.payload(case.rig, clearance=case.clearance, stations=[station]).frame.to_dict("records")
     assert found["limited_by"] == "clearance"
@@ -27,7 +28,8 @@ def test_payload_is_within_its_limit_where_the_mainline_takes_over(seed: int, i:
 
 
 def test_carriage_is_raised_over_a_gap_in_height() -> None:
-    """The skyline clears the ground 4 cm higher; 1 m higher it lifts off its support even with an empty carriage."""
+    """The skyline clears the ground if raised by 4 cm; raised by 1 m it lifts off its support even with an empty
+    carriage."""
     case = _case(1024, 154)
 
     def at(clearance: float) -> dict[str, object]:
@@ -41,8 +43,8 @@ def test_carriage_is_raised_over_a_gap_in_height() -> None:
     assert at(2.0)["payload"] == 0.0
 
 
-def test_payload_beside_a_shoe_ends_where_no_certified_state_is() -> None:
-    """Heavier ones press the carriage against the steep flank of the shoe: the rope from above would leave it
+def test_payload_near_a_shoe_ends_without_a_certified_state() -> None:
+    """Heavier payloads press the carriage against the steep flank of the shoe, where the rope from above would leave it
     backwards."""
     case = _case(1013, 266)
     (found,) = rw.payload(case.rig, clearance=case.clearance, stations=[238.97957]).frame.to_dict("records")

@@ -1,4 +1,4 @@
-"""Rigging a skyline for a wanted loaded state, and a new rope settling."""
+"""Rigging of a skyline for a desired loaded state, and settling of a new rope."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_length_for_a_loaded_tension_and_for_a_deflection() -> None:
     assert sagging.loaded["sag"] == pytest.approx(0.06 * 180.0, rel=1e-8)
 
 
-def test_impossible_wishes_are_refused() -> None:
+def test_impossible_states_are_rejected() -> None:
     with pytest.raises(rw.EquilibriumError, match=r"no length gives.* longest skyline"):
         rw.set_up(rig(), station=90.0, payload=2000.0, tension=2e3)
     with pytest.raises(rw.EquilibriumError, match=r"no length gives.* shortest skyline"):
@@ -44,7 +44,7 @@ def test_impossible_wishes_are_refused() -> None:
         rw.tension_history(rig(), [(90.0, 1000.0)])
 
 
-def test_turns_that_a_rope_cannot_carry_are_refused() -> None:
+def test_turns_above_the_breaking_load_are_rejected() -> None:
     new = rig(rw.Rope(2.4, 24e6, 450.3e3, stretch=rw.ConstructionStretch(0.0414)))
     for turn, words in (((90.0, -1.0), "zero or more"), ((90.0, 1e5), "breaking load"), ((390.0, 1.0), "outside")):
         with pytest.raises(rw.InputError, match=words):
@@ -58,7 +58,7 @@ def test_a_new_rope_settles_once() -> None:
     assert (np.diff(history.permanent) >= -1e-12).all()
     assert (np.diff(history.bare_tension) <= 1e-6).all()
     assert history.bare_tension.iloc[1] < history.bare_tension.iloc[0] - 100.0
-    # The same turn again, and a lighter one elsewhere, pull nothing more out.
+    # The same turn again, and a lighter one elsewhere, cause no more construction stretch.
     assert history.highest_tension.iloc[2] == pytest.approx(history.highest_tension.iloc[1], rel=1e-9)
     assert history.permanent.iloc[3] == pytest.approx(history.permanent.iloc[1], rel=1e-12)
     # On its first loading a settled rope is stretched by 0.0414 (T/MBL)^2 of its highest tension.

@@ -1,4 +1,4 @@
-"""Random rigs of all kinds, each solved from cold at one station: solved and in balance, or a typed error."""
+"""Random rigs of all kinds, each solved from a cold start at one station: in balance, or a typed error."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ def rope(rng: np.random.Generator, low: float, high: float) -> rw.Rope:
 
 
 def random_rig(seed: int) -> tuple[rw.SkylineRig, float, float]:
-    """A rig, a station, a payload. Supports stand where the bare rope presses on them or pulls a little."""
+    """A rig, a station, a payload. At its supports the bare rope presses down, or pulls slightly."""
     rng = np.random.default_rng(seed)
     kind = rng.choice(["standing", "standing", "standing", "live", "gravity", "running"])
     spans = int(rng.integers(1, 7)) if kind in ("standing", "live") else 1
@@ -75,7 +75,7 @@ def solve(seed: int) -> str:
     assert row.highest_tension >= row.skyline_tension * (1.0 - 1e-12) > 0.0
     assert row.mainline_tension >= 0.0
     if rig.length is not None and rig.carriage.clamped is False:
-        # Frictionless all the way: the strain potential changes by weight times height.
+        # Without friction the strain potential changes by weight times height.
         c1, w = rig.skyline.strain.c1, rig.skyline.mass_per_length * G
         head, tail = (t + c1 * t * t / 2.0 for t in (row.headspar_tension, row.tailspar_tension))
         drop = rig.points[0, 2] - rig.points[rig.spans, 2]
@@ -90,7 +90,7 @@ def test_random_rigs() -> None:
 
 
 def near_a_shoe(seed: int) -> str | None:
-    """A random rig with shoes, its carriage on one or beside it; None for a rig without supports."""
+    """A random rig with its carriage on or near a shoe; None for a rig without supports."""
     rig, _, payload = random_rig(seed)
     if not rig.supports:
         return None
@@ -106,14 +106,14 @@ def near_a_shoe(seed: int) -> str | None:
     return ""
 
 
-def test_random_rigs_on_and_beside_their_shoes() -> None:
+def test_random_rigs_on_and_near_their_shoes() -> None:
     found = [reason for seed in range(40) if (reason := near_a_shoe(seed)) is not None]
     assert len(found) > 16
     assert not any(found), found
 
 
 @pytest.mark.slow
-def test_five_hundred_random_rigs_on_and_beside_their_shoes() -> None:
+def test_five_hundred_random_rigs_on_and_near_their_shoes() -> None:
     found = [reason for seed in range(1000, 2000) if (reason := near_a_shoe(seed)) is not None]
     assert len(found) > 500
     assert sum(map(bool, found)) <= 0.005 * len(found), [reason for reason in found if reason]

@@ -1,4 +1,4 @@
-"""The oracle of rigs finds by itself, from a rope drawn straight, the states that the library returns."""
+"""The independent oracle of rigs converges from straight ropes to the states of the library."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def running() -> rw.SkylineRig:
 
 
 @pytest.mark.parametrize(("rig", "station"), [(both_guyed(), 150.0), (with_log(), 60.0), (running(), 90.0)])
-def test_the_oracle_finds_the_state_and_its_laws_hold(rig: rw.SkylineRig, station: float) -> None:
+def test_the_oracle_confirms_the_state_and_its_laws(rig: rw.SkylineRig, station: float) -> None:
     payload = 1400.0
     row = rw.load_path(rig, payload, [station]).iloc[0]
     found = existing(rig, station, payload)
@@ -74,7 +74,7 @@ def test_ropes_of_fixed_length_have_a_symmetric_stiffness() -> None:
     assert np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0
 
 
-def test_no_state_is_found_for_a_load_that_a_haulback_cannot_lift() -> None:
+def test_the_oracle_has_no_state_for_a_load_that_a_haulback_cannot_lift() -> None:
     rig = running()
     with pytest.raises(rw.EquilibriumError):
         rw.load_path(rig, 14000.0, [90.0])

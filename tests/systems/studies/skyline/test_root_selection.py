@@ -1,4 +1,4 @@
-"""Each station's state depends on its question alone: logs, guyed spars, haulbacks that lift, point saddles."""
+"""The state of a station depends only on its case: logs, guyed spars, haulbacks that lift, point saddles."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LINE = rw.Rope(mass_per_length=0.8, axial_stiffness=8.5e6, breaking_load=130e3)
 
 
 def with_log(centre: float, friction: float) -> rw.SkylineRig:
-    """Uphill, so that the carriage runs towards the yarder and the log often leaves the ground."""
+    """Uphill: the carriage runs towards the yarder and the log often leaves the ground."""
     log = rw.Log("log", mass=400.0, length=11.0, friction=friction, centre=centre)
     return rw.standing_skyline(
         rw.Profile([-40, 180, 260, 420], [0, 24, 55, 92]),
@@ -27,7 +27,7 @@ def with_log(centre: float, friction: float) -> rw.SkylineRig:
 
 
 @pytest.mark.parametrize(("centre", "friction"), [(0.4, 0.5), (0.55, 0.3)])
-def test_no_log_stands_on_its_head_and_no_order_counts(centre: float, friction: float) -> None:
+def test_no_log_is_upside_down_and_the_order_of_stations_is_irrelevant(centre: float, friction: float) -> None:
     rig, stations = with_log(centre, friction), np.array([30.0, 190.0, 290.0, 350.0])
     frames = [
         rw.payload(rig, clearance=0.2, stations=order).frame.set_index("station").loc[stations]
@@ -41,8 +41,8 @@ def test_no_log_stands_on_its_head_and_no_order_counts(centre: float, friction: 
     assert len(set(frames[0].suspension)) >= 1
 
 
-def test_a_haulback_that_lifts_the_empty_carriage_leaves_no_hole() -> None:
-    """Lowered to its clearance a live skyline carries about as much at each station as 1 m beside it."""
+def test_payloads_are_continuous_with_a_haulback_that_lifts_the_empty_carriage() -> None:
+    """A live skyline lowered to its clearance has similar payloads at stations 1 m apart."""
     rig = rw.live_skyline(
         rw.Profile([0, 90, 240], [900, 906, 958]),
         headspar=rw.HeadSpar("y", station=20.0, height=13.0),
@@ -63,7 +63,7 @@ def test_a_haulback_that_lifts_the_empty_carriage_leaves_no_hole() -> None:
 
 
 def test_a_strong_haulback_leaves_no_station_without_payload() -> None:
-    """Lowered as far as its empty carriage goes a live skyline has no station of 0 between neighbours that carry."""
+    """A live skyline at its lowest position has no station with payload 0 between stations with payloads."""
     line = rw.Rope(mass_per_length=0.9, axial_stiffness=9.5e6, breaking_load=155e3)
     rig = rw.live_skyline(
         rw.Profile([-40, 0, 30, 65, 95, 135], [4, 0, 2, 17, 35, 52]),
@@ -97,7 +97,7 @@ def saddle() -> rw.SkylineRig:
 
 
 def test_a_carriage_runs_over_a_point_saddle_to_where_its_mainline_holds_it() -> None:
-    """The heavier it is, the farther; beyond some load the mainline holds nothing close to the saddle."""
+    """A heavier carriage runs farther; above some load the mainline holds no carriage near the saddle."""
     left = []
     for payload in (2400.0, 3300.0, 4200.0):
         run = rw.inhaul(saddle(), payload=float(payload), start=105.0, end=85.0, every=4.0)
@@ -106,7 +106,7 @@ def test_a_carriage_runs_over_a_point_saddle_to_where_its_mainline_holds_it() ->
     assert 95.0 - left[-1] > 0.5
 
 
-def test_a_payload_that_cannot_be_hauled_says_so_and_what_would_do() -> None:
+def test_a_payload_that_cannot_be_hauled_has_a_remark_with_a_remedy() -> None:
     rig = rw.standing_skyline(
         rw.Profile([0, 150, 320], [0, -10, 30]),
         headspar=rw.HeadSpar("head", station=5.0, height=14.0),
@@ -134,7 +134,7 @@ def test_a_payload_that_cannot_be_hauled_says_so_and_what_would_do() -> None:
     assert any("haulback" in remark for remark in study.remarks)
 
 
-def test_a_bare_rope_under_the_ground_is_told() -> None:
+def test_a_bare_rope_under_the_ground_has_a_remark() -> None:
     rig = rw.standing_skyline(
         rw.Profile([0, 100, 150, 300], [0, 6, 18, 0]),
         headspar=rw.HeadSpar("head", station=2.0, height=10.0),

@@ -1,4 +1,4 @@
-"""A support with a shoe of some radius: the carriage's pull is continuous over it; balances by direct integration."""
+"""Supports with a shoe of finite radius: the carriage's pull is continuous; balances by direct integration."""
 
 import numpy as np
 import pandas as pd
@@ -48,21 +48,21 @@ def test_the_tension_is_that_of_the_bare_rope_on_its_shoes() -> None:
 @pytest.mark.parametrize("payload", [0.0, 2500.0])
 @pytest.mark.parametrize("how", [{}, {"mainline": None}, {"mainline": None, "holding": "horizontal"}])
 def test_the_pull_is_continuous_over_a_shoe(payload: float, how: dict[str, object]) -> None:
-    """The largest change from one station to the next falls with their distance. An empty carriage's mainline sags so
-    much that it comes to lie on the shoe's roller first."""
+    """The largest change between adjacent stations decreases with their distance. The mainline of an empty carriage
+    sags so much that it touches the shoe's roller first."""
     held = rig(1.0, **how)
     coarse, fine = (rw.load_path(held, payload, np.arange(159.3, 160.7, step)) for step in (0.02, 0.005))
     assert set(fine.held_by) == {"holding" if "mainline" in how else "mainline"}
     for column in ("mainline_pull", "skyline_tension", "s1_force", "carriage_z"):
         most = [np.abs(np.diff(path[column])).max() for path in (coarse, fine)]
-        assert most[1] < 0.3 * most[0], column  # a jump would stay as it is
+        assert most[1] < 0.3 * most[0], column  # a jump would not decrease
     point = rw.load_path(rig(0.0, **how), payload, [159.9, 160.1])
     assert np.abs(np.diff(point.mainline_pull)[0]) > 5.0 * np.abs(np.diff(coarse.mainline_pull)).max()
 
 
 def test_the_pull_is_continuous_under_a_guyed_spar_too() -> None:
-    """On a shoe there is a place where the carriage would run over at once with the drum at rest: its own balance is
-    unstable there, not the spar's."""
+    """At one point of a shoe the carriage would jump with the drum at rest: its own balance is unstable there, not that
+    of the spar."""
     anchors = {"g1": (-25.0, -15.0), "g2": (-25.0, 15.0), "g3": (20.0, 18.0), "g4": (20.0, -18.0)}
     rope = rw.Rope(mass_per_length=2.0, axial_stiffness=20e6, breaking_load=400e3)
     guys = tuple(rw.Guyline(name, rope=rope, at=(*at, 85.0), pretension=15e3) for name, at in anchors.items())
@@ -84,22 +84,22 @@ def test_the_pull_is_continuous_under_a_guyed_spar_too() -> None:
     assert len(rw.inhaul(held, payload=1500.0, start=262.0, end=258.0).events) == 2
 
 
-def test_without_a_radius_nothing_changes_and_a_small_one_tends_to_it() -> None:
+def test_a_small_radius_converges_to_a_point() -> None:
     stations = [40.0, 150.0, 170.0, 300.0, 400.0]
     there = rw.load_path(rig(0.0), 2500.0, stations)
     small = [rw.load_path(rig(radius), 2500.0, stations) for radius in (1e-2, 1e-3)]
     for column in ("carriage_z", "skyline_tension", "mainline_pull", "s1_force"):
         error = [np.abs(path[column] / there[column] - 1.0).max() for path in small]
         assert error[1] < 0.11 * error[0]  # first order in the radius
-        # Extrapolated to none. (The error left is of the second order.)
+        # Extrapolated to zero radius, with a second-order error.
         limit = (10.0 * small[1][column] - small[0][column]) / 9.0
         np.testing.assert_allclose(limit, there[column], rtol=1e-9)
 
 
 @pytest.mark.parametrize("station", [159.6, 159.8, 160.0, 160.2])
 def test_on_the_shoe_against_direct_integration(station: float) -> None:
-    """Each rope piece integrated step by step ends where the shoe is and along it; about the shoe's centre the
-    moments of the ropes' ends and of the load are in balance, for the shoe itself gives none."""
+    """Each integrated rope piece ends on the shoe and tangent to it. The moments of rope ends and load about the centre
+    of the shoe balance, as the shoe itself has no moment."""
     found = Stations(rig(1.0)).solve(station, 2500.0)
     support = found.at.rig.supports[0]
     assert found.at.on == 0
@@ -124,7 +124,7 @@ def test_on_the_shoe_against_direct_integration(station: float) -> None:
             moment += arm[0] * pull[1] - arm[1] * pull[0]
             if role == "skyline":
                 total += found[f"{span.name}.length"]
-                if np.hypot(*(at - place)) > 1e-9:  # it lies on the shoe, and leaves it along it
+                if np.hypot(*(at - place)) > 1e-9:  # it touches the shoe, and leaves it tangentially
                     assert arm @ pull == pytest.approx(0.0, abs=1e-4)
                     arc = np.arccos(np.clip(arm @ (place - support.centre), -1.0, 1.0))
                     total += arc / (1.0 + np.hypot(*pull) / stiffness)
@@ -174,8 +174,8 @@ def test_a_run_over_shoes_is_the_load_path(start: float, end: float) -> None:
     assert list(run.events.event) == [f"{what} {name}" for name in order for what in ("reaches", "leaves")]
 
 
-def test_a_long_mainline_lets_the_carriage_run_over_a_small_shoe() -> None:
-    """350 m of mainline give 0.5 m under the change of the pull, more than the shoe is wide."""
+def test_with_a_long_mainline_the_carriage_jumps_over_a_small_shoe() -> None:
+    """350 m of mainline stretch by 0.5 m with the change of the pull, more than the width of the shoe."""
     held = rig(1.0, haulback=MAIN, haulback_tension=6e3)
     run = rw.inhaul(held, payload=2500.0, start=345.0, end=300.0, speed=1.0, every=0.5)
     assert list(run.events.event) == ["reaches s2", "leaves s2"]
@@ -207,7 +207,7 @@ def test_payload_and_clamped_carriage_over_a_shoe() -> None:
     ("how", "words"),
     [({"radius": -1.0}, "radius"), ({"radius": 1.0, "slope": np.nan}, "slope")],
 )
-def test_bad_shoes_are_refused(how: dict[str, float], words: str) -> None:
+def test_bad_shoes_are_rejected(how: dict[str, float], words: str) -> None:
     with pytest.raises(rw.InputError, match=words):
         rw.IntermediateSupport("jack", at=(0.0, 0.0), **how)
     with pytest.raises(rw.InputError, match="radius and friction"):
@@ -222,9 +222,8 @@ def test_bad_shoes_are_refused(how: dict[str, float], words: str) -> None:
         )
 
 
-def test_a_rope_clears_the_ground_by_its_bound_at_least_where_it_leaves_shoes() -> None:
-    """The bound that a payload search asks first counts from where the rope touches a shoe, not from where the next
-    span starts."""
+def test_lower_bound_of_the_clearance_over_shoes() -> None:
+    """The bound of a payload search counts from the rope's contact with a shoe, not from the start of the next span."""
     ground = rw.Profile([0.0, 90.0, 150.0, 240.0], [30.0, 26.0, 14.0, 8.0])
     rig = rw.standing_skyline(
         ground,

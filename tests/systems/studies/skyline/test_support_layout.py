@@ -1,4 +1,4 @@
-"""The search for supports against the payload study of every possibility."""
+"""The search for supports against payload studies of all combinations."""
 
 from dataclasses import replace
 from itertools import product
@@ -35,7 +35,7 @@ TREES = (
 )
 
 
-def test_it_is_the_best_of_all_possibilities() -> None:
+def test_it_is_the_best_of_all_combinations() -> None:
     plan = rw.optimise_supports(rig(), TREES, payload=2500.0, clearance=0.5, stations=STATIONS)
     assert plan.feasible
     assert plan.rig.supports == tuple(s.placed(rig().terrain) for s in plan.supports)
@@ -47,12 +47,12 @@ def test_it_is_the_best_of_all_possibilities() -> None:
             trial = with_supports(rig(), [tree.support(height)])
             if rw.payload(trial, clearance=0.5, stations=STATIONS).payload >= 2500.0:
                 possible.append((height, tree.name))
-    assert possible, "one support has to do"
+    assert possible, "one support must be enough"
     assert len(plan.supports) == 1
     assert plan.height == min(possible)[0]
 
 
-def test_two_supports_where_one_does_not_do() -> None:
+def test_two_supports_if_one_is_not_enough() -> None:
     most = rw.payload(with_supports(rig(), [TREES[1].support(10.0)]), clearance=0.5, stations=STATIONS).payload
     wanted = most + 400.0
     plan = rw.optimise_supports(rig(), TREES, payload=wanted, clearance=0.5, stations=STATIONS)
@@ -71,7 +71,7 @@ def test_two_supports_where_one_does_not_do() -> None:
 
 
 def test_a_state_without_its_certificate_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The carriage 0.3 m too low at one station, where its margins would all hold."""
+    """The carriage is 0.3 m too low at one station, although all its margins hold."""
     right = Stations.solve
 
     def spoiled(self: Stations, station: float, payload: float, height: float | None = None, **how: Any) -> Solved:
@@ -89,7 +89,7 @@ def test_a_state_without_its_certificate_does_not_count(monkeypatch: pytest.Monk
     assert (plan.feasible, plan.limited_by, plan.station) == (False, "no equilibrium", 240.0)
 
 
-def test_an_infeasible_corridor_is_an_answer() -> None:
+def test_an_infeasible_corridor_is_a_result() -> None:
     plan = rw.optimise_supports(rig(), TREES[:1], payload=50_000.0, stations=STATIONS)
     assert not plan.feasible
     assert plan.limited_by in ("skyline tension", "clearance")

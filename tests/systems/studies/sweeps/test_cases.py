@@ -9,7 +9,7 @@ import ropeway as rw
 from ropeway.systems.studies.sweeps.cases import table_of
 
 
-def test_a_file_holds_what_a_frame_does(tmp_path: Path) -> None:
+def test_a_file_equals_a_frame(tmp_path: Path) -> None:
     path = tmp_path / "cases.csv"
     path.write_text("Pull;count;kind\n1'500,5;3;a\n2000;4;NA\n", encoding="utf-16")
     expected = pd.DataFrame({"Pull": [1500.5, 2000.0], "count": [3, 4], "kind": ["a", "NA"]})
@@ -52,7 +52,7 @@ def drives() -> rw.System:
 
 
 def test_units_in_the_names_of_a_lines_parameters(tmp_path: Path) -> None:
-    """In a file, a DataFrame and a mapping: the same as in the line's own units."""
+    """A file, a DataFrame and a mapping give the same as values in the line's own units."""
     path = tmp_path / "cases.csv"
     path.write_text("d.speed [km/h];l.mass (t);d_e.compliance [1/kN]\n1,8;0,25;4e-5\n3,6;0,3;5e-5\n")
     feet = {"d.speed [ft/min]": [0.5 / 0.00508, 1.0 / 0.00508], "l.mass [g]": [250e3, 300e3]}
@@ -89,7 +89,7 @@ def test_units_in_the_names_of_a_functions_parameters_become_si() -> None:
         ("l.weight [N]", "l.weight"),
     ],
 )
-def test_units_that_do_not_fit(column: str, words: str) -> None:
+def test_units_that_do_not_match(column: str, words: str) -> None:
     with pytest.raises(rw.InputError, match=words):
         rw.sweep(drives(), {column: [1.0]}, workers=1)
     with pytest.raises(rw.InputError, match=r"Two parameters are named 'l\.mass'"):

@@ -1,4 +1,4 @@
-"""A sweep gives the same rows whoever works, keeps failures, and goes on where it was stopped."""
+"""A sweep gives the same rows for all kinds of workers, keeps failures, and can be resumed."""
 
 import contextlib
 import os
@@ -67,12 +67,12 @@ def test_number_or_series_of_a_function() -> None:
 
 
 @pytest.mark.parametrize("found", [pd.DataFrame(), {"x": 1.0}, {"error": 1.0}, {"a": [1.0]}, [1.0]])
-def test_what_does_not_fit_a_row_is_a_failure(found: Any) -> None:
+def test_an_invalid_return_value_is_a_failure(found: Any) -> None:
     row = rw.sweep(lambda x: found, {"x": [1.0]}, workers=1).iloc[0]
     assert row["error"] == "InputError"
 
 
-def test_rows_are_the_equilibria_of_lines_declared_so(table: pd.DataFrame) -> None:
+def test_rows_are_the_equilibria_of_lines_declared_with_the_values(table: pd.DataFrame) -> None:
     assert table["error"].eq("").all()
     for row in (0, 17, 59):
         case = cases(60).iloc[row]
@@ -105,7 +105,7 @@ def skyline() -> rw.System:
     ],
     ids=["line", "skyline"],
 )
-def test_a_warm_start_gives_what_a_cold_one_does(system: rw.System, variants: pd.DataFrame) -> None:
+def test_warm_and_cold_starts_agree(system: rw.System, variants: pd.DataFrame) -> None:
     model = rw.assemble(system)
     names = [n for n in model.y.names if ".slot_" not in n]
     warm = rw.sweep(model, variants, workers=1)
@@ -123,7 +123,7 @@ def test_lengths_count_from_the_declared_ones() -> None:
         assert tension == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_slack_line_is_the_one_a_taut_line_becomes() -> None:
+def test_a_slack_line_continues_a_taut_one() -> None:
     slack = line(length=540.0)
     found = rw.sweep(slack, {"l2.mass": [50.0, 300.0, 900.0]}, workers=1)
     for row in found.itertuples(index=False):
@@ -193,7 +193,7 @@ def run(folder: Path, environment: Mapping[str, str], workers: int) -> subproces
     return subprocess.Popen(command, env=everything, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def test_killed_half_way_it_goes_on_and_ends_with_the_whole_table(tmp_path: Path) -> None:
+def test_a_killed_sweep_resumes_and_completes_its_table(tmp_path: Path) -> None:
     journal, calls = tmp_path / "sweep.parquet.journal", tmp_path / "calls"
     process = run(tmp_path, {"PAUSE": "0.1", "CALLS": os.devnull}, workers=2)
     while not journal.exists() or journal.read_bytes().count(b"\n") < 8:
@@ -217,7 +217,7 @@ def test_killed_half_way_it_goes_on_and_ends_with_the_whole_table(tmp_path: Path
     assert not journal.exists()
 
 
-def test_a_row_that_was_cut_off_is_done_again(tmp_path: Path) -> None:
+def test_an_incomplete_row_is_repeated(tmp_path: Path) -> None:
     path, journal = tmp_path / "sweep.parquet", tmp_path / "sweep.parquet.journal"
     done: list[float] = []
 
@@ -241,7 +241,7 @@ def test_a_row_that_was_cut_off_is_done_again(tmp_path: Path) -> None:
     assert rw.sweep(third, {"x": range(5)}, workers=1, path=path)["value"].tolist() == [x / 3.0 for x in range(5)]
 
 
-def test_files_of_another_sweep_are_left_alone(tmp_path: Path) -> None:
+def test_files_of_another_sweep_are_not_changed(tmp_path: Path) -> None:
     path = tmp_path / "sweep.parquet"
     rw.sweep(area, {"width": [1.0]}, workers=1, path=path)
     for study, parameters in ((area, {"width": [2.0]}), (line(), {"l1.mass": [2.0]})):
@@ -272,12 +272,12 @@ def test_a_mass_below_zero_is_a_failure() -> None:
     assert list(table["error"]) == ["", "InputError"]
 
 
-def test_a_process_that_dies_is_told() -> None:
+def test_a_process_that_dies_is_an_error() -> None:
     with pytest.raises(rw.RopewayError, match="worker process has died"):
         rw.sweep(os._exit, {"status": [3]}, workers=2)
 
 
-def test_wrong_input_comes_before_the_first_case() -> None:
+def test_wrong_input_is_reported_before_the_first_case() -> None:
     for names in ("l9.mass", "s1.zz", "s0_s1.tension_a"):
         with pytest.raises(rw.InputError, match=names):
             rw.sweep(line(), {names: [1.0]})

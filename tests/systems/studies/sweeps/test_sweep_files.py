@@ -1,4 +1,4 @@
-"""A sweep's files: one sweep at a time, damaged files named, and rows that outlive lost workers."""
+"""Files of a sweep: one sweep at a time, errors for damaged files, and rows kept after lost workers."""
 
 import subprocess
 import sys
@@ -37,7 +37,7 @@ def test_two_sweeps_on_one_path(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["a.parquet"]
 
 
-def test_a_refused_sweep_leaves_no_journal(tmp_path: Path) -> None:
+def test_a_rejected_sweep_leaves_no_journal(tmp_path: Path) -> None:
     path = tmp_path / "a.parquet"
     path.write_bytes(b"no table")
     with pytest.raises(rw.InputError, match="is damaged, or no Parquet file"):
@@ -51,7 +51,7 @@ def test_a_refused_sweep_leaves_no_journal(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", ["[[0, {", "7", '[[0, {"value": 1.0}], "x"]', '[["0", {}]]', "\x00\xff", '{"a": 1}'])
-def test_a_damaged_line_of_a_journal_is_named(damage: str, tmp_path: Path) -> None:
+def test_the_error_names_a_damaged_line_of_a_journal(damage: str, tmp_path: Path) -> None:
     path, journal = tmp_path / "a.parquet", tmp_path / "a.parquet.journal"
 
     def stopping(width: float) -> float:
@@ -87,7 +87,7 @@ print(rw.sweep(area, {"width": [1.0, 2.0]}, workers=1)["value"].tolist())
 """
 
 
-def test_in_a_notebook_the_remedy_is_one_worker() -> None:
+def test_one_worker_is_the_remedy_in_a_notebook() -> None:
     done = subprocess.run([sys.executable], input=NOTEBOOK, capture_output=True, text=True, check=True)
     message, values = done.stdout.splitlines()
     assert "defined in a notebook or at a prompt. Use workers=1" in message
@@ -95,7 +95,7 @@ def test_in_a_notebook_the_remedy_is_one_worker() -> None:
 
 
 @pytest.mark.slow
-def test_a_lost_worker_leaves_the_rows_so_far() -> None:
+def test_rows_are_kept_after_a_lost_worker() -> None:
     with pytest.raises(rw.WorkerError, match="worker process has died") as caught:
         rw.sweep(_dying, {"width": [float(k) for k in range(40)]}, workers=2)
     rows = caught.value.result
@@ -104,7 +104,7 @@ def test_a_lost_worker_leaves_the_rows_so_far() -> None:
 
 
 @pytest.mark.slow
-def test_a_lost_dask_worker_leaves_the_rows_so_far() -> None:
+def test_rows_are_kept_after_a_lost_dask_worker() -> None:
     import dask
     import distributed
 

@@ -1,4 +1,4 @@
-"""What a schedule may not be asked for, and limits that cannot be kept together."""
+"""Invalid requests for a schedule, and limits that no schedule satisfies together."""
 
 import re
 from dataclasses import replace
@@ -18,17 +18,17 @@ def plan_of(line: rw.System | None = None, **given: object) -> rw.SchedulePlan:
     return rw.optimise_schedule(line or schedule_lines.line(), UNTIL, **settings)
 
 
-def test_limits_that_collide_are_named_with_the_smallest_relaxation() -> None:
+def test_conflicting_limits_are_named_with_the_smallest_relaxation() -> None:
     limits = rw.ScheduleLimits(tension_low=40.5e3, force=2.5e3)
     with pytest.raises(rw.InfeasibleScheduleError, match="tension_low by") as error:
         plan_of(limits=limits)
-    # The drums keep 40 kN, and beside them no schedule changes it.
+    # The drums keep 40 kN; no schedule changes the tension next to them.
     assert set(error.value.relaxation) == {"tension_low"}
     assert 500.0 - 1.0 < error.value.relaxation["tension_low"] < 1500.0
     assert "tension_low" in error.value.colliding.index.get_level_values("limit")
 
 
-def test_the_relaxation_is_what_the_best_peak_needs() -> None:
+def test_the_relaxation_allows_the_best_peak() -> None:
     force = {"force": 1.0e3, "tension_low": 30e3}
     best = plan_of(limits=rw.ScheduleLimits(**force))
     high = best.objective - 100.0
@@ -41,14 +41,14 @@ def test_the_relaxation_is_what_the_best_peak_needs() -> None:
     assert given["tension_high"] < 105.0
 
 
-def test_a_limit_on_each_sheave_that_gives_way_is_named() -> None:
+def test_the_error_names_a_relaxed_limit_on_each_sheave() -> None:
     words = r"No schedule satisfies all of these limits: .*force.*; the smallest sufficient change: .*force by"
     with pytest.raises(rw.InfeasibleScheduleError, match=words) as error:
         rw.optimise_schedule(schedule_lines.line(), 20.0, intervals=10, limits=rw.ScheduleLimits(force=1.0))
     assert set(error.value.relaxation) <= set(re.findall(r"\w+", str(error.value).split("limits: ")[1].split(".")[0]))
 
 
-def test_no_lowest_tension_is_a_limit_too() -> None:
+def test_a_lower_tension_bound_is_optional() -> None:
     limits = rw.ScheduleLimits(tension_low=0.0, tension_high=42e3)
     with pytest.raises(rw.InfeasibleScheduleError, match="tension_high by"):
         rw.optimise_schedule(schedule_lines.line(), 20.0, intervals=10, limits=limits)
@@ -66,13 +66,13 @@ def test_a_line_starts_from_rest() -> None:
     assert speeds.max() < 1.15 + 1e-6
 
 
-def test_a_line_that_stands_takes_no_energy() -> None:
+def test_a_stationary_line_takes_no_energy() -> None:
     plan = rw.optimise_schedule(schedule_lines.line(speed=0.0), 20.0, intervals=10, minimise="energy")
     assert plan.objective == pytest.approx(0.0, abs=1.0)
 
 
 @pytest.mark.slow
-def test_drives_are_kept_within_what_they_have() -> None:
+def test_drives_stay_within_their_limits() -> None:
     drive = hydraulic_drive()
     free = plan_of(schedule_lines.line(drive=drive), minimise="tension deviation")
     assert free.gap.crossing_time < 5e-3
@@ -91,8 +91,8 @@ def slippery(friction: float) -> rw.System:
     return line
 
 
-def test_a_grip_is_kept_and_costs_what_its_multiplier_says() -> None:
-    """Against the central difference of what simulations reach."""
+def test_the_multiplier_of_a_grip_limit_is_its_cost() -> None:
+    """Against the central difference of simulated objectives."""
     tight, plan, wide = (
         plan_of(slippery(0.008), minimise="tension deviation", limits=rw.ScheduleLimits(grip=least))
         for least in (0.004, 0.0, -0.004)
@@ -102,7 +102,7 @@ def test_a_grip_is_kept_and_costs_what_its_multiplier_says() -> None:
     assert cost == pytest.approx((tight.objective - wide.objective) / 0.008, rel=0.05)
 
 
-def test_a_grip_that_cannot_be_kept_is_named() -> None:
+def test_the_error_names_an_infeasible_grip() -> None:
     with pytest.raises(rw.InfeasibleScheduleError, match=r"grip by 0\.0[0-9]+(,|$)") as error:
         rw.optimise_schedule(slippery(0.01), 20.0, intervals=10)
     assert "grip" in error.value.colliding.index.get_level_values("limit")
@@ -149,7 +149,7 @@ def test_wrong_requests_are_typed_errors() -> None:
         rw.optimise_schedule(line, UNTIL, limits=rw.ScheduleLimits(pressure=1e7))
 
 
-def test_limits_upside_down_are_errors() -> None:
+def test_limits_with_low_above_high_are_errors() -> None:
     with pytest.raises(rw.InputError, match="tension low is 50000, high is 40000"):
         rw.ScheduleLimits(tension_low=50e3, tension_high=40e3)
     with pytest.raises(rw.InputError, match=r"speed low is 1\.2"):
@@ -164,7 +164,7 @@ def test_limits_upside_down_are_errors() -> None:
             rw.ScheduleLimits(**wrong)
 
 
-def test_a_plan_ends_where_it_ends() -> None:
+def test_a_plan_has_no_values_after_its_end() -> None:
     plan = plan_of(intervals=10)
     with pytest.raises(rw.InputError, match="outside the schedule"):
         plan.at(UNTIL + 1.0)

@@ -1,4 +1,4 @@
-"""Feed-forward plus trim keeps what a plan promises; open loop does not."""
+"""Feed-forward with trim maintains the plan's objective under disturbances; open loop does not."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def plan() -> rw.SchedulePlan:
     return rw.optimise_schedule(line, UNTIL, intervals=20, start=start)
 
 
-def test_trim_keeps_the_peak_where_open_loop_does_not(plan: rw.SchedulePlan) -> None:
+def test_trim_limits_the_peak_and_open_loop_does_not(plan: rw.SchedulePlan) -> None:
     table = plan.robustness()
     assert len(table) == 7  # as planned, masses, speed, a missing load, a late drive
     assert table["trimmed", "over plan"].max() < 0.02
@@ -30,7 +30,7 @@ def test_trim_keeps_the_peak_where_open_loop_does_not(plan: rw.SchedulePlan) -> 
     assert table.loc["as planned", ("open loop", "over plan")] == pytest.approx(0.0, abs=1e-3)
 
 
-def test_trim_does_nothing_when_all_is_as_planned(plan: rw.SchedulePlan) -> None:
+def test_trim_is_inactive_without_a_disturbance(plan: rw.SchedulePlan) -> None:
     row = plan.robustness([rw.Disturbance("as planned")]).loc["as planned"]
     for name in ("peak tension", "tension deviation", "energy"):
         assert row["trimmed", name] == pytest.approx(plan.objectives[name], rel=1e-4)
@@ -47,7 +47,7 @@ def test_the_trimmed_line_runs_from_the_start_of_the_plan(plan: rw.SchedulePlan)
             assert found[name] == pytest.approx(table.loc["fast", (kind, name)], rel=1e-9)
 
 
-def test_a_start_brings_no_responses_of_its_own(plan: rw.SchedulePlan) -> None:
+def test_a_start_adds_no_responses(plan: rw.SchedulePlan) -> None:
     coarse, fine = (rw.ThresholdResponse(low=40e3, high=50e3, increment=step) for step in (0.01, 0.002))
     start = rw.balanced(with_responses(plan.line, dict.fromkeys(plan.schedules, coarse)))
     run = rw.simulate(with_responses(plan.line, dict.fromkeys(plan.schedules, fine)), 1.0, start=start)
@@ -60,7 +60,7 @@ def test_the_sheave_that_keeps_the_speed_has_no_trim(plan: rw.SchedulePlan) -> N
     assert plan.trimmed.components["c2"].response.gain == plan.trim.gain
 
 
-def test_a_late_drive_is_late(plan: rw.SchedulePlan) -> None:
+def test_delay_of_a_late_drive(plan: rw.SchedulePlan) -> None:
     late = rw.Disturbance("late", sheave="c2", delay=1.5).schedules(plan.schedules)
     assert late["c2"].at(11.5) == pytest.approx(plan.schedules["c2"].at(10.0))
     assert late["c2"].at(1.0) == plan.schedules["c2"].speeds[0]
@@ -77,7 +77,7 @@ def test_a_missing_load_and_other_masses_change_the_start_but_not_the_rope(plan:
     assert heavy["c1_s3.tension_a"] > plan.start["c1_s3.tension_a"]
 
 
-def test_disturbances_that_do_not_fit_a_plan_are_errors(plan: rw.SchedulePlan) -> None:
+def test_disturbances_that_do_not_match_a_plan_are_errors(plan: rw.SchedulePlan) -> None:
     with pytest.raises(rw.UnknownNameError, match="'c9' is not a control sheave"):
         plan.robustness([rw.Disturbance("fast", speed=1.1, sheave="c9")])
     with pytest.raises(rw.InputError, match="Two disturbances are named 'heavy'"):
