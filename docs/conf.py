@@ -79,14 +79,20 @@ def shorten_sidebar(app: Sphinx, doctree: nodes.document) -> None:
 
 def visit_inline_math(writer: HTML5Translator, node: nodes.math) -> None:
     """A formula within a line."""
-    writer.body.append(tex2mathml(node.astext()))
+    writer.body.append(mathml(node, as_block=False))
     raise nodes.SkipNode
 
 
 def visit_block_math(writer: HTML5Translator, node: nodes.math_block) -> None:
     """A formula on lines of its own."""
-    writer.body.append(f'<div class="math">{tex2mathml(node.astext(), as_block=True)}</div>')
+    writer.body.append(f'<div class="math">{mathml(node, as_block=True)}</div>')
     raise nodes.SkipNode
+
+
+def mathml(node: nodes.Element, *, as_block: bool) -> str:
+    """A formula as MathML, with a thin space between a function and its argument."""
+    formula: str = tex2mathml(node.astext(), as_block=as_block)
+    return formula.replace("<mo>&ApplyFunction;</mo>", '<mspace width="0.17em"/>')
 
 
 def setup(app: Sphinx) -> None:

@@ -48,6 +48,17 @@ def test_every_public_name_is_listed() -> None:
     assert all(hasattr(rw, name) for name in named)
 
 
+def test_every_error_is_explained() -> None:
+    explained = set(re.findall(r"`rw\.([\w.]+)`", (ROOT / "docs" / "errors.md").read_text()))
+    for prefix, module in (("", rw), ("fmu.", rw.fmu)):
+        errors = (
+            n
+            for n in module.__all__
+            if issubclass(type(kind := getattr(module, n)), type) and issubclass(kind, BaseException)
+        )
+        assert {prefix + name for name in errors} <= explained
+
+
 BANNED = (
     "comes to an end", "find no place", "finds no place", "find a place", "is asked of", "to and fro", "makes an end",
     "have not come together", "what there is", "no less", "is told", "are told", "told of", "that there is",
