@@ -89,12 +89,14 @@ def compare(
 
     Parameters
     ----------
-    variants : SkylineRig, PayloadStudy or Result
+    *variants : SkylineRig, PayloadStudy or Result
         Two or more of one kind; rigs are studied by `rw.payload` first.
     names : sequence of str, optional
         Of the variants; by default those of their rigs or lines, numbered where they are equal.
-    safety_factor, clearance
+    safety_factor : float, default 3.0
         Of `rw.payload`, for rigs.
+    clearance : float, optional
+        Of `rw.payload`, for rigs, in metres.
 
     Returns
     -------
@@ -104,6 +106,17 @@ def compare(
     ------
     InputError
         Fewer than two variants, variants of different kinds, or names that do not fit.
+
+    Examples
+    --------
+    >>> def study(tension):
+    ...     rig = rw.standing_skyline(
+    ...         None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
+    ...         skyline="RHOL-IWRC 29", tension=tension, carriage=rw.Carriage("carriage", mass=450.0),
+    ...     )
+    ...     return rw.payload(rig, stations=[150.0])
+    >>> rw.compare(study(60e3), study(70e3), names=["60 kN", "70 kN"]).frame["at_station"].tolist()
+    [150.0, 150.0]
     """
     if len(variants) < 2:
         raise InputError(f"compare has {len(variants)} variants", "Give two or more")
