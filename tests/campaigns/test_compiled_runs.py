@@ -21,7 +21,7 @@ def test_random_runs_compiled(campaign: Any) -> None:
     for seed in range(1000 * campaign.seed, 1000 * campaign.seed + count):
         case = random_run(seed)
         try:
-            run = case.simulate(1.0, compiled=True)
+            run = case.simulate(1.0, compiled=True, tolerance=1e-8)
         except rw.CompiledError:
             seen["refused"] += 1
             continue
@@ -31,7 +31,7 @@ def test_random_runs_compiled(campaign: Any) -> None:
             seen["failed"] += 1
             continue
         try:
-            require_alike(run, case.simulate(1.0))
+            require_alike(run, case.simulate(1.0, tolerance=1e-8))
         except Exception as error:
             error.add_note(f"seed {seed}, {case.kind}")
             raise

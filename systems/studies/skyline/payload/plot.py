@@ -202,7 +202,7 @@ def _payloads(axis: Axes, study: PayloadData) -> None:
     without a payload interrupt the curve and have a cross on the axis."""
     frame = study.frame
     mass = frame["payload"] / 1000.0
-    top = max(1.25 * float(mass.quantile(0.9)), 1.5 * study.payload / 1000.0, 0.1)
+    top = max(1.25 * float(mass[mass > 0.0].quantile(0.9) if mass.max() > 0.0 else 0.1), 1.5 * study.payload / 1000.0)
     axis.plot(frame["station"], mass.where((mass > 0.0) & (mass <= top)), color="0.6", lw=0.8, zorder=1)
     for i, (limit, part) in enumerate(frame.groupby("limited_by", sort=False)):
         colour, x, own = _COLOURS[i % len(_COLOURS)], part["station"], part["payload"] / 1000.0

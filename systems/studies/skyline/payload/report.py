@@ -102,7 +102,8 @@ def _payloads(study: PayloadData, style: Style) -> Chart:
     level = style.scaled([study.payload, study.payload], "mass")
     name = style.value(study.payload, "mass", "down")
     traces.append(curve(x[[0, -1]], level, name, "#111", width=1.0, dash="dash"))
-    top = max(1.25 * float(np.nanquantile(y, 0.9)), 1.5 * float(level[0]), 1.0)
+    carried = y[y > 0.0] if np.any(y > 0.0) else np.ones(1)  # a station beside a support may carry many times more
+    top = max(1.25 * float(np.quantile(carried, 0.9)), 1.5 * float(level[0]))
     axes = {
         "xaxis": axis(style.head("station", "length"), range=_range(study, style)),
         "yaxis": axis(style.head("payload", "mass"), range=[0.0, top]),
