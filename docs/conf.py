@@ -64,7 +64,7 @@ def link_public_names(app: Sphinx, doctree: nodes.document) -> None:
         return
     for literal in list(doctree.findall(nodes.literal)):
         written = literal.astext().removesuffix("()")
-        name = PUBLIC.get(f"rw.{written}" if document == "names" else written)
+        name = PUBLIC.get(written) or (PUBLIC.get(f"rw.{written}") if document == "names" else None)
         if name and not isinstance(literal.parent, nodes.reference):
             link = pending_xref("", literal.deepcopy(), refdomain="py", reftype="obj", reftarget=name, refdoc=document)
             literal.replace_self(link)
