@@ -200,7 +200,9 @@ class Equilibrium(Tabular):
         ground = self.model.system.ground
         if ground is None:
             raise InputError(f"{self.model.name!r} has no ground", "Give its system a terrain")
-        check.index(points, 1_000_000, "Equilibrium.heights_over_ground", "points")
+        check.count(points, "Equilibrium.heights_over_ground", "points", 1_000_000)
+        if points < 2:
+            raise InputError(f"Equilibrium.heights_over_ground: points is {points}", "Give 2 or more")
         spans = [(r, k) for r, run in enumerate(self.runs) for k in range(len(run.spans))]
         return [ground.under(self._curve(r, k, points)[1]) for r, k in spans]
 

@@ -93,11 +93,17 @@ MAY_BE_NAN = {
     "optimise_schedule",
     "SchedulePlan",
     "receding_horizon",
+    "ropes",
+    "carriages",
+    "yarders",
 }
 """Callables whose tables have NaN where there is no number, as they say, and what only keeps what it is given."""
 
-ANYTHING = {"fmu.Fmu.description", "fmu.Fmu.values.given", "fmu.Slave.enter.values", "fmu.Slave.set.values"}
-"""Arguments that may be anything."""
+ANYTHING = {"fmu.Fmu.description", "fmu.Fmu.values.given", "fmu.Slave.enter.values", "fmu.Slave.set.values"} | {
+    "SupportPlan.station",
+    "StudyInputs.arguments",
+}
+"""Arguments that may be anything, or NaN; those of a study are checked when it runs."""
 MUCH = {"until", "generations", "population", "horizon"}
 """Arguments whose large values ask for long work, and get it."""
 
