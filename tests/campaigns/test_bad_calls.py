@@ -94,6 +94,7 @@ MAY_BE_NAN = {
     "SchedulePlan",
     "receding_horizon",
     "ropes",
+    "StudyInputs",
     "carriages",
     "yarders",
 }
