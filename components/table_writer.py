@@ -94,6 +94,7 @@ def write_table(table: pd.DataFrame | HasFrame, path: str | Path) -> Path:
         if suffix == ".csv":
             plain(frame).to_csv(file, index=_has_labels(frame), lineterminator="\n")
         elif suffix == ".xlsx":
+            _require_sheet(frame)
             _write_excel(plain(frame), file, _has_labels(frame))
         else:
             _write_parquet(frame, file)
@@ -105,10 +106,14 @@ def _has_labels(frame: pd.DataFrame) -> bool:
     return frame.index.names == [None] and frame.index.dtype.kind not in "iu"
 
 
-def _write_excel(table: pd.DataFrame, file: Path, labels: bool) -> None:
+def _require_sheet(table: pd.DataFrame) -> None:
+    """Raises InputError for a table that is too large for an Excel sheet."""
     rows, columns = table.shape
     if rows >= _EXCEL_ROWS or columns >= _EXCEL_COLUMNS:
         raise InputError(f"{rows} rows and {columns} columns do not fit on an Excel sheet", "Write CSV or Parquet")
+
+
+def _write_excel(table: pd.DataFrame, file: Path, labels: bool) -> None:
     try:
         import openpyxl
         from openpyxl.utils import get_column_letter

@@ -18,17 +18,17 @@ PRINTED = {
 """A result that an example prints."""
 FEWER = {"sweep": ["200"]}
 """Arguments that make an example's work less."""
+LONG = {"optimise_schedule", "turk_responses"}
+"""Examples that run with their own constants only, in the slow tests."""
 SMALLER = {
     "fmu_cosimulation": {"UNTIL": 3.0},
-    "optimise_schedule": {"UNTIL": 12.0, "SETTLE": 2.0, "RECOVERED": 6.0, "INTERVALS": 6},
-    "turk_responses": {"UNTIL": 40.0, "SETTLED": 20.0, "CROSSED": 60.0},
     "saddle": {"SPACING": 0.5},
 }
 """Examples that run by their constants too: with these in less time, with their own ones they are slow."""
 
 
 def marked(name: str) -> object:
-    marks = (name in NETWORK, pytest.mark.importers), (name in SMALLER, pytest.mark.slow)
+    marks = (name in NETWORK, pytest.mark.importers), (name in LONG | SMALLER.keys(), pytest.mark.slow)
     return pytest.param(name, marks=[mark for given, mark in marks if given])
 
 
