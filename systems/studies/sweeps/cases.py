@@ -119,7 +119,8 @@ def _in_unit(column: pd.Series, unit_of: Units) -> pd.Series:
     """A column under its parameter's name, its values in the parameter's unit. Brackets in the name of an element
     (`v[2]`), and in that of a column of other things than numbers, are no unit. Raises InputError."""
     name, unit = name_and_unit(str(column.name))
-    if any(isinstance(value, complex | np.complexfloating) for value in column):
+    mixed = column.dtype == object  # only then its elements have types of their own
+    if column.dtype.kind == "c" or (mixed and any(isinstance(v, complex | np.complexfloating) for v in column)):
         raise InputError(f"Parameter {column.name!r} has complex values", "Give real numbers")
     values = pd.to_numeric(column, errors="coerce")
     if not unit or _INDEX.fullmatch(unit) or (values.isna() & column.notna()).any():

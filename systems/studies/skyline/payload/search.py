@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -152,8 +153,12 @@ class PayloadSearch:
         """The payload with the carriage raised until the skyline clears the ground. If that is impossible, a payload of
         0 with the state of the empty carriage."""
 
+        @cache
+        def raised(extra: float) -> tuple[float, Trial]:
+            return self._largest(station, height + extra)
+
         def rope_gap(extra: float) -> float:
-            _, trial = self._largest(station, height + extra)
+            _, trial = raised(extra)
             return -np.inf if trial.solved is None else self._rope_clearance(trial) - self.limits.rope_clearance
 
         top = self._room(station, height) - 0.05
@@ -163,7 +168,7 @@ class PayloadSearch:
         if sufficient is None:
             return 0.0, self._try(station, 0.0, height)._replace(limit=ROPE_CLEARANCE)
         extra = float(brentq(lambda e: max(rope_gap(e), -1e3), steps[sufficient - 1], steps[sufficient], xtol=1e-6))
-        mass, trial = self._largest(station, height + extra)
+        mass, trial = raised(extra)
         return mass, trial._replace(limit=ROPE_CLEARANCE) if mass > 0.0 else trial
 
     def _largest(self, station: float, height: float | None) -> tuple[float, Trial]:
