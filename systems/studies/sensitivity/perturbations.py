@@ -16,6 +16,9 @@ from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import find
 
+OF_ROPES = ("pretension", "axial_stiffness", "mass_per_length")
+"""Quantities of a rope, named after the support where it begins."""
+
 
 @dataclass(frozen=True)
 class Varied:
@@ -46,9 +49,9 @@ class Varied:
                     rates[is_load, j] = 1.0
                 nominal[j] = 100.0
                 continue
-            if quantity == "pretension":
-                p[:, j] = _pretension(line, owner)
-                nominal[j] = 1e4
+            if quantity in OF_ROPES and name not in m.p.index:
+                p[:, j] = _of_rope(line, owner, quantity)
+                nominal[j] = {"pretension": 1e4, "axial_stiffness": 1e6, "mass_per_length": 1.0}[quantity]
                 continue
             kind, i = find(m, runs, line.passed, m.swaps.get(name, name))
             if kind not in vectors:
@@ -80,26 +83,47 @@ class Varied:
         return found
 
 
-def _pretension(line: Equilibrium, support: str) -> np.ndarray:
-    """Derivatives of the parameters by the tension of the empty rope at its first support, shape (np,)."""
-    m, rates = line.model, np.zeros(len(line.model.p))
-    for r, (run, layout) in enumerate(zip(line.runs, m.layouts, strict=True)):
-        if run.nodes[0].name != support:
-            continue
-        # A carriage has no fixed place: the empty rope does not touch it.
-        fixed = [i for i, node in enumerate(run.nodes) if all(f"{node.name}.{axis}" in m.p.index for axis in "xyz")]
-        drums = [i for i in fixed if run.nodes[i].set_tension is not None]
-        # A drum with a set tension has paid out rope under the loads: the empty rope is the declared one.
-        declared = m.tables[Kind.PARAMETER].values
-        lengths = (declared if drums else line.point.p)[layout.length_start]
-        weight = run.rope.mass_per_length * float(line.point.p[0])
-        at = line.points(r)[fixed]
-        names = [run.spans[i].name for i in fixed[:-1]]
-        found = pretension(at.tolist(), weight, run.rope.strain, float(lengths.sum()), names)
-        for i, rate in zip(fixed[:-1], found.length, strict=True):
-            rates[layout.length_start[i]] = rate
-        for i in drums:
-            rates[m.p.index[f"{run.nodes[i].name}.tension"]] = found.support[fixed.index(i)]
-        return rates
-    known = ", ".join(dict.fromkeys(f"{run.nodes[0].name}.pretension" for run in line.runs))
-    raise UnknownNameError(f"No rope begins at {support!r}", f"Did you mean {known}?")
+def _of_rope(line: Equilibrium, support: str, quantity: str) -> np.ndarray:
+    """Derivatives of the parameters by a quantity of the rope that begins at a support, shape (np,)."""
+    r = rope_from(line.model, line.runs, support, quantity)
+    if quantity == "pretension":
+        return _pretension(line, r)
+    rates, layout = np.zeros(len(line.model.p)), line.model.layouts[r]
+    if quantity == "mass_per_length":
+        rates[layout.mass_per_length] = 1.0
+    else:
+        rates[layout.compliance] = -(line.point.p[layout.compliance] ** 2)
+    return rates
+
+
+def rope_from(model: Model, runs: Sequence[Run], support: str, quantity: str) -> int:
+    """Number of the rope that begins at a support. Raises UnknownNameError."""
+    for r, run in enumerate(runs):
+        if run.nodes[0].name == support:
+            return r
+    known = ", ".join(dict.fromkeys(f"{run.nodes[0].name}.{quantity}" for run in runs))
+    raise UnknownNameError(f"No rope of {model.name!r} begins at {support!r}", f"Did you mean {known}?")
+
+
+def _pretension(line: Equilibrium, r: int) -> np.ndarray:
+    """Derivatives of the parameters by the tension of an empty rope at its first support, shape (np,)."""
+    m, run, layout, rates = line.model, line.runs[r], line.model.layouts[r], np.zeros(len(line.model.p))
+    fixed, drums = fixed_supports(m, run)
+    # A drum with a set tension has paid out rope under the loads: the empty rope is the declared one.
+    declared = m.tables[Kind.PARAMETER].values
+    lengths = (declared if drums else line.point.p)[layout.length_start]
+    weight = run.rope.mass_per_length * float(line.point.p[0])
+    names = [run.spans[i].name for i in fixed[:-1]]
+    found = pretension(line.points(r)[fixed].tolist(), weight, run.rope.strain, float(lengths.sum()), names)
+    for i, rate in zip(fixed[:-1], found.length, strict=True):
+        rates[layout.length_start[i]] = rate
+    for i in drums:
+        rates[m.p.index[f"{run.nodes[i].name}.tension"]] = found.support[fixed.index(i)]
+    return rates
+
+
+def fixed_supports(model: Model, run: Run) -> tuple[list[int], list[int]]:
+    """The supports of a rope that have a fixed place, as a carriage does not, which the empty rope does not touch; and
+    those of them that are drums with a set tension."""
+    fixed = [i for i, node in enumerate(run.nodes) if all(f"{node.name}.{axis}" in model.p.index for axis in "xyz")]
+    return fixed, [i for i in fixed if run.nodes[i].set_tension is not None]
