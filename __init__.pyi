@@ -18,6 +18,7 @@ from .components.errors import (
     CompiledError as CompiledError,
     CompilerError as CompilerError,
     EquilibriumError as EquilibriumError,
+    FitError as FitError,
     InfeasibleScheduleError as InfeasibleScheduleError,
     InputError as InputError,
     Interrupted as Interrupted,
@@ -95,6 +96,9 @@ from .systems.studies.control.scheduling.limits import ScheduleLimits as Schedul
 from .systems.studies.control.scheduling.robustness import Disturbance as Disturbance
 from .systems.studies.control.scheduling.schedule_plan import SchedulePlan as SchedulePlan
 from .systems.studies.control.tune_response import TunedResponse as TunedResponse, tune_response as tune_response
+from .systems.studies.fitting.fit import fit as fit
+from .systems.studies.fitting.fit_result import Fit as Fit
+from .systems.studies.fitting.identifiability import Combination as Combination
 from .systems.studies.handbook.cable_stretch import (
     UnstretchedLength as UnstretchedLength,
     fit_construction_stretch as fit_construction_stretch,

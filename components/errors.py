@@ -161,6 +161,10 @@ class SimulationError(RopewayError):
         return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
 
 
+class FitError(RopewayError):
+    """A fit to measured values did not converge."""
+
+
 class WorkerError(RopewayError):
     """Worker processes of a study were lost.
 

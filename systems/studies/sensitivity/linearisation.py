@@ -21,6 +21,10 @@ from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Slot, Vectors, scalar
 
 
+_SMALL = 120
+"""Number of algebraic variables up to which dense matrices are faster."""
+
+
 class Directions(Vectors):
     """Derivatives of the model's vectors at a point, one column a direction: shapes (nx, k), (nz, k), ..."""
 
@@ -78,29 +82,37 @@ class Tangent:
         unknown = [(Kind.ALGEBRAIC, k) for k in range(len(m.z))] + list(exchange.freed if exchange else ())
         if not unknown:
             return found
-        matrix = diags(1.0 / m.r.nominals) @ self._alg(point)
+        matrix = self._equations(point, () if exchange is None else exchange.given)
         right = -(matrix @ found.stacked)
         if exchange is not None:
-            rows = self._rows(point, exchange.given)
-            matrix, right = vstack([matrix, rows]), np.vstack([right, exchange.rates - rows @ found.stacked])
+            right[len(m.z) :] += exchange.rates
         nominals = np.array([m.tables[kind].nominals[k] for kind, k in unknown])
         places = [self._first[kind] + k for kind, k in unknown]
         try:
-            factors = splu((matrix.tocsc()[:, places] @ diags(nominals)).tocsc())
-        except RuntimeError as error:
+            if isinstance(matrix, np.ndarray):
+                solution = np.linalg.solve(matrix[:, places] * nominals, right)
+            else:
+                solution = splu((matrix[:, places] @ diags(nominals)).tocsc()).solve(right)
+        except (RuntimeError, np.linalg.LinAlgError) as error:
             raise EquilibriumError("The equations are singular", "This state is at a limit of stability") from error
-        for (kind, k), rates in zip(unknown, factors.solve(right) * nominals[:, None], strict=True):
+        moved = solution * nominals[:, None]
+        found.z[:] = moved[: len(m.z)]
+        for (kind, k), rates in zip(unknown[len(m.z) :], moved[len(m.z) :], strict=True):
             found.vector(kind)[k] += rates
         return found
 
-    def _rows(self, point: Point, given: Sequence[Slot]) -> csc_matrix:
-        """The derivatives of given values by all vectors."""
-        outputs, size = self._outputs(point).tocsr(), sum(len(self.model.tables[kind]) for kind in VECTORS)
-        rows = [
-            outputs[k] if kind is Kind.OUTPUT else csc_matrix(([1.0], ([0], [self._first[kind] + k])), shape=(1, size))
-            for kind, k in given
-        ]
-        return vstack(rows).tocsc()
+    def _equations(self, point: Point, given: Sequence[Slot]) -> np.ndarray | csc_matrix:
+        """The derivatives of the scaled residuals and of given values by all vectors; dense for a small model."""
+        alg, nominals = self._alg(point), self.model.r.nominals
+        rows = np.zeros((len(given), alg.shape[1]))
+        for row, (kind, k) in zip(rows, given, strict=True):
+            if kind is Kind.OUTPUT:
+                row[:] = self._outputs(point)[[k]].toarray()[0]
+            else:
+                row[self._first[kind] + k] = 1.0
+        if len(nominals) <= _SMALL:
+            return np.vstack([alg.toarray() / nominals[:, None], rows])
+        return vstack([diags(1.0 / nominals) @ alg, csc_matrix(rows)]).tocsc()
 
     def rates(self, point: Point, directions: Directions) -> np.ndarray:
         """Directions of the rates of the states, shape (nx, k)."""

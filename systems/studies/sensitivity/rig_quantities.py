@@ -65,49 +65,55 @@ def declared(at: SpanModel, name: str) -> float:
     return float(at.declared().vector(entry.kind)[entry.place])
 
 
-def entries(at: SpanModel, name: str, value: float | None = None) -> list[Entry]:
-    """The entries of the model's vectors that change with a quantity other than station and height, at a value of it,
-    by default as declared. Raises UnknownNameError, InputError."""
+def entries(at: SpanModel, name: str, values: Mapping[str, float]) -> list[Entry]:
+    """The entries of the model's vectors that change with a quantity other than station and height, where it and others
+    have `values`. With a tension among these, the skyline's length also changes with its stiffness and weight. Raises
+    UnknownNameError, InputError."""
     rig, layouts = at.rig, at.model.layouts
     if name == "payload":
         return [Entry(Kind.PARAMETER, at.payload, 1.0)]
     if name in _OF_SKYLINE:
         if rig.kind.keeps_length:
-            rate = 1.0 if name == "length" else _length_per_tension(rig, declared(at, name) if value is None else value)
-            return [Entry(Kind.PARAMETER, int(layouts[at.skyline].length_start[-1]), rate)]
+            return [_length_entry(at, 1.0 if name == "length" else _strung(rig, values).by_tension)]
         if name == "length":
             raise InputError(f"The {rig.kind.carrying_rope} of {rig.name!r} has no length", "Vary its tension")
         return [_entry_of(at, f"{rig.skyline_drum}.tension")]
     role, _, quantity = name.rpartition(".")
     if role not in _ROLES or quantity not in _OF_ROPES:
         return [_entry_of(at, name)]
-    stiffness, layout = _rope(at, role).axial_stiffness, layouts[at.roles.index(role)]
+    rope, layout = _rope(at, role), layouts[at.roles.index(role)]
     if quantity == "mass_per_length":
-        return [Entry(Kind.PARAMETER, int(k), 1.0) for k in layout.mass_per_length]
-    rate = -1.0 / (stiffness if value is None else value) ** 2
-    return [Entry(Kind.PARAMETER, int(k), rate) for k in layout.compliance]
-
-
-def write(at: SpanModel, point: Point, name: str, value: float) -> None:
-    """Sets a quantity other than station and height. Raises InputError for a value that it cannot have."""
-    if name in CASE and name != "payload":
-        raise InputError(f"{name} is given at each station", "Give it in the table")
-    before = at.declared()
-    if name.endswith(".axial_stiffness"):
-        change = 1.0 / value - 1.0 / declared(at, name) if value > 0.0 else np.nan
-    elif name == "tension" and at.rig.kind.keeps_length:
-        change = length_for(at.rig, value) - (at.rig.length or 0.0)
+        rate, places = 1.0, layout.mass_per_length
     else:
-        change = value - declared(at, name)
-    for kind, k, _ in entries(at, name):
-        after = float(before.vector(kind)[k]) + change
-        if not np.isfinite(after) or at.model.tables[kind].ranges[k].refuses(after):
-            raise InputError(f"{name} is {value:.6g} {unit_of(at, name)}", "Give bounds that it can have")
-        point.vector(kind)[k] = after
+        rate, places = -1.0 / values.get(name, rope.axial_stiffness) ** 2, layout.compliance
+    found = [Entry(Kind.PARAMETER, int(k), rate) for k in places]
+    if role == "skyline" and "tension" in values and rig.kind.keeps_length:
+        strung = _strung(rig, values)
+        found.append(_length_entry(at, strung.by_mass if quantity == "mass_per_length" else strung.by_stiffness))
+    return found
+
+
+def write(at: SpanModel, point: Point, values: Mapping[str, float]) -> None:
+    """Sets quantities other than payload, station and height. Raises InputError for a value that one cannot have."""
+    before = at.declared()
+    for name, value in values.items():
+        if name in CASE:
+            continue
+        if name.endswith(".axial_stiffness"):
+            change = 1.0 / value - 1.0 / declared(at, name) if value > 0.0 else np.nan
+        elif name == "tension" and at.rig.kind.keeps_length:
+            change = _strung(at.rig, values).length - (at.rig.length or 0.0)
+        else:
+            change = value - declared(at, name)
+        for kind, k, _ in entries(at, name, {}):
+            after = float(before.vector(kind)[k]) + change
+            if not np.isfinite(after) or at.model.tables[kind].ranges[k].refuses(after):
+                raise InputError(f"{name} is {value:.6g} {unit_of(at, name)}", "Give bounds that it can have")
+            point.vector(kind)[k] = after
 
 
 def linearised(solved: Solved, names: Sequence[str], values: Mapping[str, float] | None = None) -> LinearState:
-    """A solved station with the derivatives by quantities of the rig, which have `values` other than the declared ones.
+    """A solved station with the derivatives by quantities of the rig; `values` of those that are not as declared.
     Raises UnknownNameError, InputError."""
     at, k = solved.at, len(names)
     m = at.model
@@ -123,8 +129,8 @@ def linearised(solved: Solved, names: Sequence[str], values: Mapping[str, float]
             else:
                 raise InputError(f"The {name} of {at.rig.name!r} is a result here", "Give height=, on a terrain")
             continue
-        for entry in entries(at, name, None if values is None else values.get(name)):
-            vectors[entry.kind][entry.place, j] = entry.rate
+        for entry in entries(at, name, values or {}):
+            vectors[entry.kind][entry.place, j] += entry.rate
     tangent = tangent_of(m)
     found = tangent.solve(solved.point, x, u, p, d, Exchange(at.freed, at.given, rates) if at.freed else None)
     return LinearState(solved.__getitem__, solved.slot, tangent.outputs(solved.point, found), found)
@@ -150,13 +156,40 @@ def _entry_of(at: SpanModel, name: str) -> Entry:
     raise UnknownNameError(f"{at.rig.name!r} has no quantity {name!r} that can be varied", hint)
 
 
+def _length_entry(at: SpanModel, rate: float) -> Entry:
+    """The length of the skyline, whose spans share their rope."""
+    return Entry(Kind.PARAMETER, int(at.model.layouts[at.skyline].length_start[-1]), rate)
+
+
+class _Strung(NamedTuple):
+    """Unstretched length of a skyline [m] for a tension of the bare skyline at the headspar, and its derivatives."""
+
+    length: float
+    by_tension: float
+    by_stiffness: float
+    by_mass: float
+
+
+def _strung(rig: SkylineRig, values: Mapping[str, float]) -> _Strung:
+    """The skyline's length for the tension, stiffness and mass per length among some values, else as declared."""
+    tension = values["tension"] if "tension" in values else rig.tension if rig.tension is not None else None
+    rope = rig.skyline
+    stiffness = values.get("skyline.axial_stiffness", rope.axial_stiffness)
+    mass = values.get("skyline.mass_per_length", rope.mass_per_length)
+    return _strung_with(rig, bare_tension(rig) if tension is None else float(tension), float(stiffness), float(mass))
+
+
 @lru_cache(maxsize=64)
-def _length_per_tension(rig: SkylineRig, tension: float) -> float:
-    """Derivative of the skyline's length by the tension of the bare skyline at the headspar [m/N]."""
-    bare, spans = bare_equilibrium(replace(rig, length=length_for(rig, tension), tension=tension))
-    m, p = bare.model, np.zeros((len(bare.model.p), 1))
-    p[m.p.index[f"{spans[0].name}.length_start"]] = 1.0
-    x, u, d = (np.zeros((len(table), 1)) for table in (m.x, m.u, m.d))
+def _strung_with(rig: SkylineRig, tension: float, stiffness: float, mass: float) -> _Strung:
+    rope = replace(rig.skyline, axial_stiffness=stiffness, mass_per_length=mass)
+    length = length_for(replace(rig, skyline=rope), tension)
+    bare, spans = bare_equilibrium(replace(rig, skyline=rope, length=length, tension=tension))
+    m, layout, p = bare.model, bare.model.layouts[0], np.zeros((len(bare.model.p), 3))
+    p[layout.length_start[-1], 0] = 1.0
+    p[layout.compliance, 1] = -1.0 / stiffness**2
+    p[layout.mass_per_length, 2] = 1.0
+    x, u, d = (np.zeros((len(table), 3)) for table in (m.x, m.u, m.d))
     tangent = tangent_of(m)
     outputs = tangent.outputs(bare.point, tangent.solve(bare.point, x, u, p, d))
-    return float(1.0 / outputs[m.y.index[f"{spans[0].name}.tension_a"], 0])
+    by_length, by_stiffness, by_mass = outputs[m.y.index[f"{spans[0].name}.tension_a"]]
+    return _Strung(length, 1.0 / by_length, -by_stiffness / by_length, -by_mass / by_length)

@@ -19,14 +19,14 @@ _LINES = ("mainline", "haulback")
 def rig_reading(solved: Solved, name: str) -> Reading:
     """The reading of a column of a load path, or of a dotted quantity of the rig's model. Raises UnknownNameError for
     one that has no derivative."""
-    column = _columns(solved).get(name)
+    column = rig_columns(solved).get(name)
     if column is not None:
         return column()
     at = solved.at
     tables = at.model.tables.values()
     if "." in name and any(name in table.index for table in tables):
         return Reading((name,))
-    known = [*_columns(solved), *at.model.y.names, *at.model.z.names]
+    known = [*rig_columns(solved), *at.model.y.names, *at.model.z.names]
     raise UnknownNameError(f"{at.rig.name!r} has no reading {name!r} with derivatives", nearest(name, known))
 
 
@@ -39,7 +39,7 @@ def unit_of_reading(solved: Solved, name: str) -> str:
     return UNITS.get(name, "N")
 
 
-def _columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
+def rig_columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
     """The columns that a rig has, each as a function that makes its reading."""
     rig, run = solved.at.rig, solved.at.model.runs[solved.at.skyline]
     carriage, spans, nodes = rig.carriage.name, run.spans, [node.name for node in run.nodes]
@@ -62,6 +62,8 @@ def _columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
     for line in _LINES:
         runs = [r for r, role in zip(solved.at.model.runs, solved.at.roles, strict=True) if role == line]
         if not runs:
+            if line == "mainline" and solved.held_by == "clamp":
+                found |= dict.fromkeys(("mainline_pull", "mainline_tension", "mainline_highest"), _slack(carriage))
             continue
         own = [f"{span.name}.tension_{end}" for span in runs[0].spans for end in "ab"]
         found[f"{line}_pull"] = _single(f"{carriage}.{line}_pull")
@@ -77,6 +79,11 @@ def _columns(solved: Solved) -> dict[str, Callable[[], Reading]]:
 
 def _single(name: str) -> Callable[[], Reading]:
     return lambda: Reading((name,))
+
+
+def _slack(carriage: str) -> Callable[[], Reading]:
+    """A rope that does not pull."""
+    return lambda: Reading((f"{carriage}.z",), lambda values: 0.0 * values)
 
 
 def _highest(solved: Solved, names: list[str]) -> Reading:
