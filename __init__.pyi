@@ -99,6 +99,8 @@ from .systems.studies.control.tune_response import TunedResponse as TunedRespons
 from .systems.studies.fitting.fit import fit as fit
 from .systems.studies.fitting.fit_result import Fit as Fit
 from .systems.studies.fitting.identifiability import Combination as Combination
+from .systems.studies.fitting.monitor import Estimate as Estimate, Monitor as Monitor, monitor as monitor
+from .systems.studies.fitting.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.cable_stretch import (
     UnstretchedLength as UnstretchedLength,
     fit_construction_stretch as fit_construction_stretch,

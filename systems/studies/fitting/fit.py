@@ -102,7 +102,7 @@ def fit(
     declared = np.array([observations.declared(name) for name in names])
     units = [observations.unit(name) for name in names]
     known = _prior(names, declared, units, bounds or {}, prior or {})
-    count = int(np.isfinite(table.values).sum())
+    count = int(np.isfinite(table.cells).sum())
     least = len(names) - int(np.isfinite(known.sigma).sum())
     if count < max(least, 1):
         raise InputError(

@@ -23,8 +23,8 @@ _LARGE = {"N": (1e3, "kN"), "Pa": (1e5, "bar"), "J": (1e3, "kJ"), "W": (1e3, "kW
 def fit_figure(fit: Fit) -> Figure:
     """A row for each measured column, values on the left and residuals on the right; below the free quantities."""
     columns = list(fit.measured.columns)[:_MOST]
-    figure = new_figure(figsize=(10.5, 2.4 * len(columns) + 0.9 + 0.32 * len(fit.values)), layout="constrained")
-    heights = [2.4] * len(columns) + [0.9 + 0.32 * len(fit.values)]
+    figure = new_figure(figsize=(10.5, 2.4 * len(columns) + 0.9 + 0.32 * len(fit.frame)), layout="constrained")
+    heights = [2.4] * len(columns) + [0.9 + 0.32 * len(fit.frame)]
     grid = figure.add_gridspec(len(columns) + 1, 2, width_ratios=[2.0, 1.0], height_ratios=heights)
     for i, (column, colour) in enumerate(zip(columns, _COLOURS, strict=False)):
         _values(fit, column, colour, figure.add_subplot(grid[i, 0]), last=i == len(columns) - 1)
@@ -73,7 +73,7 @@ def _residuals(fit: Fit, column: str, colour: str, axis: Axes) -> None:
 
 def _intervals(fit: Fit, axis: Axes) -> None:
     """Intervals of the free quantities, relative to the fitted value, and their declared values."""
-    names = list(fit.values.index)
+    names = list(fit.frame.index)
     for y, (name, row) in enumerate(fit.frame.iterrows()):
         size = abs(row["value"]) or 1.0
         text = f"{name} = {row['value']:.6g} {row['unit'] if row['unit'] != '1' else ''}"

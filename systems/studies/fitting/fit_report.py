@@ -48,7 +48,7 @@ def _number(value: float) -> str:
 
 
 def _correlations(fit: Fit, style: Style) -> Table:
-    names = [str(name) for name in fit.values.index]
+    names = [str(name) for name in fit.frame.index]
     rows = [
         (name, *(f"{v:.2f}" if np.isfinite(v) else "-" for v in row))
         for name, row in zip(names, fit.correlations.to_numpy(), strict=True)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr
 
-_DEPENDENT = 1e-7
+_DEPENDENT = 1e-8
 """Singular value, relative to the largest one, below which a combination changes nothing that is measured."""
+_WEAK = 0.5
+"""Usual change over the standard deviation of a combination, below which it is called unidentifiable."""
 _TAKES_PART = 1e-4
 """Share of a quantity in an unidentifiable combination from which it has no standard error."""
 _SHOWN = 5e-3
@@ -57,8 +59,8 @@ def identified(
 ) -> Identified:
     """What a Jacobian (residuals, free) of normalised residuals determines; `scale` (free,): usual changes.
 
-    A combination is unidentifiable if it changes nothing that is measured, or if its standard deviation is above its
-    usual change.
+    A combination is unidentifiable if it changes nothing that is measured, or if its standard deviation is above twice
+    its usual change.
     """
     scaled = jacobian * scale
     _, singular, rows = np.linalg.svd(scaled, full_matrices=True)
@@ -66,7 +68,7 @@ def identified(
     values[: len(singular)] = singular
     spread = np.sqrt(variance) if np.isfinite(variance) else 1.0
     lost = values <= _DEPENDENT * max(values.max(initial=0.0), 1e-300)
-    weak = ~lost & (values < spread)
+    weak = ~lost & (values < _WEAK * spread)
     good = rows[~lost].T / values[~lost]
     covariance = (good @ good.T) * variance * np.outer(scale, scale)
     takes_part = np.abs(rows[lost]).max(axis=0, initial=0.0) > _TAKES_PART
@@ -92,7 +94,7 @@ def _combination(
 ) -> Combination:
     """The combination of a direction (free,) of usual changes, along which the standard deviation is `spread`."""
     share = np.abs(direction) / np.abs(direction).max()
-    order = sorted(np.flatnonzero(share > _SHOWN).tolist(), key=lambda j: -share[j])
+    order = sorted(np.flatnonzero(share > _SHOWN).tolist(), key=lambda j: (-round(share[j], 6), j))
     one = direction[order[0]] * scale[order[0]]
     changes = {names[j]: float(direction[j] * scale[j] / one) for j in order}
     return Combination(changes, {names[j]: units[j] for j in order}, float(spread * abs(one)))

@@ -13,7 +13,7 @@ from ropeway.systems.studies.fitting.observations import Observations, Predictio
 
 Loss = Literal["linear", "huber", "soft_l1", "cauchy"]
 
-_HELD = 1e-7
+_HELD = 1e-9
 """Weight of the declared values, relative to the largest one of the measured values."""
 _MOST = 100
 """Largest number of predictions."""
@@ -35,12 +35,12 @@ class Prior:
 
 @dataclass(frozen=True)
 class Solution:
-    """The least-squares solution: `values` (free,), the `prediction` there; `jacobian` (residuals, free) of the
+    """The least-squares solution: `fitted` (free,), the `prediction` there; `jacobian` (residuals, free) of the
     residuals over their standard deviations, priors last, each row multiplied by the root of its weight; `weights`
     (residuals,) of the loss; `residuals` (residuals,); `count`: measured values; `variance`: factor by which the
     squares of sigma are multiplied, 1 where sigma is given."""
 
-    values: np.ndarray
+    fitted: np.ndarray
     prediction: Prediction
     jacobian: np.ndarray
     weights: np.ndarray
@@ -54,9 +54,9 @@ class Problem:
 
     def __init__(self, observations: Observations, sigma: np.ndarray, prior: Prior) -> None:
         self.observations, self.prior = observations, prior
-        self.there = np.isfinite(observations.measured.values)
+        self.there = np.isfinite(observations.measured.cells)
         self.sigma = sigma[self.there]
-        self.measured = observations.measured.values[self.there]
+        self.measured = observations.measured.cells[self.there]
         self.known = np.flatnonzero(np.isfinite(prior.sigma))
         self._last: tuple[np.ndarray, np.ndarray, np.ndarray, Prediction] | None = None
 
@@ -65,7 +65,7 @@ class Problem:
         if self._last is None or not np.array_equal(self._last[0], values):
             found = self.observations.predict(values)
             off = (values - self.prior.mean)[self.known] / self.prior.sigma[self.known]
-            residuals = np.concatenate([(found.values[self.there] - self.measured) / self.sigma, off])
+            residuals = np.concatenate([(found.shown[self.there] - self.measured) / self.sigma, off])
             priors = np.zeros((len(self.known), len(values)))
             priors[np.arange(len(self.known)), self.known] = 1.0 / self.prior.sigma[self.known]
             rates = np.vstack([found.rates[self.there] / self.sigma[:, None], priors])

@@ -37,6 +37,7 @@ class LineSource(Source):
         self.model = system if isinstance(system, Model) else assemble(system)
         self.name = self.model.name
         self.rest = equilibrium(self.model)
+        self._empty: dict[int, np.ndarray] = {}
 
     def role(self, name: str) -> str:
         owner, _, quantity = name.rpartition(".")
@@ -66,7 +67,7 @@ class LineSource(Source):
         return self.rest[f"{span}.mass_per_length"] if quantity == "mass_per_length" else self._pretension(r)
 
     def _pretension(self, r: int) -> float:
-        """Tension of an empty rope at its first support [N]."""
+        """Declared tension of an empty rope at its first support [N]."""
         run, m = self.rest.runs[r], self.rest.model
         fixed, drums = fixed_supports(m, run)
         if 0 in drums:
@@ -99,17 +100,21 @@ class LineSource(Source):
         return found
 
     def _strung(self, r: int, known: Mapping[str, float]) -> dict[str, float]:
-        """Lengths of the spans and tensions of drums for a pretension [N] of a rope. Raises SlackRopeError."""
+        """Lengths of the spans and tensions of drums for a pretension [N] of a rope: those at rest change as those of
+        the empty rope do. Raises SlackRopeError."""
         run, m = self.rest.runs[r], self.rest.model
         fixed, drums = fixed_supports(m, run)
-        points, (weight, strain), tension = self.rest.points(r)[fixed], rope_of(self.rest, r), known["pretension"]
+        points, (weight, strain) = self.rest.points(r)[fixed], rope_of(self.rest, r)
+        names = [run.spans[i].name for i in fixed[:-1]]
+        if r not in self._empty:
+            self._empty[r] = lengths_for_tension(points.tolist(), weight, strain, self._pretension(r), names)
         if "axial_stiffness" in known:
             strain = strain._replace(c1=1.0 / known["axial_stiffness"])
         if "mass_per_length" in known:
             weight = known["mass_per_length"] * float(self.rest.point.p[0])
-        names = [run.spans[i].name for i in fixed[:-1]]
-        lengths = lengths_for_tension(points.tolist(), weight, strain, tension, names)
-        supports = support_tensions(points, weight, strain, tension)
+        lengths = lengths_for_tension(points.tolist(), weight, strain, known["pretension"], names) - self._empty[r]
+        supports = support_tensions(points, weight, strain, known["pretension"])
+        lengths += self.rest.point.p[m.layouts[r].length_start[fixed[:-1]]]
         found = {f"{name}.length": float(length) for name, length in zip(names, lengths, strict=True)}
         return found | {f"{run.nodes[i].name}.tension": float(supports[fixed.index(i)]) for i in drums}
 
@@ -131,12 +136,24 @@ class LineStates(States):
         self._lines: list[Equilibrium] = []
 
     def predict(self, values: Mapping[str, float]) -> list[LinearState]:
-        rows = [{**values, **dict(zip(self.given, row, strict=True))} for row in self.values.tolist()]
-        self._lines = self._solved([self.source.spread(row) for row in rows])
-        return [
-            linearised(line, Varied.of(line, self.free, pretensions(row)))
-            for line, row in zip(self._lines, rows, strict=True)
-        ]
+        rows, of_rope = [dict(zip(self.given, row, strict=True)) for row in self.values.tolist()], pretensions(values)
+        if any(name.rpartition(".")[2] in OF_ROPES for name in self.given):
+            cases = [self.source.spread({**values, **row}) for row in rows]
+        else:
+            own = self.source.spread(values)
+            cases = [{**own, **row} for row in rows]
+        self._lines = self._solved(cases)
+        # With the same parameters, states change alike.
+        parameters, alike = self.source.rest.model.p.index, dict[bytes, Varied]()
+        found = []
+        for line, row in zip(self._lines, rows, strict=True):
+            key = repr([row[name] for name in self.given if name in parameters or name in line.model.swaps]).encode()
+            if line.model is not self.source.rest.model or line.passed is not self.source.rest.passed:
+                varied = Varied.of(line, self.free, of_rope | pretensions(row))
+            else:
+                varied = alike.setdefault(key, alike.get(key) or Varied.of(line, self.free, of_rope | pretensions(row)))
+            found.append(linearised(line, varied))
+        return found
 
     def _solved(self, cases: Sequence[Mapping[str, float]]) -> list[Equilibrium]:
         """Equilibria with values of the model's quantities. Raises EquilibriumError, InputError."""

@@ -33,13 +33,13 @@ class Column:
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured table in SI units. `values` (rows, columns) of the measured `columns`, NaN where skipped; `given`
+    """A measured table in SI units. `cells` (rows, columns) of the measured `columns`, NaN where skipped; `given`
     (rows, givens) of the columns that are known in each row; `time` (rows,) of a series; `rows`: the number of each
     row in the table; `blank`: measured cells that are blank; `dropped`: rows that are left out, as a given value is
     blank."""
 
     columns: tuple[Column, ...]
-    values: np.ndarray
+    cells: np.ndarray
     givens: tuple[Column, ...]
     given: np.ndarray
     time: np.ndarray | None
@@ -57,7 +57,7 @@ class Measured:
 
     def sigmas(self, sigma: Sigma | None) -> np.ndarray:
         """Standard deviations (rows, columns); ones where none are given. Raises InputError."""
-        found = np.ones(self.values.shape)
+        found = np.ones(self.cells.shape)
         if sigma is None:
             units = sorted({column.unit for column in self.columns})
             if len(units) > 1:
@@ -114,7 +114,7 @@ def read_measured(
     for i, (column, unit) in enumerate(zip(chosen, given_units.values(), strict=True)):
         if read.units[read.keys.index(column.name)]:
             continue
-        unit = unit or _unit_in(column)
+        unit = unit or unit_in(column)
         try:
             factor, offset = conversion(unit, column.unit)
         except InputError as error:
@@ -166,7 +166,7 @@ def _all_columns(source: table.Source, role_of: Callable[[str], str]) -> dict[st
     return found
 
 
-def _unit_in(column: Column) -> str:
+def unit_in(column: Column) -> str:
     """Unit at the end of a column's name, as in `skyline_kN`; "" where it has none, as in `tension_in`."""
     name = column.name.replace(".", "_")
     if "_" not in name or name.endswith(column.target.rpartition(".")[2]):

@@ -19,10 +19,10 @@ SENSOR = {"gain": 1.0, "offset": 0.0}
 
 @dataclass(frozen=True)
 class Prediction:
-    """Predicted values (rows, columns), NaN where nothing is measured, their derivatives (rows, columns, free), and the
+    """Predicted values `shown` (rows, columns), NaN where nothing is measured, their derivatives (rows, columns, free), and the
     states with their derivatives by the free quantities of the system."""
 
-    values: np.ndarray
+    shown: np.ndarray
     rates: np.ndarray
     states: Sequence[LinearState]
 
@@ -56,7 +56,7 @@ class Observations:
         span, _, quantity = target.rpartition(".")
         if quantity != ROPE_Z:
             return None
-        at = np.full((len(self.measured.values), 2), np.nan)
+        at = np.full((len(self.measured.cells), 2), np.nan)
         for i, axis in enumerate((ROPE_X, ROPE_Y)):
             for j, column in enumerate(self.measured.givens):
                 if column.target == f"{span}.{axis}":
@@ -84,12 +84,12 @@ class Observations:
         """Predictions for values of the free quantities. Raises EquilibriumError, SimulationError, InputError."""
         named = dict(zip(self.names, values[self.own].tolist(), strict=True))
         states = self.states.predict(named)
-        shape = self.measured.values.shape
+        shape = self.measured.cells.shape
         true, rates = np.full(shape, np.nan), np.zeros((*shape, len(self.free)))
         for s, state in enumerate(states):
             rows = np.flatnonzero(self.state == s)
             for i, column in enumerate(self.measured.columns):
-                there = rows[np.isfinite(self.measured.values[rows, i])]
+                there = rows[np.isfinite(self.measured.cells[rows, i])]
                 if not len(there):
                     continue
                 places = self._places[i]

@@ -26,10 +26,10 @@ def fit_of(problem: Problem, solution: Solution, declared: np.ndarray, units: Se
     degrees = solution.count + len(problem.known) - len(names)
     wide = quantile(0.95, 0 if known_sigma else degrees) * error
     columns = {
-        "value": solution.values,
+        "value": solution.fitted,
         "standard_error": error,
-        "low": solution.values - wide,
-        "high": solution.values + wide,
+        "low": solution.fitted - wide,
+        "high": solution.fitted + wide,
         "declared": declared,
         "unit": list(units),
     }
@@ -37,11 +37,11 @@ def fit_of(problem: Problem, solution: Solution, declared: np.ndarray, units: Se
     frame.attrs["degrees"] = 0 if known_sigma else degrees
     labels = [column.name for column in table.columns]
     rows = pd.Index(table.rows, name="row") if table.time is None else pd.Index(table.time, name="time")
-    spread = np.full(table.values.shape, np.nan)
+    spread = np.full(table.cells.shape, np.nan)
     spread[problem.there] = problem.sigma * np.sqrt(solution.variance)
     measured, predicted, sigma = (
         _frame(values, rows, labels, [column.unit for column in table.columns])
-        for values in (table.values, solution.prediction.values, spread)
+        for values in (table.cells, solution.prediction.shown, spread)
     )
     sigmas = usual_sigmas([column.unit for column in table.columns], spread)
     more = suggestions(observations, solution.prediction, found.fisher, prior.scale, sigmas)
@@ -68,7 +68,7 @@ def _notes(problem: Problem, solution: Solution, names: Sequence[str]) -> list[s
     if table.blank:
         notes.append(f"{table.blank} blank cells are skipped")
     near = 1e-6 * prior.scale
-    at_bound = (solution.values - prior.low <= near) | (prior.high - solution.values <= near)
+    at_bound = (solution.fitted - prior.low <= near) | (prior.high - solution.fitted <= near)
     notes += [f"{name} is at a bound" for name, at in zip(names, at_bound, strict=True) if at]
     spread = np.sqrt(solution.variance) if np.isfinite(solution.variance) and solution.variance > 0.0 else 1.0
     far = np.abs(solution.residuals[: solution.count]) > _FAR * spread

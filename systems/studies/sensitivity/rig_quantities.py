@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import nearest
+from ropeway.systems.modelling.empty_rope import pretension
 from ropeway.systems.rigs.bare_skyline import bare_equilibrium, bare_tension
 from ropeway.systems.rigs.rig_builder import length_for
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -183,6 +185,10 @@ def _strung(rig: SkylineRig, values: Mapping[str, float]) -> _Strung:
 def _strung_with(rig: SkylineRig, tension: float, stiffness: float, mass: float) -> _Strung:
     rope = replace(rig.skyline, axial_stiffness=stiffness, mass_per_length=mass)
     length = length_for(replace(rig, skyline=rope), tension)
+    if all(support.radius == 0.0 for support in rig.supports):
+        names = [f"{a.name}_{b.name}" for a, b in pairwise(rig.ends)]
+        rates = pretension(rig.points.tolist(), mass * rig.gravity, rope.strain, tension, names).length.sum(axis=0)
+        return _Strung(length, rates[0], -rates[1] / stiffness**2, rates[2] * rig.gravity)
     bare, spans = bare_equilibrium(replace(rig, skyline=rope, length=length, tension=tension))
     m, layout, p = bare.model, bare.model.layouts[0], np.zeros((len(bare.model.p), 3))
     p[layout.length_start[-1], 0] = 1.0
