@@ -100,7 +100,6 @@ from .systems.studies.fitting.fit import fit as fit
 from .systems.studies.fitting.fit_result import Fit as Fit
 from .systems.studies.fitting.identifiability import Combination as Combination
 from .systems.studies.fitting.monitor import Estimate as Estimate, Monitor as Monitor, monitor as monitor
-from .systems.studies.fitting.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.cable_stretch import (
     UnstretchedLength as UnstretchedLength,
     fit_construction_stretch as fit_construction_stretch,
@@ -127,6 +126,7 @@ from .systems.studies.handbook.payload_methods import (
     payload_for_tension as payload_for_tension,
     tension_for_payload as tension_for_payload,
 )
+from .systems.studies.handbook.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
 from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities

@@ -65,7 +65,7 @@ def _residuals(fit: Fit, column: str, colour: str, axis: Axes) -> None:
     values = (fit.residuals[column] / fit.sigma[column]).dropna().to_numpy()
     widest = max(3.5, float(np.abs(values).max(initial=0.0)) * 1.05)
     bins = np.linspace(-widest, widest, 22)
-    axis.hist(values, bins, color=colour, alpha=0.6)
+    axis.hist(values, bins.tolist(), color=colour, alpha=0.6)
     x = np.linspace(-widest, widest, 201)
     axis.plot(x, len(values) * (bins[1] - bins[0]) * np.exp(-0.5 * x * x) / np.sqrt(2.0 * np.pi), color="black", lw=1.0)
     axis.set(xlabel="residual over standard deviation", ylabel="values")

@@ -101,8 +101,11 @@ class Fit(Tabular):
 
     @property
     def suggestions(self) -> pd.DataFrame:
-        """Candidates for one more measurement, best first: quantity, state, sigma, unit, gain (of the logarithm of the
-        volume of the confidence ellipsoid), helps (the free quantity) and error_falls_to (share of its error)."""
+        """Candidates for one more measurement, best first.
+
+        Columns quantity, state, sigma, unit, gain (of the logarithm of the volume of the confidence ellipsoid), helps
+        (the free quantity) and error_falls_to (share of its standard error).
+        """
         return self.helps.frame
 
     def intervals(self, confidence: float = 0.95) -> pd.DataFrame:

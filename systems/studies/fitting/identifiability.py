@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import qr
 
+from ropeway.components.argument_checks import checked
+
 _DEPENDENT = 1e-8
 """Singular value, relative to the largest one, below which a combination changes nothing that is measured."""
 _WEAK = 0.5
@@ -18,6 +20,7 @@ _SHOWN = 5e-3
 """Share from which a quantity is named in a combination."""
 
 
+@checked
 @dataclass(frozen=True)
 class Combination:
     """Changes of free quantities that together change what is measured by nothing, or by less than its noise.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +13,8 @@ from ropeway.systems.studies.fitting.observations import Observations, Predictio
 
 Loss = Literal["linear", "huber", "soft_l1", "cauchy"]
 
+_CLOSE = 0.02
+"""Distance from the minimum, in standard errors, from which a fit has failed."""
 _HELD = 1e-9
 """Weight of the declared values, relative to the largest one of the measured values."""
 _MOST = 100
@@ -106,14 +108,32 @@ class Problem:
                 f"The fit did not converge in {_MOST} predictions" + (f": {lost[-1]}" if lost else ""),
                 "Fit fewer quantities, or give bounds, a prior, or declarations nearer to the measured values",
             )
-        values, off = np.asarray(found.x), self.at(found.x)
-        weights = np.array(_LOSSES[loss](count)(off[0] ** 2)[1])
+        values, (off, rates, prediction) = np.asarray(found.x), self.at(found.x)
+        weights = np.array(_LOSSES[loss](count)(off**2)[1])
         degrees = count + len(self.known) - len(values)
         variance = 1.0
         if not known_sigma:
-            squares = float((weights[:count] * off[0][:count] ** 2).sum())
+            squares = float((weights[:count] * off[:count] ** 2).sum())
             variance = squares / degrees if degrees > 0 else np.nan
-        return Solution(values, off[2], off[1] * np.sqrt(weights)[:, None], weights, off[0], count, variance)
+        weighted = rates * np.sqrt(weights)[:, None]
+        self._require_minimum(values, weighted, off * np.sqrt(weights), variance, lost)
+        return Solution(values, prediction, weighted, weights, off, count, variance)
+
+    def _require_minimum(
+        self, values: np.ndarray, rates: np.ndarray, off: np.ndarray, variance: float, lost: Sequence[str]
+    ) -> None:
+        """Raises FitError where the quantities that are at no bound are not at the minimum, to a part of their
+        standard errors, as where the iteration is stopped by states without an equilibrium."""
+        near = 1e-6 * self.prior.scale
+        inner = (values - self.prior.low > near) & (self.prior.high - values > near)
+        scaled = (rates * self.prior.scale)[:, inner]
+        step = np.linalg.lstsq(scaled, off, rcond=1e-8)[0]
+        spread = np.sqrt(variance) if np.isfinite(variance) else 1.0
+        if np.linalg.norm(scaled @ step) > _CLOSE * spread + 1e-6 * np.linalg.norm(off):
+            raise FitError(
+                "The fit stopped before its minimum" + (f": {lost[-1]}" if lost else ""),
+                "Give bounds within which the system has an equilibrium, or declarations nearer to the measured values",
+            )
 
     def _inside(self, start: np.ndarray) -> np.ndarray:
         """The start strictly between the bounds."""

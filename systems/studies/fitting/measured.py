@@ -134,12 +134,12 @@ def _sorted_out(chosen: Sequence[Column], values: np.ndarray) -> Measured:
     if not measured:
         raise InputError("No column is measured", "Name at least one that holds a result, such as a tension")
     kept = np.flatnonzero(np.isfinite(values[:, given + when]).all(axis=1))
-    found = values[np.ix_(kept, measured)]
+    found = values[kept][:, measured]
     return Measured(
         tuple(chosen[i] for i in measured),
         found,
         tuple(chosen[i] for i in given),
-        values[np.ix_(kept, given)],
+        values[kept][:, given],
         values[kept, when[0]] if when else None,
         kept,
         int(np.isnan(found).sum()),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -32,6 +32,7 @@ _KNOWN_TO = 0.5
 """Standard deviation of a free quantity without a prior, relative to its declared value."""
 
 
+@checked
 @dataclass(frozen=True)
 class Estimate:
     """What a monitor knows after a row.
@@ -109,24 +110,49 @@ def monitor(
     >>> for now in watch.follow(rows):  # doctest: +SKIP
     ...     print(now.time, now.values, now.reserve)
     """
-    names = [free] if isinstance(free, str) else list(free)
-    if not names:
-        raise InputError("free is empty", "Name at least one quantity, such as '*.mass'")
-    return Monitor(LineSource(line), columns, names, sigma, dict(prior or {}), dict(drift or {}))
+    return Monitor(line, columns, free, sigma, prior, drift)
 
 
+@checked
 class Monitor(Tabular):
-    """Estimates while a line runs, as `rw.monitor` makes it."""
+    """Estimates while a line runs, as `rw.monitor` makes it.
+
+    Parameters
+    ----------
+    line : System or Model
+        The line, with the expected masses of its loads.
+    columns : mapping of str to str
+        The quantity of each column.
+    free : str or sequence of str
+        Masses of loads, and parameters.
+    sigma : float or mapping of str to float
+        Standard deviation of the measured values, in SI units.
+    prior : mapping of str to (float, float), optional
+        Expected value and standard deviation of free quantities.
+    drift : mapping of str to float, optional
+        Standard deviation of their changes after one second.
+
+    Attributes
+    ----------
+    name : str
+        Name of the line.
+    estimates : list of Estimate
+        All estimates so far.
+    """
 
     def __init__(
         self,
-        source: LineSource,
+        line: System | Model,
         columns: Mapping[str, str],
-        free: Sequence[str],
+        free: str | Sequence[str],
         sigma: float | Mapping[str, float],
-        prior: Mapping[str, tuple[float, float]],
-        drift: Mapping[str, float],
+        prior: Mapping[str, tuple[float, float]] | None = None,
+        drift: Mapping[str, float] | None = None,
     ) -> None:
+        names = [free] if isinstance(free, str) else list(free)
+        if not names:
+            raise InputError("free is empty", "Name at least one quantity, such as '*.mass'")
+        source = LineSource(line)
         self.name = source.name
         self._columns = _columns(source, columns)
         self._measured = [c for c in self._columns.values() if c.role not in (GIVEN, TIME)]
@@ -134,19 +160,18 @@ class Monitor(Tabular):
         if unknown := [name for name in given if name not in source.model.u.index]:
             raise InputError(f"{unknown[0]} cannot be given over time", "Only inputs, such as speeds, vary in a run")
         self._sigma = _sigmas(self._measured, sigma)
-        self._prior, self._drift = prior, drift
+        self._prior, self._drift = dict(prior or {}), dict(drift or {})
         self._line = MovingLine(source.rest, given)
-        self._patterns = [name for name in free if "*" in name or name.endswith(".mass")]
+        self._patterns = [name for name in names if "*" in name or name.endswith(".mass")]
         self._filter = KalmanFilter()
         loads = {f"{load}.mass" for run in source.rest.runs for load in run.loads.names}
         fed = any(run.feed is not None for run in source.rest.runs)
-        for name in free:
+        for name in names:
             if name not in self._patterns:
                 self._add(name, require_parameter(source.rest.model, name))
             elif not fed and not any(fnmatchcase(load, name) for load in loads):
                 raise UnknownNameError(f"No load is named {name!r}", f"Loads are {', '.join(sorted(loads)) or 'none'}")
         self.estimates: list[Estimate] = []
-        """All estimates so far."""
 
     def __repr__(self) -> str:
         return f"<Monitor of {self.name!r}: {len(self.estimates)} rows>"
@@ -159,9 +184,9 @@ class Monitor(Tabular):
         rows : iterable of mapping, or DataFrame
             Each with a value for each column; a missing or blank measured value is skipped.
 
-        Yields
-        ------
-        Estimate
+        Returns
+        -------
+        iterator of Estimate
 
         Raises
         ------
@@ -173,10 +198,10 @@ class Monitor(Tabular):
         if isinstance(rows, pd.DataFrame):
             named = rows.reset_index() if rows.index.name is not None else rows
             rows = named.to_dict("records")
-        for row in rows:
-            yield self.update(row)
+        if isinstance(rows, Collection) and not all(isinstance(row, Mapping) for row in rows):
+            raise InputError("A row is not a mapping", "Give rows with a value for each column, by name")
+        return (self.update(row) for row in rows)
 
-    @checked
     def update(self, row: Mapping[str, Any]) -> Estimate:
         """Take a row: advance the line to its time, and correct the estimates.
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind

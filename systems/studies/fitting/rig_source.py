@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ropeway.systems.studies.sensitivity.reading import Reading
 from ropeway.systems.studies.sensitivity.rig_readings import rig_columns, rig_reading, unit_of_reading
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
 from ropeway.systems.studies.skyline.load_path import carriage_height
-from ropeway.systems.studies.skyline.root_selection import solved_in_place
+from ropeway.systems.studies.skyline.root_selection import physical_state, solved_in_place
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 _LEAST_SHARE = 1.0 / 64.0
@@ -71,17 +72,33 @@ class RigSource(Source):
         return RigStates(self.rig, free, given, values)
 
 
+class _Known(NamedTuple):
+    """A solved state, and the values of what is free or given in it."""
+
+    solved: Solved
+    values: dict[str, float]
+
+
+def _declared(solved: Solved, names: Sequence[str]) -> dict[str, float]:
+    """Declared values of quantities; the payload is that of the solved station."""
+    return {
+        name: solved.case.payload if name == "payload" and solved.case else rig_quantities.declared(solved.at, name)
+        for name in names
+    }
+
+
 class RigStates(States):
-    """The rig at the station of each row. Each state keeps its model and starts from its last solution."""
+    """The rig at the station of each row, held by its mainline or its clamp as the values require. Each state starts
+    from its last solution."""
 
     def __init__(self, rig: SkylineRig, free: Sequence[str], given: Sequence[str], values: np.ndarray) -> None:
         self.rig, self.free = rig, list(free)
         self.rows = [dict(zip(given, row, strict=True)) for row in values.tolist()]
-        solver = Stations(rig, by_height="height" in given)
-        self.solved = [solver.solve(*self._case(row, {})) for row in self.rows]
+        self.stations = Stations(rig, by_height="height" in given)
+        self.solved = [self.stations.solve(*self._case(row, {})) for row in self.rows]
         """The last solution of each state: at first with the declared values of what is free or given."""
-        self._values = [rig_values(one, [*self.free, *(n for n in given if n not in rig_quantities.CASE)])
-                        for one in self.solved]  # fmt: skip
+        names = [*self.free, *(name for name in given if name not in rig_quantities.CASE)]
+        self._known = [{one.held_by == "clamp": _Known(one, _declared(one, names))} for one in self.solved]
 
     def _case(self, row: Mapping[str, float], values: Mapping[str, float]) -> StationCase:
         """Station, payload and height z of a row. Raises InputError."""
@@ -93,24 +110,49 @@ class RigStates(States):
         )
 
     def predict(self, values: Mapping[str, float]) -> list[LinearState]:
-        found, changes = list[Solved](), list[dict[str, float]]()
-        for one, row, before in zip(self.solved, self.rows, self._values, strict=True):
-            after = {name: values.get(name, row.get(name, 0.0)) for name in before}
-            found.append(self._moved(one, row, before, after))
-            changes.append(after)
-        self.solved, self._values = found, changes
-        return [rig_quantities.linearised(one, self.free, own) for one, own in zip(found, changes, strict=True)]
+        names = next(iter(self._known[0].values())).values
+        every = [{name: values.get(name, row.get(name, 0.0)) for name in names} for row in self.rows]
+        self.solved = [self._held(i, own) for i, own in enumerate(every)]
+        return [rig_quantities.linearised(one, self.free, own) for one, own in zip(self.solved, every, strict=True)]
 
-    def _moved(
-        self, solved: Solved, row: Mapping[str, float], before: Mapping[str, float], after: Mapping[str, float]
-    ) -> Solved:
-        """A state with other values, from its last solution, in smaller steps where one fails. Raises
+    def _held(self, i: int, values: Mapping[str, float]) -> Solved:
+        """A state with other values: held by its clamp where the mainline would have to push, as by `Stations`. Raises
         EquilibriumError, InputError."""
+        before, rig, name = self.solved[i], self.rig, self.rig.carriage.name
+        clamped = before.held_by == "clamp"
+        if rig.ideal or rig.carriage.clamped or not rig.kind.has_clamp:
+            return self._moved(i, values, clamp=clamped)
+        failure, pulled, held = None, None, None
+        if clamped:
+            held = self._moved(i, values, clamp=True)
+        if held is None or held[f"{name}.holding"] > 0.0:
+            try:
+                pulled = self._moved(i, values, clamp=False)
+            except EquilibriumError as error:
+                failure = error
+        own = self.stations.own_pull(before.at.span, self.rows[i]["station"])
+        if held is None and (pulled is None or pulled[f"{name}.mainline_pull"] < own):
+            try:
+                held = self._moved(i, values, clamp=True)
+            except EquilibriumError as error:
+                failure = failure or error
+        if pulled is not None and (held is None or held[f"{name}.holding"] > 0.0):
+            return pulled
+        if held is None:
+            raise failure or EquilibriumError(f"No equilibrium at {self.label(i)}")
+        return held
+
+    def _moved(self, i: int, after: Mapping[str, float], *, clamp: bool) -> Solved:
+        """A state with other values, from its last solution with the same hold, in smaller steps where one fails.
+        Raises EquilibriumError, InputError."""
+        if clamp not in self._known[i]:
+            self._known[i][clamp] = self._declared_with(i, after, clamp=clamp)
+        solved, before = self._known[i][clamp]
         done, share, at = 0.0, 1.0, solved.at
         while done < 1.0:
             step = min(done + share, 1.0)
             values = {name: before[name] + step * (after[name] - before[name]) for name in after}
-            point, case = solved.point.copy(), self._case(row, values)
+            point, case = solved.point.copy(), self._case(self.rows[i], values)
             rig_quantities.write(at, point, values)
             try:
                 point, _ = solved_in_place(at, point, case)
@@ -120,7 +162,16 @@ class RigStates(States):
                     raise
                 continue
             solved, done = Solved(at, point, at.outputs(point), solved.held_by, case), step
+        self._known[i][clamp] = _Known(solved, dict(after))
         return solved
+
+    def _declared_with(self, i: int, names: Mapping[str, float], *, clamp: bool) -> _Known:
+        """A state with another hold and the declared values. Raises EquilibriumError."""
+        other = self.solved[i].at
+        at, case = span_model(self.rig, other.place, other.by_height, clamp), self._case(self.rows[i], {})
+        point = physical_state(at, case)
+        solved = Solved(at, point, at.outputs(point), "clamp" if clamp else "mainline", case)
+        return _Known(solved, _declared(solved, list(names)))
 
     def reading(self, state: int, name: str) -> Reading:
         return rig_reading(self.solved[state], name)
@@ -135,11 +186,3 @@ class RigStates(States):
 
     def label(self, state: int) -> str:
         return f"station {self.rows[state]['station']:g} m"
-
-
-def rig_values(solved: Solved, names: Sequence[str]) -> dict[str, float]:
-    """Declared values of quantities; the payload is that of the solved station."""
-    return {
-        name: solved.case.payload if name == "payload" and solved.case else rig_quantities.declared(solved.at, name)
-        for name in names
-    }

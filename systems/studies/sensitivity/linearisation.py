@@ -20,7 +20,6 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Slot, Vectors, scalar
 
-
 _SMALL = 120
 """Number of algebraic variables up to which dense matrices are faster."""
 

@@ -21,10 +21,9 @@ def test_exact_measurements_give_the_true_values(name: str) -> None:
     assert (fit.residuals / fit.sigma).abs().max().max() < 1e-5
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_standard_errors_are_those_of_repeated_fits(name: str) -> None:
-    """Of linear theory: the covariance is that of the values of fits to many tables with noise."""
-    case, rng, count = CASES[name](), np.random.default_rng(4), 25
+def test_standard_errors_are_those_of_repeated_fits() -> None:
+    """The covariance is that of the values of fits to many tables with noise; of more kinds in the campaigns."""
+    case, rng, count = CASES["running"](), np.random.default_rng(4), 25
     fits = [case.fit(*case.noisy(0.002, rng)) for _ in range(count)]
     off = np.array([(fit.values - pd.Series(case.true)) / fit.standard_errors for fit in fits])
     assert np.abs(off.mean(axis=0)).max() < 4.0 / np.sqrt(count)
