@@ -98,7 +98,7 @@ from .systems.studies.control.scheduling.schedule_plan import SchedulePlan as Sc
 from .systems.studies.control.tune_response import TunedResponse as TunedResponse, tune_response as tune_response
 from .systems.studies.fitting.fit import fit as fit
 from .systems.studies.fitting.fit_result import Fit as Fit
-from .systems.studies.fitting.identifiability import Combination as Combination
+from .systems.studies.fitting.information import Combination as Combination
 from .systems.studies.fitting.monitor import Estimate as Estimate, Monitor as Monitor, monitor as monitor
 from .systems.studies.handbook.cable_stretch import (
     UnstretchedLength as UnstretchedLength,

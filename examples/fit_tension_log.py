@@ -2,7 +2,8 @@
 
     python examples/fit_tension_log.py [folder]
 
-The logs are made with values that the fits do not know, and with the noise of usual devices (random numbers of seed 21).
+The logs are made with values that the fits do not know, and with the noise of usual devices (random numbers of
+seed 21).
 
 1. A standing skyline. The yarder logs the skyline's tension at the headspar, through a monitor that shows 3 % too much,
    and the mainline's; a total station measures the carriage. Pretension, stiffness of the old rope, payload and the
@@ -105,7 +106,7 @@ def watch_line(folder: Path, rng: np.random.Generator) -> None:
     )
     for now in watch.follow(row for row in log.reset_index().to_dict("records")):
         if now.time % 60.0 == 0.0:
-            known = [f"{n[:-5]} {v:.0f}" for n, v in now.values.items() if now.standard_errors[n] < 0.025 * v]
+            known = [f"{n[:-5]} {now.value[n]:.0f}" for n, e in now.standard_error.items() if e < 10.0]
             print(f"{now.time:5.0f} s  reserve {now.reserve / 1e3:5.1f} kN in {now.span}; kg: {', '.join(known)}")
     tension = run.frame.filter(regex=r"_.*\.tension_[ab]$").max(axis=1)
     _draw(folder / "fit_monitor.png", watch.frame, masses, HAUL.safe_working_load - tension)

@@ -139,7 +139,8 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "catenary_for_length": lambda: {**CURVE, "length": 123.0},
         "catenary_for_sag": lambda: {**CURVE, "sag": 4.0, "at": 0.4},
         "catenary_for_sights": lambda: {
-            "span": 460.29627, "left": (0.0, 1.497), "right": (2.607, 1.204), "points": [(0.0638, 1.4832), (0.2397, 1.3959)],
+            "span": 460.29627, "left": (0.0, 1.497), "right": (2.607, 1.204),
+            "points": [(0.0638, 1.4832), (0.2397, 1.3959)],
         },
         "catenary_for_tension": lambda: {**CURVE, "tension": 30e3, "weight": 30.0},
         "check_component": lambda: {"component": rw.Anchor("a", at=(3.0, 4.0))},

@@ -23,9 +23,6 @@ from ropeway.systems.studies.fitting.run_source import RunSource
 from ropeway.systems.studies.fitting.solved_fit import fit_of
 from ropeway.systems.studies.fitting.sources import Source
 
-_LENGTH = 1.0
-"""Usual change of a length or a coordinate [m]."""
-
 
 @checked
 @interruptible
@@ -101,7 +98,8 @@ def fit(
     observations = Observations(source, table, names)
     declared = np.array([observations.declared(name) for name in names])
     units = [observations.unit(name) for name in names]
-    known = _prior(names, declared, units, bounds or {}, prior or {})
+    usual = np.array([observations.usual(name, value) for name, value in zip(names, declared.tolist(), strict=True)])
+    known = _prior(names, usual, bounds or {}, prior or {})
     count = int(np.isfinite(table.cells).sum())
     least = len(names) - int(np.isfinite(known.sigma).sum())
     if count < max(least, 1):
@@ -131,21 +129,17 @@ def _read(
 
 def _prior(
     names: Sequence[str],
-    declared: np.ndarray,
-    units: Sequence[str],
+    scale: np.ndarray,
     bounds: Mapping[str, tuple[float, float]],
     prior: Mapping[str, tuple[float, float]],
 ) -> Prior:
-    """Bounds, priors and usual changes as arrays. Raises InputError, UnknownNameError."""
+    """Bounds, priors and usual changes (`scale`) as arrays. Raises InputError, UnknownNameError."""
     for what, given in (("bounds", bounds), ("prior", prior)):
         if unknown := [name for name in given if name not in names]:
             raise UnknownNameError(f"{what} has {unknown[0]!r}, which is not free", f"Free are {', '.join(names)}")
     low, high = np.full(len(names), -np.inf), np.full(len(names), np.inf)
     mean, sigma = np.zeros(len(names)), np.full(len(names), np.inf)
-    scale = np.where(np.abs(declared) > 0.0, np.abs(declared), 1.0)
-    for i, (name, unit) in enumerate(zip(names, units, strict=True)):
-        if unit == "m":
-            scale[i] = _LENGTH
+    for i, name in enumerate(names):
         if name in bounds:
             low[i], high[i] = bounds[name]
             if not low[i] < high[i]:

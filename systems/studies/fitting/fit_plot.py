@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ropeway.systems.studies.fitting.fit_result import Fit
+    from ropeway.systems.studies.fitting.fit_data import FitData
 
 _COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:purple", "tab:brown", "tab:olive", "tab:cyan", "tab:pink")
 _MOST = 6
@@ -20,7 +20,7 @@ _MOST = 6
 _LARGE = {"N": (1e3, "kN"), "Pa": (1e5, "bar"), "J": (1e3, "kJ"), "W": (1e3, "kW")}
 
 
-def fit_figure(fit: Fit) -> Figure:
+def fit_figure(fit: FitData) -> Figure:
     """A row for each measured column, values on the left and residuals on the right; below the free quantities."""
     columns = list(fit.measured.columns)[:_MOST]
     figure = new_figure(figsize=(10.5, 2.4 * len(columns) + 0.9 + 0.32 * len(fit.frame)), layout="constrained")
@@ -34,13 +34,13 @@ def fit_figure(fit: Fit) -> Figure:
     return figure
 
 
-def _shown(fit: Fit, column: str) -> tuple[float, str]:
+def _shown(fit: FitData, column: str) -> tuple[float, str]:
     """Size and symbol of the unit in which a column is shown."""
     unit = fit.measured.attrs["units"][column]
     return _LARGE.get(unit, (1.0, unit))
 
 
-def _values(fit: Fit, column: str, colour: str, axis: Axes, *, last: bool) -> None:
+def _values(fit: FitData, column: str, colour: str, axis: Axes, *, last: bool) -> None:
     size, unit = _shown(fit, column)
     there = fit.measured[column].notna()
     x = fit.measured.index[there].to_numpy(float)
@@ -57,11 +57,11 @@ def _values(fit: Fit, column: str, colour: str, axis: Axes, *, last: bool) -> No
     axis.legend(fontsize="x-small", loc="best")
 
 
-def _series(fit: Fit) -> bool:
+def _series(fit: FitData) -> bool:
     return fit.measured.index.name == "time"
 
 
-def _residuals(fit: Fit, column: str, colour: str, axis: Axes) -> None:
+def _residuals(fit: FitData, column: str, colour: str, axis: Axes) -> None:
     values = (fit.residuals[column] / fit.sigma[column]).dropna().to_numpy()
     widest = max(3.5, float(np.abs(values).max(initial=0.0)) * 1.05)
     bins = np.linspace(-widest, widest, 22)
@@ -71,7 +71,7 @@ def _residuals(fit: Fit, column: str, colour: str, axis: Axes) -> None:
     axis.set(xlabel="residual over standard deviation", ylabel="values")
 
 
-def _intervals(fit: Fit, axis: Axes) -> None:
+def _intervals(fit: FitData, axis: Axes) -> None:
     """Intervals of the free quantities, relative to the fitted value, and their declared values."""
     names = list(fit.frame.index)
     for y, (name, row) in enumerate(fit.frame.iterrows()):

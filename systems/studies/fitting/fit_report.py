@@ -11,12 +11,12 @@ from ropeway.systems.reporting.document import warnings_of
 from ropeway.systems.reporting.style import Style
 
 if TYPE_CHECKING:
-    from ropeway.systems.studies.fitting.fit_result import Fit
+    from ropeway.systems.studies.fitting.fit_data import FitData
 
 _COLOURS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#9467bd", "#8c564b", "#bcbd22")
 
 
-def fit_sections(fit: Fit, style: Style) -> list[Section]:
+def fit_sections(fit: FitData, style: Style) -> list[Section]:
     """The sections of a fit's report; values are in SI units, as in its frame."""
     lost = [style.text("fit_unidentifiable", combination=str(one)) for one in fit.unidentifiable]
     return [
@@ -28,7 +28,7 @@ def fit_sections(fit: Fit, style: Style) -> list[Section]:
     ]
 
 
-def _quantities(fit: Fit, style: Style) -> Table:
+def _quantities(fit: FitData, style: Style) -> Table:
     head = tuple(
         style.text(key) for key in ("quantity", "value", "standard_error", "fit_interval", "fit_declared", "unit")
     )
@@ -47,7 +47,7 @@ def _number(value: float) -> str:
     return f"{value:.3g}" if np.isfinite(value) else "∞"
 
 
-def _correlations(fit: Fit, style: Style) -> Table:
+def _correlations(fit: FitData, style: Style) -> Table:
     names = [str(name) for name in fit.frame.index]
     rows = [
         (name, *(f"{v:.2f}" if np.isfinite(v) else "-" for v in row))
@@ -56,7 +56,7 @@ def _correlations(fit: Fit, style: Style) -> Table:
     return Table((style.text("quantity"), *names), rows)
 
 
-def _charts(fit: Fit, style: Style) -> list[Chart]:
+def _charts(fit: FitData, style: Style) -> list[Chart]:
     """Measured and predicted values of each column."""
     over = "time [s]" if fit.measured.index.name == "time" else style.text("fit_row")
     found = []
@@ -73,7 +73,7 @@ def _charts(fit: Fit, style: Style) -> list[Chart]:
     return found
 
 
-def _suggestions(fit: Fit, style: Style) -> Table:
+def _suggestions(fit: FitData, style: Style) -> Table:
     head = tuple(style.text(key) for key in ("quantity", "fit_state", "fit_sigma", "fit_helps", "fit_falls_to"))
     rows = [
         (row.quantity, row.state, f"{row.sigma:g} {row.unit}", row.helps, f"{100.0 * row.error_falls_to:.0f} %")

@@ -41,7 +41,7 @@ class Estimate:
     ----------
     time : float
         [s].
-    values, standard_errors : dict of str to float
+    value, standard_error : dict of str to float
         Free quantities on the line now, in SI units.
     reserve, reserve_error : float
         Safe working load minus the highest tension of all ropes, and its standard error [N].
@@ -52,8 +52,8 @@ class Estimate:
     """
 
     time: float
-    values: Mapping[str, float]
-    standard_errors: Mapping[str, float]
+    value: Mapping[str, float]
+    standard_error: Mapping[str, float]
     reserve: float
     reserve_error: float
     span: str
@@ -108,7 +108,7 @@ def monitor(
     >>> watch = rw.monitor(line, columns={"time": "time", "A": "c2.tension_in"}, free="*.mass", sigma=100.0)
     ... # doctest: +SKIP
     >>> for now in watch.follow(rows):  # doctest: +SKIP
-    ...     print(now.time, now.values, now.reserve)
+    ...     print(now.time, now.value, now.reserve)
     """
     return Monitor(line, columns, free, sigma, prior, drift)
 
@@ -307,8 +307,8 @@ class Monitor(Tabular):
             row: dict[tuple[str, str], Any] = {
                 ("reserve", "value"): one.reserve, ("reserve", "standard_error"): one.reserve_error,
             }  # fmt: skip
-            for name, value in one.values.items():
-                row[name, "value"], row[name, "standard_error"] = value, one.standard_errors[name]
+            for name, value in one.value.items():
+                row[name, "value"], row[name, "standard_error"] = value, one.standard_error[name]
             rows.append(row)
         frame = pd.DataFrame(rows, index=pd.Index([one.time for one in self.estimates], name="time"))
         if len(frame.columns):

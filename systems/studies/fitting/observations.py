@@ -19,8 +19,8 @@ SENSOR = {"gain": 1.0, "offset": 0.0}
 
 @dataclass(frozen=True)
 class Prediction:
-    """Predicted values `shown` (rows, columns), NaN where nothing is measured, their derivatives (rows, columns, free), and the
-    states with their derivatives by the free quantities of the system."""
+    """Predicted values `shown` (rows, columns), NaN where nothing is measured, their derivatives (rows, columns, free),
+    and the states with their derivatives by the free quantities of the system."""
 
     shown: np.ndarray
     rates: np.ndarray
@@ -76,6 +76,14 @@ class Observations:
             return self.source.unit(name)
         column, _, quantity = name.rpartition(".")
         return "1" if quantity == "gain" else self.measured.columns[self.measured.column(column)].unit
+
+    def usual(self, name: str, declared: float) -> float:
+        """Size of a usual change of a free quantity: of a length 1 m, of a sensor's offset a tenth of what it shows, of
+        others their declared value."""
+        if name.rpartition(".")[2] == "offset" and self._is_sensor(name):
+            shown = self.measured.cells[:, self.sensors[self.free.index(name)][0]]
+            return 0.1 * float(np.nanmean(np.abs(shown))) or 1.0
+        return 1.0 if self.unit(name) == "m" else abs(declared) or 1.0
 
     def _is_sensor(self, name: str) -> bool:
         return self.free.index(name) in self.sensors

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.studies.fitting.fit_result import Fit, quantile
-from ropeway.systems.studies.fitting.identifiability import identified
+from ropeway.systems.studies.fitting.fit_data import quantile
+from ropeway.systems.studies.fitting.fit_result import Fit
+from ropeway.systems.studies.fitting.information import identified, suggestions, usual_sigmas
 from ropeway.systems.studies.fitting.least_squares import Problem, Solution
-from ropeway.systems.studies.fitting.suggestion import suggestions, usual_sigmas
 
 _FAR = 4.0
 """Residual over its standard deviation from which a measured value is called far off."""

@@ -174,7 +174,7 @@ class _Strung(NamedTuple):
 
 def _strung(rig: SkylineRig, values: Mapping[str, float]) -> _Strung:
     """The skyline's length for the tension, stiffness and mass per length among some values, else as declared."""
-    tension = values["tension"] if "tension" in values else rig.tension if rig.tension is not None else None
+    tension = values.get("tension", rig.tension)
     rope = rig.skyline
     stiffness = values.get("skyline.axial_stiffness", rope.axial_stiffness)
     mass = values.get("skyline.mass_per_length", rope.mass_per_length)

@@ -85,9 +85,9 @@ def test_masses_are_known_three_spans_after_they_are_put_on() -> None:
     there = events[events["load"] == "l7"].set_index("component")["time"]
     assert there["start"] > 20.0
     now = next(e for e in estimates if e.time >= there["s2"])
-    assert 2.0 * now.standard_errors["l7.mass"] < 0.05 * true["l7.mass"]
-    assert abs(now.values["l7.mass"] - true["l7.mass"]) < 0.05 * true["l7.mass"]
-    off = [(e.values[n] - true[n]) / e.standard_errors[n] for e in estimates[::60] for n in e.values]
+    assert 2.0 * now.standard_error["l7.mass"] < 0.05 * true["l7.mass"]
+    assert abs(now.value["l7.mass"] - true["l7.mass"]) < 0.05 * true["l7.mass"]
+    off = [(e.value[n] - true[n]) / e.standard_error[n] for e in estimates[::60] for n in e.value]
     assert 0.6 < np.std(off) < 1.5
     frame = watch.frame
     tensions = run().frame.filter(regex=r"_.*\.tension_[ab]$").max(axis=1)
@@ -111,8 +111,8 @@ def test_rows_from_an_iterator_with_gaps() -> None:
     found = list(watch.follow(rows()))
     assert [e.time for e in found] == [0.0, 4.0, 5.0, 10.0]
     assert found[1].misses == {}
-    assert found[1].standard_errors["l3.mass"] > found[0].standard_errors["l3.mass"]
-    assert found[-1].values["l3.mass"] == pytest.approx(MASSES[2], abs=2.0 * found[-1].standard_errors["l3.mass"])
+    assert found[1].standard_error["l3.mass"] > found[0].standard_error["l3.mass"]
+    assert found[-1].value["l3.mass"] == pytest.approx(MASSES[2], abs=2.0 * found[-1].standard_error["l3.mass"])
     with pytest.raises(rw.InputError, match="Sort the rows"):
         watch.update({"t": 3.0, "T_kN": 45.0})
     with pytest.raises(rw.InputError, match="has no time"):
