@@ -143,16 +143,15 @@ class LineStates(States):
             own = self.source.spread(values)
             cases = [{**own, **row} for row in rows]
         self._lines = self._solved(cases)
-        # With the same parameters, states change alike.
-        parameters, alike = self.source.rest.model.p.index, dict[bytes, Varied]()
+        # With the same parameters, and loads in the same spans, states change alike.
+        parameters, alike = self.source.rest.model.p.index, dict[object, Varied]()
         found = []
         for line, row in zip(self._lines, rows, strict=True):
-            key = repr([row[name] for name in self.given if name in parameters or name in line.model.swaps]).encode()
-            if line.model is not self.source.rest.model or line.passed is not self.source.rest.passed:
-                varied = Varied.of(line, self.free, of_rope | pretensions(row))
-            else:
-                varied = alike.setdefault(key, alike.get(key) or Varied.of(line, self.free, of_rope | pretensions(row)))
-            found.append(linearised(line, varied))
+            own_values = [row[name] for name in self.given if name in parameters or name in line.model.swaps]
+            key = (id(line.model), b"".join(passed.tobytes() for passed in line.passed), *own_values)
+            if key not in alike:
+                alike[key] = Varied.of(line, self.free, of_rope | pretensions(row))
+            found.append(linearised(line, alike[key]))
         return found
 
     def _solved(self, cases: Sequence[Mapping[str, float]]) -> list[Equilibrium]:

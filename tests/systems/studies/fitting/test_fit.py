@@ -155,7 +155,9 @@ BAD: Mapping[str, tuple[dict[str, Any], str]] = {
     "nothing measured": ({"columns": {"m1": "l1.mass"}}, "No column is measured"),
     "free and given": ({"free": ["l1.mass"]}, "given in a column"),
     "twice free": ({"free": ["l2.mass", "l2.mass"]}, "once"),
-    "more free than measured": ({"columns": {"head": "a.tension"}, "measured": 1, "free": ["l2.mass", "a.pretension"]}, "1 measured values"),
+    "more free than measured": (
+        {"columns": {"head": "a.tension"}, "measured": 1, "free": ["l2.mass", "a.pretension"]}, "1 measured values"
+    ),
     "bounds the wrong way": ({"bounds": {"l2.mass": (300.0, 100.0)}}, "low one first"),
     "bounds of what is not free": ({"bounds": {"l1.mass": (1.0, 9.0)}}, "not free"),
     "prior without width": ({"prior": {"l2.mass": (300.0, 0.0)}}, "above zero"),
