@@ -33,7 +33,7 @@ def sections_of(study: PayloadData, style: Style) -> list[Section]:
         given.append((style.text("roller_force_asked"), style.value(study.roller_force, "force", "down")))
     return [
         Section(style.text("payload"), (Text((_headline(study, style),)),)),
-        warnings_of(study.remarks, style),
+        warnings_of(study.remarks_in(style), style),
         rig_sections.inputs(rig, style, (study.safety_factor, study.mainline_safety_factor), given),
         Section(style.text("profile"), (_player(study, style),)),
         Section(style.text("payload_by_station"), (_payloads(study, style), tensions(study, style))),
