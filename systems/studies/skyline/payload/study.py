@@ -12,6 +12,7 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
@@ -138,6 +139,7 @@ def payload(
     stations: Sequence[float] | np.ndarray | None = None,
     mainline_safety_factor: float | None = None,
     lift_off: bool = True,
+    environment: Environment | None = None,
 ) -> PayloadStudy:
     """Find the largest payload at stations along a corridor within all limits.
 
@@ -163,6 +165,8 @@ def payload(
         Safety factor of mainline, haulback, dropline and guylines; by default `safety_factor`.
     lift_off : bool, default True
         Whether the skyline must stay in its saddles, and a guyed spar on its foot.
+    environment : Environment, optional
+        Weather, instead of that of the rig.
 
     Returns
     -------
@@ -194,6 +198,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    rig = rig if environment is None else rig.in_weather(environment)
     where = stations_of(rig, stations)
     search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))
     rows: list[StationRow] = []
