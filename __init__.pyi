@@ -14,6 +14,7 @@ from .components.drive import (
     IdealDrive as IdealDrive,
 )
 from .components.drum import Drum as Drum
+from .components.environment import Environment as Environment
 from .components.errors import (
     CompiledError as CompiledError,
     CompilerError as CompilerError,

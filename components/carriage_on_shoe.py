@@ -46,6 +46,8 @@ class CarriageOnShoe(Carriage):
         Direction of an ideal holding force, as of a `Carriage`.
     depth : float, default 0
         Distance from the skyline down to the lowest point of the load [m].
+    drag_area : float, default 0
+        Drag coefficient times area of carriage and load in the wind [m2].
     support : IntermediateSupport
         The support; its saddle has a radius and no friction.
     mainline_on_roller : bool, default False
@@ -129,7 +131,7 @@ class CarriageOnShoe(Carriage):
             seat = getattr(v, name)
             along = shoe.towards_b(normal) if name == "b" else shoe.towards_a(normal)
             below = shoe.turn(seat.force, normal, along)
-            laid = shoe.side(shoe.contact_angle(below), normal, along, v.radius, seat.force, seat.carried)
+            laid = shoe.side(shoe.contact_angle(below), normal, along, v.radius, seat)
             residuals.update(shoe.side_residuals(v, name, laid, -1 if name == "b" else 1))
             acting[name] = shoe.pull(norm(seat.force), laid.turn - below, normal, along)
         total = self.total(v, acting["a"], acting["b"], (acting["mainline"], v.haulback.force, v.dropline.force))
@@ -161,7 +163,7 @@ class CarriageOnShoe(Carriage):
         for name in self._sides:
             found.update(shoe.laws_of_side(v, name, here, free=True))
         # The forces of the shoe, on the carriage and on the ropes, pass through its centre.
-        pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity)], np.zeros(1)
+        pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity) + laws.wind(v)], np.zeros(1)
         for seat in self.seats:
             pulls.append(getattr(v, seat.name).force)
             if seat.offset is not None:

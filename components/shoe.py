@@ -71,16 +71,16 @@ def pull(tension: Any, above: Any, normal: Plane, along: Plane) -> Vector:
     return (forth * along[0] + out * normal[0], 0.0 * forth, forth * along[1] + out * normal[1])
 
 
-def side(angle: Any, normal: Plane, along: Plane, radius: Any, force: Vector, carried: Any) -> Side:
-    """The point of departure after an angle along the shoe [rad].
+def side(angle: Any, normal: Plane, along: Plane, radius: Any, rope: Any) -> Side:
+    """The point of departure after an angle along the shoe [rad] of the `rope` at a seat.
 
-    The strain of the rope on the shoe is 2 (carried - T) / T, exact for an elastic rope.
+    On the shoe the rope is 2 carried / T - expansion times as long as it was strung, exact for an elastic rope.
     """
     xp = namespace(angle)
     forth, out = radius * xp.sin(angle), radius * (xp.cos(angle) - 1)
-    tension = norm(force)
+    tension = norm(rope.force)
     aside = (forth * along[0] + out * normal[0], forth * along[1] + out * normal[1])
-    return Side(angle, aside, radius * angle / (2 * carried / tension - 1))
+    return Side(angle, aside, radius * angle / (2 * rope.carried / tension - rope.expansion))
 
 
 def clearance(end: Plane, force: Vector, weight: Any, strain: Strain, radius: Any) -> Any:

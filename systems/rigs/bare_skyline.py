@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,8 +27,8 @@ def bare_equilibrium(rig: RigParts) -> tuple[Equilibrium, tuple[Span, ...]]:
 
 
 def bare_tension(rig: RigParts) -> float:
-    """Tension of the bare skyline at the headspar [N]."""
-    solution, spans = bare_equilibrium(rig)
+    """Tension of the bare skyline at the headspar as it is strung, in no weather [N]."""
+    solution, spans = bare_equilibrium(replace(rig, environment=None))
     return solution[f"{spans[0].name}.tension_a"]
 
 
@@ -40,9 +41,9 @@ def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
 
 
 def length_over_shoes(rig: RigParts, tension: float) -> float:
-    """Unstretched length [m] for a tension at the headspar [N]. The rig's length is the initial guess. Raises
-    EquilibriumError."""
-    bare, spans = _bare_system(rig)
+    """Unstretched length [m] for a tension at the headspar as it is strung [N]. The rig's length is the initial guess.
+    Raises EquilibriumError."""
+    bare, spans = _bare_system(replace(rig, environment=None))
     freed = f"{spans[-1].name}.length_start"
     solution = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
     return float(sum(solution[f"{span.name}.length_start"] for span in spans))
@@ -78,7 +79,7 @@ def _span_names(count: int) -> list[str]:
 
 
 def _bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
-    bare = System(rig.name, gravity=rig.gravity, terrain=rig.terrain)
+    bare = rig.empty_system()
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
     anchors = [Anchor(node.name, at=node.at) for node in (first, last)]

@@ -10,6 +10,7 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.carriage import Holding
+from ropeway.components.environment import TEMPERATURES
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
@@ -27,6 +28,7 @@ def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> 
     `holding` is the direction of the ideal force on a carriage without mainline and clamp.
     """
     check.positive(parts.gravity, parts.name, "gravity", "m/s2")
+    check.number(parts.temperature, parts.name, "temperature", "degrees C", TEMPERATURES)
     parts = _placed(parts)
     _require_order(parts.stands)
     _require_lines(parts)

@@ -82,14 +82,15 @@ def closures(spans: Spans, found: Shape) -> np.ndarray:
 
 
 class LoadsInSpans(NamedTuple):
-    """Loads in their spans: distance from the span's start [m] and mass [kg], (records, slots, spans), an empty slot
-    being a load of no mass at the end; `there`: which slots have a load; `lost`: (records, spans) whether a span has
-    more loads than slots, or a load that was pinned in another span."""
+    """Loads in their spans: distance from the span's start [m], mass [kg] and drag area [m2], (records, slots, spans),
+    an empty slot being a load of no mass at the end; `there`: which slots have a load; `lost`: (records, spans) whether
+    a span has more loads than slots, or a load that was pinned in another span."""
 
     distance: np.ndarray
     mass: np.ndarray
     there: np.ndarray
     lost: np.ndarray
+    drag: np.ndarray | None = None
 
 
 def hung(
@@ -99,6 +100,8 @@ def hung(
     runs: Sequence[Run],
     passed: Sequence[np.ndarray],
     masses: Sequence[np.ndarray] | None = None,
+    *,
+    weather: bool = False,
 ) -> LoadsInSpans | None:
     """Loads of `runs` where their own places on the rope put them; `passed`: for each run the loads beyond each
     support, (records, supports); `masses`: for each run other masses in each record (records, loads). As many slots as
@@ -108,7 +111,7 @@ def hung(
     if most == 0:
         return None
     shape = (len(values), most, len(places.names))
-    distance, mass = np.empty(shape), np.zeros(shape)
+    distance, mass, drag = np.empty(shape), np.zeros(shape), np.zeros(shape) if weather else None
     distance[:] = spans.length[:, None]
     there, lost = np.zeros(shape, dtype=bool), np.zeros(spans.length.shape, dtype=bool)
     slot = np.arange(most)[:, None]
@@ -128,12 +131,14 @@ def hung(
             at = np.where(pinned >= 0, loads.at.take(load), at)
             lost[:, own] |= (full & (pinned >= 0) & (pinned != np.arange(own.stop - own.start))).any(axis=1)
         np.copyto(distance[:, :, own], at, where=full)
+        if drag is not None:
+            np.multiply(loads.drag.take(load), full, out=drag[:, :, own])
         if masses is None:
             np.multiply(loads.mass.take(load), full, out=mass[:, :, own])
         else:
             record = np.arange(len(values))[:, None, None]
             np.multiply(masses[r][record, load], full, out=mass[:, :, own])
-    return LoadsInSpans(distance, mass, there, lost)
+    return LoadsInSpans(distance, mass, there, lost, drag)
 
 
 class Shape(NamedTuple):
@@ -183,11 +188,15 @@ def shape(spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray) -> Shap
     return Shape(reach, vertical, tension, piece, angle)
 
 
-def pulls(spans: Spans, found: Shape) -> np.ndarray:
-    """Pulls of the ropes on what their ends sit at, (3, records, 2 spans + 1): of ends a, of ends b, and none."""
+def pulls(spans: Spans, found: Shape, ends: np.ndarray | None = None) -> np.ndarray:
+    """Pulls of the ropes on what their ends sit at, (3, records, 2 spans + 1): of ends a, of ends b, and none. `ends`:
+    tension vectors at ends b (records, 3, spans) in weather."""
     records, n = spans.length.shape
     force = np.zeros((3, records, 2 * n + 1))
     force[:, :, :n] = spans.force.transpose(1, 0, 2)
+    if ends is not None:
+        force[:, :, n : 2 * n] = -ends.transpose(1, 0, 2)
+        return force
     np.negative(force[:2, :, :n], out=force[:2, :, n : 2 * n])
     force[2, :, n : 2 * n] = found.vertical[1, :, -1]
     return force

@@ -13,6 +13,7 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
@@ -147,6 +148,7 @@ def payload(
     saddle_angle: tuple[float, float] | None = None,
     roller_force: float | None = None,
     rollers: Mapping[str, int] | None = None,
+    environment: Environment | None = None,
 ) -> PayloadStudy:
     """Find the largest payload at stations along a corridor within all limits.
 
@@ -179,6 +181,8 @@ def payload(
         Largest force of the skyline on a roller of a support [N].
     rollers : mapping of str to int, optional
         Number of rollers under the skyline at supports, for `roller_force`; 1 by default.
+    environment : Environment, optional
+        Weather, instead of that of the rig.
 
     Returns
     -------
@@ -210,6 +214,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    rig = rig if environment is None else rig.in_weather(environment)
     where = stations_of(rig, stations)
     _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
     saddles = (saddle_angle, roller_force, rollers or {})
