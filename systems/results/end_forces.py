@@ -10,8 +10,9 @@ import numpy as np
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point
+from ropeway.systems.statics.certificate import shape_of
 from ropeway.systems.statics.certificate_layout import layout_of
-from ropeway.systems.statics.certificate_spans import hung, pulls, read_spans, shape
+from ropeway.systems.statics.certificate_spans import hung, pulls, read_spans
 
 
 class EndForces(NamedTuple):
@@ -48,11 +49,13 @@ def end_forces(
     -------
     EndForces
     """
-    places = layout_of(model).spans
+    layout = layout_of(model)
+    places = layout.spans
     values = np.array([np.concatenate((q.x, q.z, q.u, q.p, q.d, (0.0,))) for q in points])
     gravity = values[:, places.gravity, None]
     beyond = [np.repeat(counts[None], len(points), axis=0) for counts in passed]
     with np.errstate(all="ignore"):  # slots without a load
         spans = read_spans(places, values, gravity)
-        found = shape(spans, hung(places, values, spans, runs, beyond, masses), gravity)
-        return EndForces(pulls(spans, found), spans.way)
+        loads = hung(places, values, spans, runs, beyond, masses, weather=layout.weather is not None)
+        found, ends = shape_of(layout, values, spans, loads, gravity)
+        return EndForces(pulls(spans, found, ends), spans.way)
