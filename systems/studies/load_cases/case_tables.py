@@ -70,31 +70,46 @@ def rope_rows(case: LoadCase, tensions: Sequence[RopeTension]) -> Iterator[dict[
 
 def summary(cases: Sequence[LoadCase], strung: float, tables: CaseTables) -> pd.DataFrame:
     """A row for each case: its weather and loading, and the extremes of ropes, supports and clearances."""
+    ropes, supports, spans = _Columns(tables.ropes), _Columns(tables.supports), None
+    if tables.clearances is not None:
+        spans = _Columns(tables.clearances)
     rows = []
-    ropes = {str(name): part for name, part in tables.ropes.groupby("case", sort=False)}
-    own = tables.supports[tables.supports["rope"] != ALL]
-    supports = {str(name): part for name, part in own.groupby("case", sort=False)}
-    clear = tables.clearances
-    spans = {} if clear is None else {str(name): part for name, part in clear.groupby("case", sort=False)}
     for case in cases:
-        used = ropes[case.name].loc[ropes[case.name]["utilisation"].idxmax()]
-        row: dict[str, Any] = {**_weather(case, strung), "safety_factor": used["safety_factor"]}
-        row |= {key: used[key] for key in ("rope", "span", "highest_tension", "safety", "utilisation")}
-        row["lowest_tension"] = ropes[case.name]["lowest_tension"].min()
-        at = supports[case.name]
-        for column, lowest, name in (
-            ("bearing_load", False, "highest_bearing_load"),
-            ("least_force", True, "least_force"),
-        ):
-            values = at[column].dropna()
-            if len(values):
-                k = values.idxmin() if lowest else values.idxmax()
-                row |= {name: values[k], f"{name}_at": at.loc[k, "support"]}
-        if case.name in spans:
-            least = spans[case.name][["rope_clearance", "load_clearance"]].min(axis=1)
-            row |= {"least_clearance": least.min(), "least_clearance_at": spans[case.name].loc[least.idxmin(), "span"]}
+        row = _weather(case, strung)
+        used = ropes.extreme(case.name, "utilisation", 1.0)
+        for name in ("safety_factor", "rope", "span", "highest_tension", "safety", "utilisation"):
+            row[name] = ropes.value(used, name)
+        row["lowest_tension"] = ropes.value(ropes.extreme(case.name, "lowest_tension", -1.0), "lowest_tension")
+        for column, sign, name in (("bearing_load", 1.0, "highest_bearing_load"), ("least_force", -1.0, "least_force")):
+            at = supports.extreme(case.name, column, sign, but=ALL)
+            row |= {name: supports.value(at, column), f"{name}_at": supports.value(at, "support")}
+        if spans is not None:
+            ends = [(spans.extreme(case.name, name, -1.0), name) for name in ("rope_clearance", "load_clearance")]
+            least, at = min((spans.value(k, name), k) for k, name in ends if k is not None)
+            row |= {"least_clearance": least, "least_clearance_at": spans.value(at, "span")}
         rows.append(row)
     return with_units(pd.DataFrame(rows, index=pd.Index([case.name for case in cases], name="case")))
+
+
+class _Columns:
+    """Columns of a table as arrays, and its rows by case."""
+
+    def __init__(self, table: pd.DataFrame) -> None:
+        self._columns = {name: table[name].to_numpy() for name in table.columns}
+        self._rows = table.groupby("case", sort=False).indices
+
+    def extreme(self, case: str, column: str, sign: float, but: str = "") -> int | None:
+        """The row with the largest (sign 1) or least (-1) value of a case, without those of rope `but`; None without a
+        value."""
+        rows = self._rows[case]
+        values = sign * self._columns[column][rows]
+        values = np.where(np.isnan(values) | ((self._columns["rope"][rows] == but) if but else False), -np.inf, values)
+        k = int(np.argmax(values))
+        return int(rows[k]) if values[k] > -np.inf else None
+
+    def value(self, row: int | None, column: str) -> Any:
+        """A value; NaN without a row."""
+        return np.nan if row is None else self._columns[column][row]
 
 
 def _weather(case: LoadCase, strung: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Equilibria of a line in all load cases: solved in batches, one for each loading."""
+"""Equilibria of a line in all load cases: one model; of each loading, all its weathers in a batch."""
 
 from __future__ import annotations
 
@@ -10,57 +10,65 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.weather import values_of
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.system import System
+from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.solvers.condensed_newton import Cases
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.line_state import LineState, declared_point
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.variants import line_variants
 from ropeway.systems.studies.load_cases.load_case import LoadCase
-from ropeway.systems.studies.load_cases.loadings import Masses, loaded
+from ropeway.systems.studies.load_cases.loadings import Masses, loaded, masses_of
 
 
 def line_states(system: System, cases: Sequence[LoadCase], own: Mapping[str, Masses]) -> list[Equilibrium]:
     """The line at rest in each case. Raises InputError, and EquilibriumError that names the case."""
+    for weather in {case.environment.name: case.environment for case in cases}.values():
+        system.in_weather(weather)  # raises where its ropes cannot bear it
+    model = assemble(system.in_weather(cases[0].environment))
     found: dict[int, Equilibrium] = {}
-    functions = ComponentFunctions()  # all loadings share them
     for loading in dict.fromkeys(case.loading for case in cases):
+        stop_if_interrupted()
         which = [i for i, case in enumerate(cases) if case.loading == loading]
-        line = loaded(system, loading, own)
-        found |= dict(zip(which, _of_loading(line, [cases[i] for i in which], functions), strict=True))
+        masses = [masses_of(run, loading, own) for run in model.runs]
+        values = [values_of(cases[i].environment, system.temperature) for i in which]
+        batch = _in_batch(model, masses, list(values[0]), np.array([list(row.values()) for row in values]))
+        for k, i in enumerate(which):
+            found[i] = batch[k] if k in batch else _alone(loaded(system, loading, own), cases[i])
     return [found[i] for i in range(len(cases))]
 
 
-def _of_loading(line: System, cases: Sequence[LoadCase], functions: ComponentFunctions) -> list[Equilibrium]:
-    """The line with its loads in the environment of each case."""
-    state = LineState.cold(assembled(line.in_weather(cases[0].environment), functions))
-    values = [values_of(case.environment, line.temperature) for case in cases]
-    batch: dict[int, Equilibrium] = {}
+def _in_batch(
+    model: Model, masses: Sequence[np.ndarray], names: Sequence[str], values: np.ndarray
+) -> dict[int, Equilibrium]:
+    """Equilibria under loads of these masses with `values` (cases, names), those that the batch solves."""
+    state = LineState(model, declared_point(model), model.runs, [np.zeros(0, int) for _ in model.runs])
+    state.runs = [_under(run, own) for run, own in zip(model.runs, masses, strict=True)]
+    state.restart()
     try:
         solve(state)
-        batch = _in_batch(state, list(values[0]), np.array([list(row.values()) for row in values]))
     except EquilibriumError:
-        pass  # each case is solved from geometry
-    rows = []
-    for i, case in enumerate(cases):
-        stop_if_interrupted()
-        weather = line.in_weather(case.environment)  # raises where its ropes cannot bear it
-        rows.append(batch[i] if i in batch else _alone(weather, case))
-    return rows
-
-
-def _in_batch(state: LineState, names: Sequence[str], values: np.ndarray) -> dict[int, Equilibrium]:
-    """Equilibria with `values` (cases, names), those that the batch solves."""
+        return {}
     many = line_variants(state, names)
     if many is None:
         return {}
     good, columns = many.solve(values)
-    return {int(i): _equilibrium(state, columns, int(i)) for i in np.flatnonzero(good)}
+    which = np.flatnonzero(good)
+    found = {int(i): _equilibrium(state, columns, int(i)) for i in which}
+    chosen = Cases(*(np.ascontiguousarray(vector[:, which]) for vector in columns.vectors))
+    for line, outputs in zip(found.values(), outputs_of_columns(state.model, chosen).T, strict=True):
+        line.__dict__["outputs"] = outputs.copy()
+    return found
+
+
+def _under(run: Run, mass: np.ndarray) -> Run:
+    """A run under loads of other masses; missing ones bear no wind."""
+    return replace(run, loads=replace(run.loads, mass=mass, drag=np.where(mass > 0.0, run.loads.drag, 0.0)))
 
 
 def _equilibrium(state: LineState, columns: Cases, i: int) -> Equilibrium:
@@ -89,6 +97,6 @@ def _rested(state: LineState, r: int, point: Point) -> Run:
 def _alone(line: System, case: LoadCase) -> Equilibrium:
     """One case by itself. Raises EquilibriumError."""
     try:
-        return equilibrium(line)
+        return equilibrium(line, environment=case.environment)
     except EquilibriumError as error:
         raise EquilibriumError(f"Load case {case.name!r}: {error.cause}", error.remedy, error.component) from error

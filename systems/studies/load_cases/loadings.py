@@ -29,18 +29,23 @@ def require_loadings(names: Sequence[str], own: Mapping[str, Masses]) -> None:
             raise UnknownNameError(f"There is no loading {name!r}", choice)
 
 
+def masses_of(run: Run, loading: str, own: Mapping[str, Masses]) -> np.ndarray:
+    """Masses of a run's loads under a loading [kg]; 0 for missing ones. Raises InputError, UnknownNameError."""
+    mass = run.loads.mass
+    if loading in own:
+        return _given(run, own[loading], loading)
+    if loading == "full":
+        return mass
+    if loading == "empty":
+        return np.zeros(len(mass))
+    if loading == "one side":
+        return np.where(run.loads.place < _one_side(run), mass, 0.0)
+    return np.where(np.arange(len(mass)) % 2, 0.0, mass)
+
+
 def loaded(system: System, loading: str, own: Mapping[str, Masses]) -> System:
     """A line under a loading. Its declarations keep the lengths of its ropes. Raises InputError, UnknownNameError."""
-    if loading in own:
-        return _with(system, [_given(run, own[loading], loading) for run in find_runs(system)])
-    if loading == "full":
-        return system
-    runs = find_runs(system)
-    if loading == "empty":
-        return _with(system, [np.zeros(len(run.loads.mass)) for run in runs])
-    if loading == "one side":
-        return _with(system, [np.where(run.loads.place < _one_side(run), run.loads.mass, 0.0) for run in runs])
-    return _with(system, [np.where(np.arange(len(run.loads.mass)) % 2, 0.0, run.loads.mass) for run in runs])
+    return system if loading == "full" else _with(system, [masses_of(r, loading, own) for r in find_runs(system)])
 
 
 def _one_side(run: Run) -> float:
