@@ -19,7 +19,9 @@ from ropeway.components.span import Span
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.system import GRAVITY, STRUNG, System
-from ropeway.systems.rigs.bare_skyline import bare_equilibrium
+from ropeway.systems.reporting.blocks import Table
+from ropeway.systems.reporting.style import Style
+from ropeway.systems.rigs.bare_skyline import bare_system
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -93,7 +95,7 @@ def stringing_table(
     if isinstance(of, (System, SkylineRig)):
         if span is not None or tension is not None or length is not None:
             raise InputError("span, tension and length are those of a rope", "Leave them out, or give a rope")
-        line = _empty(of) if isinstance(of, System) else bare_equilibrium(of)[0].model.system
+        line = _empty(of) if isinstance(of, System) else bare_system(of)[0]
     else:
         line = _one_span(Rope._from_given(of), span, rise, tension, length, strung, gravity)
     first, *_ = temperatures
@@ -163,3 +165,20 @@ def _return_time(line: Equilibrium, span: Span) -> float:
     stretched = line[f"{span.name}.expansion"] * (1.0 + span.rope.strain.at(tension))
     slowness = np.sqrt(line[f"{span.name}.mass_per_length"] * stretched / tension)
     return float(_WEIGHTS @ slowness * length)
+
+
+def report_table(of: System | SkylineRig, style: Style) -> Table:
+    """The table at some temperatures, for a report. Raises EquilibriumError."""
+    table = stringing_table(of, TEMPERATURES_SHOWN)
+    head = (
+        style.head("temperature", "temperature"), style.text("span"), style.head("tension", "force"),
+        style.head("sag", "short_length"), style.head("return_time", "time"),
+    )  # fmt: skip
+    rows = [
+        (
+            style.number(row["temperature"], "temperature"), str(row["span"]), style.number(row["tension_a"], "force"),
+            style.number(row["sag"], "short_length"), style.number(row["return_time"], "time"),
+        )
+        for _, row in table.iterrows()
+    ]  # fmt: skip
+    return Table(head, rows, style.text("stringing_note"), texts=2)

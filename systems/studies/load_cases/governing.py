@@ -49,7 +49,7 @@ def _rows(
             np.maximum.at(best, column[places], own)
             if not np.isfinite(best).any():
                 continue
-            order = np.argsort(-best, kind="stable")
+            order = np.argsort(-_rounded(best), kind="stable")  # of equal cases the first
             row: dict[str, object] = {
                 "subject": subject,
                 "name": names[0],
@@ -62,6 +62,12 @@ def _rows(
                 **_next(best, order, cases, sign),
             }
             yield row
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Values without the rounding errors of a solution."""
+    size = np.abs(values[np.isfinite(values)]).max()
+    return np.asarray(np.round(values / (size or 1.0), 9))
 
 
 def _next(best: np.ndarray, order: np.ndarray, cases: np.ndarray, sign: float) -> dict[str, object]:

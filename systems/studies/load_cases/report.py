@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
+from ropeway.components.errors import EquilibriumError, SlackRopeError
 from ropeway.components.rope import Rope
 from ropeway.systems.modelling.rope_path import find_runs
 from ropeway.systems.reporting.blocks import Section, Table
@@ -15,6 +16,7 @@ from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import ropes_table
 from ropeway.systems.results.support_section import supports_section
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.stringing_table import report_table
 from ropeway.systems.studies.skyline.reporting import rig_sections
 
 if TYPE_CHECKING:
@@ -36,7 +38,16 @@ def sections_of(study: CasesData, style: Style) -> list[Section]:
         Section(style.text("load_cases"), (_weather(study, style), _tensions(study, style))),
         Section(style.text("governing"), (_governing(study, style),)),
         supports_section(study.supports, style),
+        *_stringing(study, style),
     ]
+
+
+def _stringing(study: CasesData, style: Style) -> list[Section]:
+    """The stringing table; none of a rope that would be slack."""
+    try:
+        return [Section(style.text("stringing"), (report_table(study.of, style),))]
+    except (EquilibriumError, SlackRopeError):
+        return []
 
 
 def _warnings(study: CasesData, style: Style) -> Any:
@@ -51,9 +62,9 @@ def _warnings(study: CasesData, style: Style) -> Any:
 
 
 def _inputs(study: CasesData, style: Style) -> list[tuple[str, str]]:
-    what = "corridor" if isinstance(study.of, SkylineRig) else "line"
+    what = "kind" if isinstance(study.of, SkylineRig) else "line"
     return [
-        (style.text("line" if what == "line" else "kind"), _described(study)),
+        (style.text(what), _described(study)),
         (style.text("strung_at"), style.value(study.of.temperature, "temperature")),
         (style.text("gravity"), f"{study.of.gravity:g} m/s²"),
         (style.text("load_cases"), str(len(study.cases))),

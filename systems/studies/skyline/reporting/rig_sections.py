@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from ropeway.components.errors import EquilibriumError, SlackRopeError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.map_frame import MapFrame
@@ -19,6 +20,7 @@ from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import ropes_table
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.stringing_table import report_table
 
 TENSIONS = (
     ("highest_tension", "skyline", "#111"), ("mainline_highest", "mainline", "#d62728"),
@@ -151,7 +153,17 @@ def set_up(rig: SkylineRig, style: Style) -> Section:
         rows.append((style.text("mainline_needed"), style.value(reach, "length", "up")))
     if rig.haulback is not None or not rig.kind.keeps_length:
         rows.append((style.text("haulback_needed"), style.value(2.0 * reach, "length", "up")))
-    return Section(style.text("set_up"), (values_of(rows, style),))
+    return Section(style.text("set_up"), (values_of(rows, style), *_stringing(rig, style)))
+
+
+def _stringing(rig: SkylineRig, style: Style) -> tuple[Table, ...]:
+    """The stringing table of the bare skyline; none of a rope whose drum keeps its tension, or that would be slack."""
+    if not rig.kind.keeps_length:
+        return ()
+    try:
+        return (report_table(rig, style),)
+    except (EquilibriumError, SlackRopeError):
+        return ()
 
 
 def staking(rig: SkylineRig, style: Style) -> list[Section]:
