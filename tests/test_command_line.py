@@ -346,10 +346,10 @@ def test_load_cases_of_a_line_and_of_a_project(tmp_path: Path, command: Command)
 
 def test_weather_of_runs_and_payloads(tmp_path: Path, command: Command) -> None:
     (tmp_path / "line.csv").write_text(SHORT)
-    for options, out in (((), "calm"), (("--temperature", "-25", "--wind-pressure", "300"), "cold")):
+    for options, out in (((), "calm"), (("--temperature", "-5", "--ice", "0.02", "--wind-pressure", "90"), "iced")):
         assert command("simulate", "line.csv", "--until", "2", *options, "--out", out).exit_code == 0
-    calm, cold = (pd.read_csv(tmp_path / out / "tensions.csv") for out in ("calm", "cold"))
-    assert cold["c1.tension_in [N]"].iloc[0] > 1.05 * calm["c1.tension_in [N]"].iloc[0]
+    calm, iced = (pd.read_csv(tmp_path / out / "tensions.csv") for out in ("calm", "iced"))
+    assert iced["c1.tension_in [N]"].iloc[0] > 1.005 * calm["c1.tension_in [N]"].iloc[0]  # more weight to the drum
     payloads = []
     for options in ((), ("--ice", "0.015")):
         done = command("payload", str(EXAMPLES / "corridor.csv"), "--spacing", "160", *options, "--out", "p")

@@ -191,8 +191,8 @@ ENGLISH: Mapping[str, str] = {
     "lift_off_reserve": "Reserve against lift-off",
     "reserve_note": "Reserve: factor by which the rope's tension can grow until it leaves its support.",
     "stringing": "Stringing",
-    "stringing_note": "The empty rope by temperature: tension at the first end of each span; time of a wave along it and "
-    "back.",
+    "stringing_note": "The empty rope by temperature: tension at the first end of each span; time of a wave "
+    "along it and back.",
     "sag": "Sag",
     "return_time": "Return of a wave",
     # schedules
