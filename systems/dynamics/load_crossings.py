@@ -13,12 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ropeway.systems.dynamics.chattering import FinalError
-from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.line_state import LineState, read_value
 from ropeway.systems.statics.load_positions import extend
+from ropeway.systems.statics.span_rope import end_force, load_force
 from ropeway.systems.statics.stability import unstable
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"
@@ -171,12 +173,18 @@ def sides(state: LineState, r: int, k: int, load: int) -> Sides:
     """Tensions beside support k, on which a load stands: `load` is its place in the list of loads."""
     layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
     beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
-    weight = np.array([0.0, 0.0, mass[load] * gravity])
     going = z[layout.force[k] : layout.force[k] + 3].copy()
-    coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
-    rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
-    carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
-    coming[2] += carried * gravity
+    if state.model.weather:
+        outputs = state.outputs()
+        read = partial(read_value, state.model, state.point, outputs)
+        coming = end_force(state.model, run, k - 1, read)
+        weight = -np.array(load_force(state.model, mass[load], run.loads.drag[load], read))
+    else:
+        weight = np.array([0.0, 0.0, mass[load] * gravity])
+        coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
+        rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
+        carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
+        coming[2] += carried * gravity
     held = state.point.d[layout.held[k]] > 0.0
     ratio = 1.0 if held else float(np.linalg.norm(going) / np.linalg.norm(coming))
     if load >= beyond[k]:  # it hangs at the end of the span before
