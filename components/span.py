@@ -102,9 +102,9 @@ class Span(Component):
                 for axis, start in zip("xyz", site.tension, strict=True)
             ),
             slots("slot_mass", "kg", "mass of the load in each slot"),
-            *((slots("slot_drag", "m2", "drag area of the load in each slot"),) if site.weather else ()),
             slots("slot_at", "m", "unstretched distance of each slot from end a at zero travel"),
             slots("slot_ride", "1", "1: the load moves with the rope, 0: fixed or empty"),
+            *((slots("slot_drag", "m2", "drag area of the load in each slot"),) if site.weather else ()),
             slots("slot_empty", "1", "1: the slot is empty", 1.0),
             *(Variable(f"closure_{axis}", res, "m", f"span reaches end b, {axis}", 0.0, length) for axis in "xyz"),
             Variable("tension_a", out, "N", "tension at end a", nominal=force),
