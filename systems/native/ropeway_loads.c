@@ -39,29 +39,45 @@ typedef struct {
     double in_bare, in_loaded, out_bare, out_loaded, ratio;
 } sides;
 
-static double length_of(const double *v, double lift)
+/* Tension of a rope with `share` of a load's weight and wind added to its tension vector. */
+static double length_of(const double *v, const double *load, double share)
 {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
+    double x = v[0] + share * load[0], y = v[1] + share * load[1], z = v[2] + share * load[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* What a load adds to the tension vector of a rope behind it: its weight, and the wind on it. */
+static void pull_of(rw_instance *m, int run, int load, double *pull)
+{
+    pull[0] = pull[1] = 0.0;
+    pull[2] = rw_load_mass(m, run, load) * m->s.p[0];
+    if (rw_wind[0] < 0) return;
+    rw_inputs_at(m, m->s.now.t, m->us);
+    double force = rw_drag_area(run, load) * m->us[rw_wind[0]];
+    double angle = (m->us[rw_wind[1]] - m->s.p[rw_north[0]]) * 3.14159265358979323846 / 180.0;
+    pull[0] = force * sin(angle);
+    pull[1] = force * cos(angle);
 }
 
 /* Tensions on both sides of support k, on which a load stands: with the load on the rope of that side, and without. */
 static rw_status beside(rw_instance *m, int k, int load, sides *s)
 {
     rw_status status = rw_show(m);
-    double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0];
-    double coming[3], going[3];
+    double pull[3], coming[3], going[3];
     if (status != RW_OK) return status;
+    pull_of(m, rw_run_of[k], load, pull);
     memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
     memcpy(going, m->s.now.z + rw_force[k], sizeof going);
+    if (rw_pull_b[k - 1] >= 0) memcpy(coming, m->s.y + rw_pull_b[k - 1], 2 * sizeof(double));
     coming[2] = m->s.y[rw_vertical_b[k - 1]];
     if (load >= m->s.passed[k]) /* it hangs at the end of the span before the support */
-        coming[2] -= weight;
+        for (int i = 0; i < 3; i++) coming[i] -= pull[i];
     else
-        going[2] += weight;
-    s->in_bare = length_of(coming, 0.0);
-    s->in_loaded = length_of(coming, weight);
-    s->out_bare = length_of(going, 0.0);
-    s->out_loaded = length_of(going, -weight);
+        for (int i = 0; i < 3; i++) going[i] += pull[i];
+    s->in_bare = length_of(coming, pull, 0.0);
+    s->in_loaded = length_of(coming, pull, 1.0);
+    s->out_bare = length_of(going, pull, 0.0);
+    s->out_loaded = length_of(going, pull, -1.0);
     s->ratio = rw_is_held(m, k) ? 1.0 : m->s.y[rw_tension_out[k]] / m->s.y[rw_tension_in[k]];
     return RW_OK;
 }
