@@ -35,7 +35,8 @@ def _write(encoder: Encoder, rig: SkylineRig) -> dict[str, Json]:
     found: dict[str, Any] = {"name": rig.name, "gravity": rig.gravity, "temperature": rig.temperature}
     found["haulback" if running else "skyline"] = encoder.rope(rig.skyline)
     found["length" if rig.tension is None else "tension"] = rig.length if rig.tension is None else rig.tension
-    for name in ("mainline", *(() if running else ("haulback", "haulback_tension")), "haulback_block", "turn", "environment"):
+    ropes = ("mainline", *(() if running else ("haulback", "haulback_tension")))
+    for name in (*ropes, "haulback_block", "turn", "environment"):
         if getattr(rig, name) is not None:
             found[name] = encoder.value(getattr(rig, name), f"{rig.name}.{name}")
     for name, node in (("headspar", rig.headspar), ("tailspar", rig.tailspar)):

@@ -35,9 +35,11 @@ int rw_next_crossing(const rw_instance *m, rw_crossing *found)
     return isfinite(found->time);
 }
 
+/* Forces by which each side of an idler draws a load on it away [N]: with the load on the rope out, and on the rope in;
+ * `size` is the tension they are compared with. */
 typedef struct {
-    double in_bare, in_loaded, out_bare, out_loaded, ratio;
-} sides;
+    double forward, backward, size;
+} prevailing;
 
 /* Tension of a rope with `share` of a load's weight and wind added to its tension vector. */
 static double length_of(const double *v, const double *load, double share)
@@ -59,27 +61,55 @@ static void pull_of(rw_instance *m, int run, int load, double *pull)
     pull[1] = force * cos(angle);
 }
 
-/* Tensions on both sides of support k, on which a load stands: with the load on the rope of that side, and without. */
-static rw_status beside(rw_instance *m, int k, int load, sides *s)
+/* Residual of an idler's tension law with `share` of a load added to the forces of both ropes; no load holds it. */
+static rw_status law(rw_instance *m, int k, const double *load, double share, double *found)
+{
+    double *in = m->s.now.z + rw_force[k - 1], *out = m->s.now.z + rw_force[k], before[6], held = m->s.d[rw_held[k]];
+    int failed;
+    rw_inputs_at(m, m->s.now.t, m->us);
+    memcpy(before, in, 3 * sizeof(double));
+    memcpy(before + 3, out, 3 * sizeof(double));
+    for (int i = 0; i < 3; i++) { /* the force at the end follows that at the start */
+        in[i] += share * load[i];
+        out[i] += share * load[i];
+    }
+    m->s.d[rw_held[k]] = 0.0;
+    failed = rw_equations(m, m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    memcpy(in, before, 3 * sizeof(double));
+    memcpy(out, before + 3, 3 * sizeof(double));
+    m->s.d[rw_held[k]] = held;
+    if (failed) return rw_fail(m, "The tension law is not finite", m->s.now.t);
+    *found = m->g[rw_law[k]];
+    return RW_OK;
+}
+
+/* The forces on the load at support k. */
+static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
 {
     rw_status status = rw_show(m);
-    double pull[3], coming[3], going[3];
+    double pull[3], coming[3], t_in, t_out, ahead = 0.0, behind = 1.0;
+    const double *going = m->s.now.z + rw_force[k];
     if (status != RW_OK) return status;
     pull_of(m, rw_run_of[k], load, pull);
     memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
-    memcpy(going, m->s.now.z + rw_force[k], sizeof going);
     if (rw_pull_b[k - 1] >= 0) memcpy(coming, m->s.y + rw_pull_b[k - 1], 2 * sizeof(double));
     coming[2] = m->s.y[rw_vertical_b[k - 1]];
-    if (load >= m->s.passed[k]) /* it hangs at the end of the span before the support */
-        for (int i = 0; i < 3; i++) coming[i] -= pull[i];
-    else
-        for (int i = 0; i < 3; i++) going[i] += pull[i];
-    s->in_bare = length_of(coming, pull, 0.0);
-    s->in_loaded = length_of(coming, pull, 1.0);
-    s->out_bare = length_of(going, pull, 0.0);
-    s->out_loaded = length_of(going, pull, -1.0);
-    s->ratio = rw_is_held(m, k) ? 1.0 : m->s.y[rw_tension_out[k]] / m->s.y[rw_tension_in[k]];
-    return RW_OK;
+    if (load >= m->s.passed[k]) { /* it hangs at the end of the span before the support */
+        ahead = -1.0;
+        behind = 0.0;
+    }
+    t_in = s->size = length_of(coming, pull, 0.0);
+    t_out = length_of(going, pull, 0.0);
+    if (!rw_is_held(m, k) && fabs(t_out - t_in) <= 1e-9 * t_in) {
+        s->forward = length_of(going, pull, ahead) - length_of(coming, pull, ahead);
+        s->backward = length_of(coming, pull, behind) - length_of(going, pull, behind);
+        return RW_OK;
+    }
+    status = law(m, k, pull, ahead, &s->forward);
+    if (status != RW_OK) return status;
+    status = law(m, k, pull, behind, &s->backward);
+    s->backward = -s->backward;
+    return status;
 }
 
 /* Moves the load across the support, or leaves it there. The line is not solved. */
@@ -88,11 +118,10 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
     int goes = 1;
     rw_status status;
     if (rw_held[k] >= 0 && !rw_is_last(k) && k > rw_run_first[rw_run_of[k]]) {
-        sides s;
+        prevailing s;
         status = beside(m, k, load, &s);
         if (status != RW_OK) return status;
-        const double enough = 1.0 - 1e-9; /* a massless load passes */
-        goes = forward ? s.out_loaded >= enough * s.ratio * s.in_bare : s.ratio * s.in_loaded >= enough * s.out_bare;
+        goes = (forward ? s.forward : s.backward) >= -1e-9 * s.size; /* a massless load passes */
     }
     if (goes) {
         m->s.passed[k] += forward ? 1 : -1;
@@ -204,17 +233,14 @@ static int load_on(const rw_instance *m, int k)
 /* Force that pushes the load on support k off it [N]: positive when it leaves, in the direction of `found`. */
 rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead)
 {
-    sides s;
-    double forward, backward;
+    prevailing s;
     rw_status status;
     found->k = k;
     found->load = load_on(m, k);
     status = beside(m, k, found->load, &s);
     if (status != RW_OK) return status;
-    forward = s.out_loaded - s.in_bare;
-    backward = s.in_loaded - s.out_bare;
-    found->forward = forward >= backward;
-    *ahead = fmax(forward, backward);
+    found->forward = s.forward >= s.backward;
+    *ahead = fmax(s.forward, s.backward);
     return RW_OK;
 }
 

@@ -1,4 +1,4 @@
-"""Equilibria in weather, checked from the physics alone: each rope is integrated from its start as the library found it.
+"""Equilibria in weather, checked from the physics alone: each rope is integrated from its start.
 
 Along a metre of rope as it was strung, with f the tension vector and g the weight with ice and the wind,
 
