@@ -231,6 +231,13 @@ def loaded(
     return stations
 
 
+def end_of(force: Vector, weight: Weight, length: Any) -> Vector:
+    """The tension vector at the end of a load-free piece that starts with `force`; length below 0: backwards."""
+    if isinstance(weight, Uniform):
+        return weight.added(force, weight.size * length)
+    return (force[0], force[1], force[2] + weight * length)
+
+
 def after(force: Vector, load: Any) -> Vector:
     """The tension vector behind a load [N], downward or a vector."""
     if isinstance(load, tuple):

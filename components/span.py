@@ -102,9 +102,9 @@ class Span(Component):
                 for axis, start in zip("xyz", site.tension, strict=True)
             ),
             slots("slot_mass", "kg", "mass of the load in each slot"),
-            *((slots("slot_drag", "m2", "drag area of the load in each slot"),) if site.weather else ()),
             slots("slot_at", "m", "unstretched distance of each slot from end a at zero travel"),
             slots("slot_ride", "1", "1: the load moves with the rope, 0: fixed or empty"),
+            *((slots("slot_drag", "m2", "drag area of the load in each slot"),) if site.weather else ()),
             slots("slot_empty", "1", "1: the slot is empty", 1.0),
             *(Variable(f"closure_{axis}", res, "m", f"span reaches end b, {axis}", 0.0, length) for axis in "xyz"),
             Variable("tension_a", out, "N", "tension at end a", nominal=force),
@@ -120,6 +120,10 @@ class Span(Component):
             *(
                 Variable(name, out, "1", "length without tension over that when strung")
                 for name in (("expansion",) if site.weather else ())
+            ),
+            *(
+                Variable(f"pull_b_{axis}", out, "N", f"tension vector at end b, {axis}", nominal=force, hidden=True)
+                for axis in ("xy" if site.weather else "")
             ),
             Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
             Variable("gravity_energy", out, "J", "potential energy of rope and loads relative to z = 0", nominal=1e6),
@@ -165,7 +169,7 @@ class Span(Component):
                 "vertical_a": -force[2],
                 "vertical_b": end.force[2],
                 "length": length,
-                **self._weather_outputs(weight, strain),
+                **self._weather_outputs(weight, strain, end.force),
                 "elastic_energy": elastic,
                 "gravity_energy": gravity,
                 "utilisation": highest / v.breaking_load,
@@ -198,12 +202,12 @@ class Span(Component):
         return (x, y, -down)
 
     @staticmethod
-    def _weather_outputs(weight: catenary.Weight, strain: catenary.Strain) -> dict[str, Any]:
+    def _weather_outputs(weight: catenary.Weight, strain: catenary.Strain, end: catenary.Vector) -> dict[str, Any]:
         """The load on each metre of rope, and how the temperature has made it longer; none without weather."""
         if not isinstance(weight, catenary.Uniform):
             return {}
         force = {f"load_{axis}": weight.force[i] for i, axis in enumerate("xyz")}
-        return {**force, "expansion": strain.expansion}
+        return {**force, "expansion": strain.expansion, "pull_b_x": end[0], "pull_b_y": end[1]}
 
     @staticmethod
     def _energy(

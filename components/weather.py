@@ -34,7 +34,7 @@ class Weather(NamedTuple):
 
     @classmethod
     def of(cls, values: Sequence[Any]) -> Weather:
-        """From the values of `shared_variables`, in their order."""
+        """From the values of `SHARED`."""
         temperature, pressure, coming, strung, thickness, density, north = values
         towards = (coming - north) * (math.pi / 180.0)
         xp = namespace(towards)
@@ -62,6 +62,8 @@ class Weather(NamedTuple):
 
 INPUTS = ("temperature", "wind_pressure", "wind_from")
 """Quantities of the weather that may change during a run."""
+SHARED = (*INPUTS, "strung_temperature", "ice_thickness", "ice_density", "north")
+"""Quantities that `Weather.of` takes."""
 
 
 def shared_variables(

@@ -10,7 +10,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
@@ -118,7 +118,7 @@ def simulate(
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
     if compiled:
-        compiled_line(model)
+        _require_compiled(model)
     if start is None:
         rest = equilibrium(model, compiled=compiled)
     else:
@@ -138,6 +138,13 @@ def simulate(
     result = run.result()
     result.require_certified()
     return result
+
+
+def _require_compiled(model: Model) -> None:
+    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
+    if model.weather:
+        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
+    compiled_line(model)
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:

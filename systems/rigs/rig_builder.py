@@ -112,7 +112,8 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
     length = rig.length if rig.tension is None else _length_for(rig, rig.tension)
     check.positive(length or 0.0, rig.name, "length", "m")
-    chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
+    with np.errstate(over="ignore"):  # ground of 1e300 m: infinite chords are longer than any rope
+        chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
     shortest = chords / (1.0 + rig.skyline.strain.at(rig.skyline.breaking_load))
     if (length or 0.0) <= shortest:
         raise InputError(

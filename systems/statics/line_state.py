@@ -234,6 +234,12 @@ def _coordinates(model: Model, r: int) -> np.ndarray:
     return np.array([[index[f"{node.name}.{axis}"] for axis in "xyz"] for node in model.runs[r].nodes])
 
 
+def read_value(model: Model, point: Point, outputs: np.ndarray, name: str) -> float:
+    """A variable or output by its name. Raises UnknownNameError."""
+    kind, k = find(model, (), (), name)
+    return float(outputs[k] if kind is Kind.OUTPUT else point.vector(kind)[k])
+
+
 def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:
     """The vector entry of a variable, an output or a quantity of a load (x, y, z, distance, mass).
 

@@ -11,6 +11,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.results.support_rows import roller_force
+from ropeway.systems.statics.span_rope import end_force
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 
@@ -67,13 +68,11 @@ def load_on(solved: Solved, stand: Node) -> float:
         return solved[f"{stand.name}.bearing_load"] + (solved[roller] if solved.has(roller) else 0.0)
     total = np.zeros(3)
     for r, run in enumerate(solved.at.model.runs):
-        weight = run.rope.mass_per_length * solved.at.rig.gravity
         for k, node in enumerate(run.nodes):
             if node.at != stand.at:
                 continue
             if k < len(run.spans):
                 total += solved.at.curve(solved.point, k, r)
             if k > 0:
-                total -= solved.at.curve(solved.point, k - 1, r)
-                total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
+                total -= end_force(solved.at.model, run, k - 1, solved.__getitem__)
     return float(np.linalg.norm(total))

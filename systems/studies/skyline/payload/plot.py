@@ -15,6 +15,7 @@ from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.statics.span_rope import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.load_path import load_path
@@ -94,11 +95,8 @@ def _ropes(axis: Axes, shown: Solved) -> None:
         for k, span in enumerate(run.spans):
             start = shown.start(r, k)
             length = shown[f"{span.name}.length"]
-            weight = run.rope.mass_per_length * rig.gravity
-            stations = np.linspace(0.0, length, 60)
-            curve = catenary.profile(
-                shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
-            )
+            rope, stations = span_rope(model, run, k, shown.__getitem__), np.linspace(0.0, length, 60)
+            curve = catenary.profile(shown.at.curve(shown.point, k, r), *rope, length, (), (), stations)
             label = None if name in named else name
             axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
             named.add(name)
