@@ -25,10 +25,10 @@ UNITS = {
 class CaseTables(NamedTuple):
     """Tables of all cases, each with a column case.
 
-    `ropes`: a row for each rope; `supports`: for each rope at each support, of a rig in its extreme states;
+    `tensions`: a row for each rope; `supports`: for each rope at each support, of a rig in its extreme states;
     `clearances`: for each span, None without a ground."""
 
-    ropes: pd.DataFrame
+    tensions: pd.DataFrame
     supports: pd.DataFrame
     clearances: pd.DataFrame | None
 
@@ -70,7 +70,7 @@ def rope_rows(case: LoadCase, tensions: Sequence[RopeTension]) -> Iterator[dict[
 
 def summary(cases: Sequence[LoadCase], strung: float, tables: CaseTables) -> pd.DataFrame:
     """A row for each case: its weather and loading, and the extremes of ropes, supports and clearances."""
-    ropes, supports, spans = _Columns(tables.ropes), _Columns(tables.supports), None
+    ropes, supports, spans = _Columns(tables.tensions), _Columns(tables.supports), None
     if tables.clearances is not None:
         spans = _Columns(tables.clearances)
     rows = []

@@ -24,7 +24,7 @@ class CasesData(Tabular):
     of: System | SkylineRig
     cases: tuple[LoadCase, ...]
     frame: pd.DataFrame
-    ropes: pd.DataFrame
+    tensions: pd.DataFrame
     supports: pd.DataFrame
     clearances: pd.DataFrame | None
     states: dict[str, Equilibrium | pd.DataFrame]
@@ -40,4 +40,4 @@ class CasesData(Tabular):
         """Which case sets the extreme of each rope, support and clearance, and by how much: columns subject (rope,
         support or clearance), name, rope, quantity, extreme (highest or lowest), case, value, unit, next_case,
         next_value, by (the difference), share (of the next value)."""
-        return governing.governing(self.ropes, self.supports, self.clearances)
+        return governing.governing(self.tensions, self.supports, self.clearances)

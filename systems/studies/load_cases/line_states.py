@@ -28,7 +28,7 @@ from ropeway.systems.studies.load_cases.loadings import Masses, loaded, masses_o
 
 def line_states(system: System, cases: Sequence[LoadCase], own: Mapping[str, Masses]) -> list[Equilibrium]:
     """The line at rest in each case. Raises InputError, and EquilibriumError that names the case."""
-    for weather in {case.environment.name: case.environment for case in cases}.values():
+    for weather in {id(case.environment): case.environment for case in cases}.values():
         system.in_weather(weather)  # raises where its ropes cannot bear it
     model = assemble(system.in_weather(cases[0].environment))
     found: dict[int, Equilibrium] = {}

@@ -31,11 +31,13 @@ _POINTS = 25
 
 
 class _Shape(NamedTuple):
-    """Curves of a case: distance along the line, offset from it, height; NaN between spans [m]."""
+    """Curves of a case: distance along the line, offset to the left of it, height, and height above the chord of the
+    span, negative for a sag; NaN between spans [m]."""
 
     along: np.ndarray
     aside: np.ndarray
     height: np.ndarray
+    above: np.ndarray
 
 
 def cases_figure(study: CasesData) -> Figure:
@@ -43,13 +45,17 @@ def cases_figure(study: CasesData) -> Figure:
     shapes = {name: _shape(state) for name, state in study.states.items()}
     colours = _colours(study)
     sways = any(np.nanmax(np.abs(shape.aside)) > 1e-6 for shape in shapes.values())
-    ratios = [3.0, *([1.4] if sways else []), 3.2]
-    figure = new_figure(figsize=(12.5, 2.4 * sum(ratios) * 0.62 + 1.0), layout="constrained")
+    ratios = [2.4, 1.8, *([1.3] if sways else []), 3.2]
+    figure = new_figure(figsize=(12.5, 1.5 * sum(ratios) + 1.0), layout="constrained")
     panels = figure.add_gridspec(len(ratios), 2, height_ratios=ratios)
     top = figure.add_subplot(panels[0, :])
     _elevation(top, study, shapes, colours)
+    panel = figure.add_subplot(panels[1, :], sharex=top)
+    _curves(panel, shapes, colours, "above", "above the chord [m]")
     if sways:
-        _plan(figure.add_subplot(panels[1, :], sharex=top), shapes, colours)
+        panel = figure.add_subplot(panels[2, :], sharex=top)
+        _curves(panel, shapes, colours, "aside", "to the left [m]")
+    panel.set_xlabel("station [m]" if isinstance(study.of, SkylineRig) else "distance along the line [m]")
     _utilisation(figure.add_subplot(panels[-1, 0]), study, colours)
     _supports(figure.add_subplot(panels[-1, 1]), study, colours)
     figure.suptitle(_headline(study))
@@ -73,28 +79,27 @@ def _colours(study: CasesData) -> dict[str, str]:
 def _shape(state: Equilibrium | pd.DataFrame) -> _Shape:
     """Ropes of a line, or the path of a rig's carriage."""
     if isinstance(state, pd.DataFrame):
-        return _Shape(*(state[f"carriage_{axis}"].to_numpy(float) for axis in "xyz"))
+        x, y, z = (state[f"carriage_{axis}"].to_numpy(float) for axis in "xyz")
+        return _Shape(x, y, z, -state["sag"].to_numpy(float))
     parts = list(_spans(state))
     return _Shape(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _spans(line: Equilibrium) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Of each span distance along the line, offset to the left of its chord, and height, with a gap behind."""
+def _spans(line: Equilibrium) -> Iterator[tuple[np.ndarray, ...]]:
+    """The curves of each span, with a gap behind."""
+    gap = np.full(1, np.nan)
     for r, run in enumerate(line.runs):
         points = line.points(r)
-        steps = np.diff(points[:, :2], axis=0)
-        starts = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
+        steps = np.diff(points, axis=0)
+        starts = np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
         for k, span in enumerate(run.spans):
-            way = steps[k] / (np.hypot(*steps[k]) or 1.0)
+            flat = float(np.hypot(*steps[k, :2])) or 1.0
+            way = steps[k, :2] / flat
             xyz = line.profile(span.name, _POINTS)[["x", "y", "z"]].to_numpy()
-            off = xyz[:, :2] - points[k, :2]
-            gap = np.full(1, np.nan)
-            aside = off @ np.array([-way[1], way[0]])
-            yield (
-                np.concatenate([starts[k] + off @ way, gap]),
-                np.concatenate([aside, gap]),
-                np.concatenate([xyz[:, 2], gap]),
-            )
+            along, aside = ((xyz[:, :2] - points[k, :2]) @ np.array([way, [-way[1], way[0]]]).T).T
+            chord = points[k, 2] + along / flat * steps[k, 2]
+            curves = (starts[k] + along, aside, xyz[:, 2], xyz[:, 2] - chord)
+            yield tuple(np.concatenate([curve, gap]) for curve in curves)
 
 
 def _elevation(axis: Axes, study: CasesData, shapes: dict[str, _Shape], colours: dict[str, str]) -> None:
@@ -105,7 +110,6 @@ def _elevation(axis: Axes, study: CasesData, shapes: dict[str, _Shape], colours:
         label = shorten(name, 40) if name in colours else None
         axis.plot(shape.along, shape.height, color=colour, lw=1.3 if name in colours else 0.6, label=label)
     axis.set_ylabel("height of the carriage [m]" if isinstance(study.of, SkylineRig) else "height [m]")
-    axis.set_xlabel("station [m]" if isinstance(study.of, SkylineRig) else "distance along the line [m]")
     axis.grid(alpha=0.25)
     axis.legend(**ABOVE, ncols=4, fontsize="small")
 
@@ -147,11 +151,12 @@ def _ground_under(
     )
 
 
-def _plan(axis: Axes, shapes: dict[str, _Shape], colours: dict[str, str]) -> None:
-    """Side sway of all cases."""
+def _curves(axis: Axes, shapes: dict[str, _Shape], colours: dict[str, str], which: str, label: str) -> None:
+    """One kind of curve of all cases."""
     for name, shape in sorted(shapes.items(), key=lambda item: item[0] in colours):
-        axis.plot(shape.along, shape.aside, color=colours.get(name, "0.8"), lw=1.1 if name in colours else 0.6)
-    axis.set_ylabel("to the left [m]")
+        width = 1.1 if name in colours else 0.6
+        axis.plot(shape.along, getattr(shape, which), color=colours.get(name, "0.8"), lw=width)
+    axis.set_ylabel(label)
     axis.grid(alpha=0.25)
 
 
@@ -176,7 +181,7 @@ def _supports(axis: Axes, study: CasesData, colours: dict[str, str]) -> None:
     names = list(dict.fromkeys(study.supports["support"]))
     for k, name in enumerate(names):
         own = rows[rows["support"] == name]
-        force = own["vertical_force"] / 1e3
+        force = own["vertical_force"].round(3) / 1e3  # of equal cases the first
         axis.plot([k, k], [force.min(), force.max()], color="0.6", lw=3.0, solid_capstyle="butt")
         for mark, place in (("^", force.idxmax()), ("v", force.idxmin())):
             colour = colours.get(str(own.loc[place, "case"]), "0.3")

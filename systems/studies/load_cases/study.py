@@ -51,7 +51,7 @@ class LoadCases(CasesData):
         safety (minimum breaking load over it), safety_factor (as asked), utilisation (the second over the first);
         lowest_tension [N] of all ropes; highest_bearing_load and least_force [N] of supports, and where they are; on a
         terrain least_clearance [m] of ropes and loads, and where it is.
-    ropes : DataFrame
+    tensions : DataFrame
         A row for each case and rope.
     supports : DataFrame
         A row for each case and rope at a support, in the columns of `rw.support_table`.

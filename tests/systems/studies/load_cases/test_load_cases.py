@@ -278,7 +278,20 @@ def test_a_table_of_a_rig_has_its_extreme_states(of_rig: rw.LoadCases) -> None:
 def test_picture_and_report(cases: rw.LoadCases, of_rig: rw.LoadCases, tmp_path: Path) -> None:
     for study in (cases, of_rig):
         panels = study.plot().axes
-        assert len(panels) == (4 if study is cases else 3)
+        assert len(panels) == (5 if study is cases else 4)
         page = study.report(tmp_path / "cases.html").read_text()
         assert all(text in page for text in ("Governing cases", "iced, full", "Reserve against lift-off"))
     assert "16 cases" in repr(cases)
+
+
+def test_cases_are_saved_and_run_from_a_file(tmp_path: Path) -> None:
+    short = rw.System("short")
+    nodes = rw.Anchor("a", at=(0, 0)), rw.Sheave("m", at=(110, 9)), rw.Anchor("b", at=(230, 4))
+    short.string(ROPE, *nodes, length=231.0)
+    found = rw.load_cases(short, [CALM, rw.LoadCase("cold", COLD, "empty", 2.0)], loadings=["full"])
+    again = rw.load(rw.save(found, tmp_path / "cases.zip"))
+    pd.testing.assert_frame_equal(again.governing, found.governing)
+    assert again.states["cold"]["a_m.tension_a"] == found.states["cold"]["a_m.tension_a"]
+    inputs = rw.StudyInputs("load_cases", short, {"cases": [CALM, rw.LoadCase("cold", COLD)], "loadings": ["empty"]})
+    study = rw.run_study(rw.load(rw.save(inputs, tmp_path / "inputs.json")))
+    assert list(study.frame.index) == ["calm", "cold"]
