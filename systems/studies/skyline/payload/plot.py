@@ -15,7 +15,7 @@ from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.statics.span_rope import span_rope
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.load_path import load_path
