@@ -18,8 +18,7 @@ from ropeway.systems.modelling.dae_model import Limits, VariableTable
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.statics.line_state import LineState
-from ropeway.systems.statics.span_rope import span_rope
+from ropeway.systems.statics.line_state import LineState, span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import EDGE, TOUCH, Places, require_pulled
 from ropeway.systems.studies.skyline.load_path import default_stations

@@ -20,9 +20,8 @@ import numpy as np
 from ropeway.systems.dynamics.chattering import FinalError
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.newton import residuals_of
-from ropeway.systems.statics.line_state import LineState, read_value
+from ropeway.systems.statics.line_state import LineState, end_force, load_force, read_value
 from ropeway.systems.statics.load_positions import extend
-from ropeway.systems.statics.span_rope import end_force, load_force
 from ropeway.systems.statics.stability import unstable
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"

@@ -27,13 +27,13 @@ from ropeway.systems.modelling.dae_model import (
     VariableTable,
     component_of,
 )
+from ropeway.systems.modelling.declarations import north_of, require_weather, thin_ropes
 from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
 from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
 from ropeway.systems.modelling.sampled_control import clocks, responses_of
 from ropeway.systems.modelling.signal_connections import with_links, with_residuals
 from ropeway.systems.modelling.system import System
-from ropeway.systems.modelling.weather_checks import north_of, require_weather, thin_ropes
 
 
 @checked

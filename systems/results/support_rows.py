@@ -12,9 +12,12 @@ import pandas as pd
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.errors import InputError, UnknownNameError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
+from ropeway.components.return_wheel import TensionedReturn
 from ropeway.components.sheave import Wheel
+from ropeway.components.spar import Block
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.end_forces import EndForces
@@ -222,8 +225,16 @@ def _angles(pull_in: np.ndarray, pull_out: np.ndarray, first: np.ndarray, last: 
 
 
 def _press(seats: Sequence[RopeSeat]) -> np.ndarray:
-    """1 where the rope presses its support down, -1 where a hold-down presses the rope down."""
-    return np.array([-1.0 if isinstance(s.node, Wheel) and s.node.hold_down else 1.0 for s in seats])
+    """1 where the rope presses its support down, -1 where a hold-down presses the rope down; NaN where it is held in
+    all directions: in blocks, on return wheels and on the drive of an endless rope."""
+    found = []
+    for seat in seats:
+        closes = 0 <= seat.leaves < seat.arrives
+        if closes or isinstance(seat.node, (Block, GuyedSpar, TensionedReturn)):
+            found.append(np.nan)
+        else:
+            found.append(-1.0 if isinstance(seat.node, Wheel) and seat.node.hold_down else 1.0)
+    return np.array(found)
 
 
 def _reserve(seats: Sequence[RopeSeat], chord: np.ndarray, pull_in: np.ndarray, pull_out: np.ndarray) -> np.ndarray:
@@ -242,7 +253,8 @@ def _reserve(seats: Sequence[RopeSeat], chord: np.ndarray, pull_in: np.ndarray, 
         weights = -(pull_in[2] + pull_out[2]) - along
         grow = np.where(along < 0.0, weights / -along, np.inf)
         fall = np.where(along < 0.0, np.where(weights > 0.0, -along / weights, np.inf), 0.0)
-    return np.asarray(np.where(_press(seats) > 0.0, grow, fall))
+    press = _press(seats)
+    return np.asarray(np.where(press > 0.0, grow, np.where(press < 0.0, fall, np.nan)))
 
 
 def _size(vectors: np.ndarray) -> np.ndarray:

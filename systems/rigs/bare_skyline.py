@@ -32,12 +32,10 @@ def bare_tension(rig: RigParts) -> float:
     return solution[f"{spans[0].name}.tension_a"]
 
 
-def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
-    """Points (x, z) along the bare skyline between headspar and tailspar, 201 per span [m]."""
+def bare_profile(rig: RigParts) -> np.ndarray:
+    """Points along the bare skyline between headspar and tailspar, 201 per span, (3, n) [m]."""
     solution, spans = bare_equilibrium(rig)
-    curves = [solution.profile(span.name, 201) for span in spans]
-    x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
-    return x, z
+    return np.concatenate([solution.profile(span.name, 201)[["x", "y", "z"]].to_numpy() for span in spans]).T
 
 
 def length_over_shoes(rig: RigParts, tension: float) -> float:

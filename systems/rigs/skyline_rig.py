@@ -15,8 +15,8 @@ from ropeway.components.environment import Environment
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.map_frame import MapFrame
 from ropeway.components.notebook_table import html_of
+from ropeway.systems.modelling.declarations import require_weather
 from ropeway.systems.modelling.system import System
-from ropeway.systems.modelling.weather_checks import require_weather
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.guylines import string_guylines
 from ropeway.systems.rigs.rig_kind import RigKind

@@ -28,10 +28,11 @@ from ropeway.systems.statics.certificate_spans import (
     hung,
     pulls,
     read_spans,
+    read_weather,
     shape,
+    shape_in_weather,
 )
 from ropeway.systems.statics.certificate_stability import least_pivots
-from ropeway.systems.statics.certificate_weather import read_weather, shape_in_weather
 from ropeway.systems.statics.line_state import find
 from ropeway.systems.statics.stability import free_balances, has_free_nodes, least_pivot
 

@@ -22,9 +22,8 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify
-from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, support_points
+from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, load_force, span_rope, support_points
 from ropeway.systems.statics.pending_events import Pending
-from ropeway.systems.statics.span_rope import load_force, span_rope
 
 
 @checked

@@ -177,9 +177,13 @@ def methods() -> dict[str, Callable[[], Call]]:
         ),
         "SpanProblem.reach": lambda: Call(problem.reach, {"horizontal": 9e3, "vertical": 2e3}),
         "SpanProblem.stretched": lambda: Call(problem.stretched, {"horizontal": 9e3, "vertical": 2e3}),
+        "SkylineRig.in_weather": lambda: Call(
+            rig().in_weather, {"environment": rw.Environment("cold", temperature=-9.0)}
+        ),
         "System.add": lambda: Call(rw.System().add, {"component": rw.System("inner"), "name": "part"}),
         "System.connect": connecting,
-        "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0]),
+        "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0], drag_area=0.5),
+        "System.in_weather": lambda: Call(line().in_weather, {"environment": rw.Environment("cold", temperature=-9.0)}),
         "System.hang": lambda: on_line("hang", load=rw.Load("turn", 90.0), spans=..., at=30.0),
         "System.origin": lambda: on_line("origin", name="a", text="at {}"),
         "System.string": lambda: Call(

@@ -38,8 +38,12 @@ def line_states(system: System, cases: Sequence[LoadCase], own: Mapping[str, Mas
         masses = [masses_of(run, loading, own) for run in model.runs]
         values = [values_of(cases[i].environment, system.temperature) for i in which]
         batch = _in_batch(model, masses, list(values[0]), np.array([list(row.values()) for row in values]))
-        for k, i in enumerate(which):
-            found[i] = batch[k] if k in batch else _alone(loaded(system, loading, own), cases[i])
+        found |= {which[k]: line for k, line in batch.items()}
+        left = [k for k in range(len(which)) if k not in batch]
+        if left:
+            line = loaded(system, loading, own)
+            alone = model if line is system else assemble(line.in_weather(cases[0].environment))
+            found |= {which[k]: _alone(alone, cases[which[k]], values[k]) for k in left}
     return [found[i] for i in range(len(cases))]
 
 
@@ -94,9 +98,10 @@ def _rested(state: LineState, r: int, point: Point) -> Run:
     return replace(run, loads=replace(loads, place=np.where(loads.pinned >= 0, pinned, loads.place + shift)))
 
 
-def _alone(line: System, case: LoadCase) -> Equilibrium:
+def _alone(model: Model, case: LoadCase, values: Mapping[str, float]) -> Equilibrium:
     """One case by itself. Raises EquilibriumError."""
+    stop_if_interrupted()
     try:
-        return equilibrium(line, environment=case.environment)
+        return equilibrium(model, parameters=values)
     except EquilibriumError as error:
         raise EquilibriumError(f"Load case {case.name!r}: {error.cause}", error.remedy, error.component) from error

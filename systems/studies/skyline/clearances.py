@@ -11,7 +11,7 @@ from ropeway.components.catenary import end_of
 from ropeway.components.clearance import above_tangents, least_height
 from ropeway.components.rope_piece import Piece
 from ropeway.components.terrain import Profile
-from ropeway.systems.statics.span_rope import span_rope
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 

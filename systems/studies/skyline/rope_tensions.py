@@ -11,7 +11,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.results.support_rows import roller_force
-from ropeway.systems.statics.span_rope import end_force
+from ropeway.systems.statics.line_state import end_force
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 

@@ -87,6 +87,7 @@ def test_the_ring_of_an_endless_rope_has_each_wheel_once() -> None:
     assert table.loc["w", "bearing_load"] == pytest.approx(line["w.bearing_load"], rel=1e-10)
     total = table[["resultant_x", "resultant_y", "resultant_z"]].sum().to_numpy()
     assert total == pytest.approx(carried(line), abs=1e-5)
+    assert table["least_force"].isna().tolist() == [True, False, True, False]  # drive and return hold it anyway
 
 
 def test_rollers_share_the_wrap() -> None:

@@ -13,7 +13,7 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.systems.reporting.blocks import Chart, Moving, Player, axis, curve, dots
 from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.statics.span_rope import span_rope
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_solver import Stations
