@@ -26,8 +26,8 @@ Vector = tuple[Any, Any, Any]
 
 
 class Strain(NamedTuple):
-    """Coefficients of eps(T) = c1 T + c2 T^2 of the warm or cold rope, which is `expansion` times as long without
-    tension as when it was strung."""
+    """Coefficients of eps(T) = c1 T + c2 T^2. A rope that is warmer or colder than when it was strung is `expansion`
+    + eps(T) times as long: strains add."""
 
     c1: Any
     c2: Any
@@ -47,10 +47,10 @@ class Strain(NamedTuple):
 
         T + T^2/(2 EA) for an elastic rope.
         """
-        return self.expanded(tension * (1 + tension * (self.c1 / 2 + self.c2 * tension / 3)))
+        return tension * (self.expansion + tension * (self.c1 / 2 + self.c2 * tension / 3))
 
     def expanded(self, value: Any) -> Any:
-        """A value of the rope as it was strung, per unstretched metre of it."""
+        """A length of the rope as it was strung, warmer or colder without tension."""
         return value if isinstance(self.expansion, float) and self.expansion == 1.0 else self.expansion * value
 
 
@@ -128,11 +128,11 @@ def _piece(h2: Any, v0: Any, weight: Any, length: Any, strain: Strain) -> tuple[
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     angle = _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
-    across, lift = 2 * angle + strain.c1 * length, 1 / s + strain.c1 / 2
+    across, lift = strain.expanded(2 * angle) + strain.c1 * length, strain.expanded(1 / s) + strain.c1 / 2
     if not (isinstance(strain.c2, float) and strain.c2 == 0.0):
         across = across + strain.c2 * (length / 4 * (s + v * v / s) + h2 * angle)
         lift = lift + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
-    return strain.expanded(across), strain.expanded(length * v * lift), v1
+    return across, length * v * lift, v1
 
 
 def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:
@@ -179,7 +179,7 @@ def _integrals(force: Vector, weight: Weight, length: Any) -> _Integrals:
 def stretched_length(force: Vector, weight: Weight, length: Any, strain: Strain) -> Any:
     """Length of a load-free piece under tension [m]."""
     along = _integrals(force, weight, length)
-    return strain.expanded(length + strain.c1 * along.tension + strain.c2 * along.tension_squared)
+    return strain.expanded(length) + strain.c1 * along.tension + strain.c2 * along.tension_squared
 
 
 class Energy(NamedTuple):
@@ -198,10 +198,8 @@ def energy(force: Vector, weight: Weight, length: Any, strain: Strain) -> Energy
     along, c1 = _integrals(force, weight, length), strain.c1
     v0 = along.vertical_start
     return Energy(
-        strain.expanded(c1 / 2 * along.tension_squared),
-        strain.expanded(
-            along.tension - along.start * length + c1 / 2 * (along.vertical_squared - v0 * v0 * length),
-        ),
+        c1 / 2 * along.tension_squared,
+        strain.expanded(along.tension - along.start * length) + c1 / 2 * (along.vertical_squared - v0 * v0 * length),
     )
 
 

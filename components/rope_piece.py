@@ -41,7 +41,7 @@ class Piece(NamedTuple):
             reach = segment((fx, fy, v0), self.weight, d, self.strain).reach[0]
             here = end_of(self.force, self.weight, d)
             tension = np.hypot(np.hypot(here[0], here[1]), here[2])
-            rate = self.strain.expanded(here[0] / tension + here[0] * (self.strain.c1 + self.strain.c2 * tension))
+            rate = self.strain.expanded(here[0] / tension) + here[0] * (self.strain.c1 + self.strain.c2 * tension)
             move = (wanted - reach) / rate
             d = np.clip(d + move, 0.0, self.length)
             # Convergence is quadratic: after a step of 1e-8 only rounding errors are left.

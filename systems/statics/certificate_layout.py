@@ -119,7 +119,7 @@ class _Seat:
         stretched = np.asarray(1.0 + size * (c1 + 2.0 / 3.0 * c2 * size))
         if self._weather is None:
             return stretched
-        return stretched * (1.0 + expansion * (self._weather.temperature - self._weather.strung_temperature))
+        return stretched + expansion * (self._weather.temperature - self._weather.strung_temperature)
 
 
 @dataclass(frozen=True, eq=False)

@@ -261,10 +261,11 @@ def shape_in_weather(
     gain = size[:, None] * piece
     angle = np.log1p(2.0 * gain / (steep[0] + steep[1])) / size[:, None]
     both, total, c1 = v0 + v1, tension[0] + tension[1], spans.c1[:, None]
-    across, lift = angle + c1 * piece, 1.0 / total + 0.5 * c1
+    warm = weather.expansion[:, None]
+    across, lift = warm * angle + c1 * piece, warm / total + 0.5 * c1
     if spans.curved:
         c2 = spans.c2[:, None]
         across = across + c2 * (piece / 4.0 * (total + both * both / total) + h2 * angle / 2.0)
         lift = lift + c2 * (total * total - tension[0] * tension[1]) / (3.0 * total)
     reach = (level * across[:, None] + up[:, :, None] * (piece * both * lift)[:, None]).sum(axis=2)
-    return Shape(reach * weather.expansion[:, None], vertical, tension, piece, angle), end[:, :, -1]
+    return Shape(reach, vertical, tension, piece, angle), end[:, :, -1]

@@ -2,7 +2,7 @@
 
 Along a metre of rope as it was strung, with f the tension vector and g the weight with ice and the wind,
 
-    dr/ds = (1 + alpha dT) (1 + eps(|f|)) f / |f|,   df/ds = -g,   f jumps by -F at a load with a force F.
+    dr/ds = (1 + alpha dT + eps(|f|)) f / |f|,   df/ds = -g,   f jumps by -F at a load with a force F.
 
 A span has one solution, so that it is right where the integral ends at its support; nodes are right where forces
 sum to zero. The wind is resolved here by angles, not as in the library.
@@ -57,7 +57,7 @@ def integrated(
 
     def rate(_: float, y: np.ndarray) -> np.ndarray:
         tension = np.linalg.norm(y[3:])
-        return np.concatenate([expansion * (1.0 + tension * (c1 + c2 * tension)) * y[3:] / tension, -pull])
+        return np.concatenate([(expansion + tension * (c1 + c2 * tension)) * y[3:] / tension, -pull])
 
     y = np.concatenate([np.zeros(3), force])
     for length, load in pieces:
