@@ -67,8 +67,10 @@ class LoadCases(CasesData):
     """
 
     def plot(self) -> Figure:
-        """One page: the line or rig in elevation and plan, how much of the allowed tension each case uses, and the
-        range of forces on each support with the cases that set it.
+        """One page: elevation, sag and plan, tensions, and forces on supports.
+
+        Bars show how much of the allowed tension each case uses; for each support the range of its vertical force is in
+        the colours of the cases that set its ends.
 
         Returns
         -------

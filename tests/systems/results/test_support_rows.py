@@ -8,6 +8,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.systems.results.support_rows import roller_force
+from support.lines import random_line
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3, diameter=0.0286)
 STORM = rw.Environment("storm", temperature=-8.0, ice_thickness=0.006, wind_pressure=350.0, wind_from=215.0)
@@ -78,6 +79,18 @@ def test_rows_balance_and_add_up_to_weight_and_wind(weather: rw.Environment | No
     assert control["drive_force"] == pytest.approx(line["c.drive_force"])
     assert table["drive_force"].notna().sum() == 1
     assert table.attrs["units"]["bearing_load"] == "N"
+
+
+@pytest.mark.parametrize("seed", [3, 8, 21])
+def test_forces_on_supports_of_random_lines_against_direct_integration(seed: int) -> None:
+    """In 3-D, over idlers, control sheaves, drums and anchors."""
+    case = random_line(seed, most=8)
+    table = rw.support_table(case.system())
+    zero = np.zeros((1, 3))
+    exact = np.vstack([case.start, zero]) - np.vstack([zero, case.end])
+    found = table[["resultant_x", "resultant_y", "resultant_z"]].to_numpy()
+    assert found == pytest.approx(exact, abs=1e-7 * np.abs(case.start).max())
+    assert found.sum(axis=0)[:2] == pytest.approx([0.0, 0.0], abs=1e-9 * np.abs(case.start).max())
 
 
 def test_the_ring_of_an_endless_rope_has_each_wheel_once() -> None:
