@@ -81,7 +81,7 @@ def test_rows_balance_and_add_up_to_weight_and_wind(weather: rw.Environment | No
     assert table.attrs["units"]["bearing_load"] == "N"
 
 
-@pytest.mark.parametrize("seed", [3, 8, 21])
+@pytest.mark.parametrize("seed", [8, 13, 21])
 def test_forces_on_supports_of_random_lines_against_direct_integration(seed: int) -> None:
     """In 3-D, over idlers, control sheaves, drums and anchors."""
     case = random_line(seed, most=8)
