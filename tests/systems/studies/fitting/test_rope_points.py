@@ -97,3 +97,35 @@ def test_a_scan_of_a_skyline() -> None:
     columns = {"station": "station", "x": "head_jack.rope_x", "z": "head_jack.rope_z"}
     fit = rw.fit(standing(), table, columns=columns, free="tension", sigma=0.01)
     assert fit.values["tension"] == pytest.approx(72e3, rel=1e-5)
+
+
+def blown(tension: float, stiffness: float = 24e6) -> rw.System:
+    """A loaded span off the x axis in wind."""
+    s = rw.System("blown", temperature=15.0)
+    rope = rw.Rope(
+        mass_per_length=2.4, axial_stiffness=stiffness, breaking_load=450e3, diameter=0.0254,
+        thermal_expansion=11.5e-6, drag_coefficient=1.1,
+    )  # fmt: skip
+    ends = rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(300.0, 60.0, 20.0))
+    (span,) = s.string(rope, *ends, tension=tension)
+    s.hang(rw.Load("turn", mass=500.0, drag_area=1.0), span, at=120.0)
+    return s.in_weather(rw.Environment("wind", temperature=5.0, wind_pressure=300.0, wind_from=0.0))
+
+
+def test_a_scan_in_wind() -> None:
+    curve = rw.equilibrium(blown(44e3)).profile("a_b", 12).iloc[1:-1]
+    columns = {axis: f"a_b.rope_{axis}" for axis in "xyz"}
+    fit = rw.fit(blown(40e3), curve[["x", "y", "z"]], columns=columns, free="a.pretension", sigma=0.01)
+    assert fit.values["a.pretension"] == pytest.approx(44e3, rel=1e-7)
+    assert fit.residuals["z"].abs().max() < 1e-8
+
+
+def test_temperatures_are_given_in_each_row() -> None:
+    true, rows = rw.assemble(blown(44e3, 20e6)), []
+    for celsius in (-20.0, 0.0, 20.0, 40.0):
+        eq = rw.equilibrium(true, parameters={"temperature": celsius})
+        rows.append({"T_degF": 1.8 * celsius + 32.0, "A_kN": eq["a.tension"] / 1e3, "z": eq["turn.z"]})
+    columns = {"T_degF": "temperature", "A_kN": "a.tension", "z": "turn.z"}
+    free, sigma = ["a.pretension", "a.axial_stiffness"], {"A_kN": 100.0, "z": 0.01}
+    fit = rw.fit(blown(40e3), pd.DataFrame(rows), columns=columns, free=free, sigma=sigma)
+    np.testing.assert_allclose(fit.values, [44e3, 20e6], rtol=1e-7)
