@@ -164,6 +164,10 @@ BAD: Mapping[str, tuple[dict[str, Any], str]] = {
     "sigma of nothing": ({"sigma": {"foot": 1.0}}, "No measured column"),
     "sigma missing": ({"sigma": {"head": 1.0}}, "no value for z, low"),
     "sigma zero": ({"sigma": 0.0}, "above zero"),
+    "no scale of a robust loss": ({"columns": {"head": "a.tension"}, "sigma": None, "loss": "huber"}, "no scale"),
+    "nothing left for sigma": (
+        {"columns": {"head": "a.tension"}, "measured": 1, "sigma": None}, "how sure they are"
+    ),
     "unknown loss": ({"loss": "l3"}, "loss"),
 }  # fmt: skip
 
