@@ -7,7 +7,7 @@ import tempfile
 import weakref
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -102,6 +102,8 @@ class CoSimulation:
         *,
         kind: Literal["CoSimulation", "ModelExchange"] | None = None,
         start: Mapping[str, object] | None = None,
+        isolated: bool | None = None,
+        timeout: float | None = None,
     ) -> Fmu:
         """Add an FMU, or a system, which is exported first.
 
@@ -118,6 +120,11 @@ class CoSimulation:
             Start values of parameters (also structural ones) and inputs: numbers, Booleans, texts, bytes, names or
             values of enumeration items; for an array one element ("u[1]") or all ("u"). An open input of a system must
             be connected, driven, or have a start value.
+        isolated : bool, optional
+            Whether it runs in a process of its own, so that a crash of it does not end the session; by default as it
+            was loaded.
+        timeout : float, optional
+            Longest time of one call of an isolated slave [s]; by default as it was loaded, 60 s.
 
         Returns
         -------
@@ -142,6 +149,10 @@ class CoSimulation:
             open_inputs = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
             participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
+        if timeout is not None:
+            check.positive(timeout, "add", "timeout", "s")
+            fmu = replace(fmu, timeout=timeout)
+        fmu = fmu if isolated is None else replace(fmu, isolated=isolated)
         if kind is None:
             kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
         require_kind(fmu, kind)

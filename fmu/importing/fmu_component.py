@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import casadi as ca
-import fmpy
 import numpy as np
 import pandas as pd
 
@@ -21,6 +20,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
+from ropeway.fmu.importing.archive import unpack
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import Instance, require_kind
 from ropeway.fmu.importing.model_exchange_integrator import Integrator
@@ -133,6 +133,11 @@ def component(
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
+    if file.isolated:
+        raise FmuImportError(
+            f"{file.path.name} is isolated: a component runs in the process of the session",
+            "Load it with isolated=False, or couple it by CoSimulation",
+        )
     require_kind(file, "ModelExchange")
     values = dict(parameters or {})
     for key, value in values.items():
@@ -148,7 +153,7 @@ def component(
         )
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
-        fmpy.extract(str(file.path), unzipdir=folder)
+        unpack(file, Path(folder))
         make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
         # CasADi reads only real outputs.
