@@ -5,44 +5,38 @@ from __future__ import annotations
 import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 import pandas as pd
 
-from ropeway.components import check, units
+from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.fmu.cosimulation.coupling import Coupling, Master, Scheme
+from ropeway.fmu.cosimulation.communication_points import is_multiple, points, require_steps
+from ropeway.fmu.cosimulation.coupling import Coupling, Driving, Master, Scheme, Span
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
-from ropeway.fmu.cosimulation.input_signals import Inputs, Signal, next_break, signals
+from ropeway.fmu.cosimulation.input_signals import Inputs, signals
+from ropeway.fmu.cosimulation.pacing import Pace
+from ropeway.fmu.cosimulation.participants import Participant, conversion, started
 from ropeway.fmu.cosimulation.recording import Recorder
+from ropeway.fmu.cosimulation.scenario import Scenario, changes
 from ropeway.fmu.cosimulation.step_control import StepControl, Stepper
 from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting.export import export
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
 from ropeway.fmu.importing.participant import OpenFmu, require_connectable
-from ropeway.fmu.importing.variable_types import Value, fits
+from ropeway.fmu.importing.variable_types import fits
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-
-
-@dataclass(frozen=True)
-class _Participant:
-    """A slave of a co-simulation; `open`: inputs that need a value."""
-
-    fmu: Fmu
-    kind: str
-    start: Mapping[str, Value]
-    open: tuple[str, ...]
 
 
 @checked
@@ -90,7 +84,7 @@ class CoSimulation:
             raise InputError(f"iterations is {iterations!r}", "Give at least one")
         self.step, self.control = float(step), control
         self._scheme = Scheme(master, iterated, tolerance, iterations)
-        self._participants: dict[str, _Participant] = {}
+        self._participants: dict[str, Participant] = {}
         self._connections: list[Connection] = []
         self._folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
@@ -104,6 +98,7 @@ class CoSimulation:
         start: Mapping[str, object] | None = None,
         isolated: bool | None = None,
         timeout: float | None = None,
+        step: float | None = None,
     ) -> Fmu:
         """Add an FMU, or a system, which is exported first.
 
@@ -125,6 +120,9 @@ class CoSimulation:
             was loaded.
         timeout : float, optional
             Longest time of one call of an isolated slave [s]; by default as it was loaded, 60 s.
+        step : float, optional
+            Its own communication step [s], a multiple of the master's, for a slow slave: its inputs and outputs change
+            at the ends of its steps only. Not with iterated or controlled steps.
 
         Returns
         -------
@@ -134,7 +132,7 @@ class CoSimulation:
         Raises
         ------
         InputError
-            A name that is used twice, or an invalid value.
+            A name that is used twice, an invalid value, or a step that is not a multiple.
         FmuImportError
             The file cannot be used.
         FmuVariableError
@@ -156,9 +154,23 @@ class CoSimulation:
         if kind is None:
             kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
         require_kind(fmu, kind)
-        fmu, values = _started(fmu, name, start or {})
-        self._participants[name] = _Participant(fmu, kind, values, open_inputs)
+        fmu, values = started(fmu, name, start or {})
+        self._participants[name] = Participant(fmu, kind, values, open_inputs, self._own_step(name, step))
         return fmu
+
+    def _own_step(self, name: str, step: float | None) -> float | None:
+        """Raises InputError."""
+        if step is None:
+            return None
+        check.positive(step, f"Slave {name!r}", "step", "s")
+        if self._scheme.iterated or self.control is not None:
+            raise InputError(f"Slave {name!r} has a step of its own", "Use iterated=False without a step control")
+        if not is_multiple(step, self.step):
+            raise InputError(
+                f"Slave {name!r} has steps of {step:g} s, which is no multiple of {self.step:g} s",
+                "Give the master the shortest step",
+            )
+        return step if step > 1.5 * self.step else None
 
     def connect(self, source: str, target: str) -> Connection:
         """Connect an output to an input.
@@ -199,9 +211,9 @@ class CoSimulation:
                 "Connect variables of the same kind, or enumerations with the same items",
                 ends[1][1],
             )
-        conversion = _conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
+        converted = conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
         held = one.kind != "Real" or not other.continuous
-        connection = Connection(source, target, *conversion, held)
+        connection = Connection(source, target, *converted, held)
         self._connections.append(connection)
         return connection
 
@@ -212,11 +224,16 @@ class CoSimulation:
         *,
         start_time: float = 0.0,
         inputs: Inputs | None = None,
+        scenario: Scenario | None = None,
+        outputs: Sequence[str] | None = None,
+        every: float | None = None,
+        pace: float | None = None,
         progress: bool | None = None,
     ) -> pd.DataFrame:
         """Run the co-simulation.
 
-        Communication points are added at vertices and jumps of the inputs if all slaves accept steps of any length.
+        Communication points are added at vertices and jumps of the inputs, and at changes of the scenario, if all
+        slaves accept steps of any length.
 
         Parameters
         ----------
@@ -229,69 +246,86 @@ class CoSimulation:
             value} with a Schedule, a pandas Series with times [s] as its index, or a constant; or a table with a column
             for each and one `time`. Continuous variables are linear between rows, and two rows of one time are a jump;
             others keep each value until the next.
+        scenario : DataFrame, str or Path, optional
+            Changes at given times: a table with the columns `time` [s], `variable` ("slave.variable") and `value`, in
+            its own unit, of inputs and tunable parameters. A changed input ignores its connection until an empty value
+            releases it.
+        outputs : sequence of str, optional
+            Variables to record, "slave.variable"; by default all outputs.
+        every : float, optional
+            Interval of the rows [s]: a row at the first communication point from each multiple on, and at the end; by
+            default at each communication point.
+        pace : float, optional
+            Simulated seconds for each second of the clock, 1: real time; by default as fast as possible.
         progress : bool, optional
             Whether to show a progress bar; by default only on a terminal.
 
         Returns
         -------
         DataFrame
-            All outputs over time, columns "slave.variable", real ones first. `attrs`: "units"; "ended", why an FMU
-            ended the run, or None; "left_out", outputs that cannot be shown, with reasons; with a step control the
-            number of "repeated" steps and the "inexact" times, at which the smallest step missed the tolerance.
+            The variables over time, columns "slave.variable", by default real ones first. `attrs`: "units"; "ended",
+            why an FMU ended the run, or None; "left_out", outputs that cannot be shown, with reasons; with a step
+            control the number of "repeated" steps and the "inexact" times, at which the smallest step missed the
+            tolerance; with a pace "late", the largest time by which it was behind the clock [s].
 
         Raises
         ------
         InputError
-            Invalid times, or an open input.
+            Invalid times, an open input, or steps that a slave does not accept.
         FmuImportError
             A binary cannot be loaded.
         FmuVariableError
-            Unknown variables in `inputs`.
+            Unknown variables in `inputs`, `scenario` or `outputs`.
         FmuRunError, Interrupted
             An FMU failed, or the user interrupted; `result` has the rows up to then.
         """
-        check.number(until, "run", "until", "s")
-        check.number(start_time, "run", "start_time", "s")
-        if until <= start_time:
-            raise InputError(f"run: until is {until!r} s", f"It must be above the start time, {start_time:g} s")
-        check.count((until - start_time) / self.step, "run", "steps")
+        span = Span(float(start_time), float(until), self.step)
+        span.require()
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
-        driving = signals(
-            {} if inputs is None else inputs, {name: p.fmu for name, p in self._participants.items()}, until
-        )
-        self._require_driven(driving)
+        for name, value in (("every", every), ("pace", pace)):
+            if value is not None:
+                check.positive(value, "run", name)
+        driving = self._driving(inputs, scenario, until)
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
             slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            coupling = Coupling(slaves, self._connections, self._scheme, driving, start_time)
-            if self._scheme.iterated:
-                _require_rollback(slaves)
+            require_steps(slaves, span, self._scheme, self.control)
+            coupling = Coupling(slaves, self._connections, self._scheme, driving, span)
             stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
-            record = Recorder(coupling)
+            expected = 0 if stepper else int((until - start_time) / (every or self.step)) + len(driving.breaks) + 2
+            record, clock = Recorder(coupling, outputs, every, expected), Pace(pace, start_time)
             with record.kept():
                 self._begin(coupling, until)
                 record.add(start_time)
-                while record.times[-1] < until - 1e-9 * self.step and coupling.ended is None:
-                    time = self._take(coupling, stepper, driving, len(record.times), start_time, until)
-                    if not coupling.aligned:
-                        break
+                for time in points(coupling, stepper, driving, span):
                     record.add(time)
+                    clock.wait(time)
                     advance(time)
+                if coupling.aligned:
+                    record.finish(coupling.time)
             frame = record.frame()
         if stepper is not None:
             frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
+        if pace is not None:
+            frame.attrs["late"] = clock.late
         return frame
 
-    def _require_driven(self, driving: Mapping[str, Signal]) -> None:
-        """Raises InputError if an input is open or driven twice."""
-        driven = {c.target for c in self._connections}
-        if twice := driven & driving.keys():
+    def _driving(self, inputs: Inputs | None, scenario: Scenario | None, until: float) -> Driving:
+        """What drives the slaves from outside. Raises InputError if an input is open or driven twice."""
+        fmus = {name: p.fmu for name, p in self._participants.items()}
+        driving = signals({} if inputs is None else inputs, fmus, until)
+        connected = {c.target for c in self._connections}
+        if twice := connected & driving.keys():
             raise InputError(f"{min(twice)!r} is already driven", "An input takes a connection or values over time")
         for name, participant in self._participants.items():
             for entry in participant.open:
-                if entry not in participant.start and f"{name}.{entry}" not in driven | driving.keys():
+                if entry not in participant.start and f"{name}.{entry}" not in connected | driving.keys():
                     raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
+        found = {} if scenario is None else changes(scenario, fmus, connected)
+        if twice := found.keys() & driving.keys():
+            raise InputError(f"{min(twice)!r} is in the inputs and in the scenario", "Change it in one of them")
+        return Driving(driving, found, {name: p.step for name, p in self._participants.items() if p.step is not None})
 
     def _begin(self, coupling: Coupling, until: float) -> None:
         """Initialises all slaves. Raises FmuRunError."""
@@ -301,68 +335,3 @@ class CoSimulation:
         for slave in coupling.slaves.values():
             slave.leave()
         coupling.exchange()
-
-    def _take(
-        self,
-        coupling: Coupling,
-        stepper: Stepper | None,
-        driving: Mapping[str, Signal],
-        i: int,
-        start: float,
-        until: float,
-    ) -> float:
-        """Step to point i, or to where an FMU ends the run; returns the time reached."""
-        if stepper is not None:
-            return stepper.step(coupling.time, next_break(driving, coupling.time, until))
-        end = until if i >= (until - start) / self.step - 1e-9 else start + i * self.step
-        cuts = all(slave.varies_steps for slave in coupling.slaves.values())
-        while coupling.ended is None and coupling.time < end - 1e-9 * self.step:
-            stop = next_break(driving, coupling.time, end) if cuts else end
-            coupling.step(stop - coupling.time)
-            if coupling.ended is None:
-                coupling.time = stop
-        return coupling.time
-
-
-def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dict[str, Value]]:
-    """The FMU resized by structural parameters among its start values, and the other start values.
-
-    Raises InputError, FmuVariableError.
-    """
-    structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
-    if structural:
-        fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
-    for key, value in start.items():
-        if key in fmu.entries and fmu.entry(key).kind == "Real":
-            check.number(value, f"Slave {name!r}", key)
-    values = fmu.values(start)
-    for key in start:
-        for entry in fmu.arrays.get(key, (key,)):
-            row = fmu.variable(entry)
-            if row["causality"] == "output" and pd.isna(row["start"]):
-                raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
-    return fmu, {key: value for key, value in values.items() if key not in structural}
-
-
-def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
-    for name, slave in slaves.items():
-        if not slave.can_restore:
-            raise InputError(
-                f"{name!r} cannot restore its state, so its steps cannot be repeated",
-                'Use iterated=False, or add it with kind="ModelExchange"',
-            )
-
-
-def _conversion(source: Fmu, output: str, target: Fmu, entry: str) -> tuple[float, float]:
-    """Factor and offset from one unit to another. Raises FmuVariableError."""
-    first, second = source.variable(output), target.variable(entry)
-    one, other = str(first["unit"]), str(second["unit"])
-    differences = bool(first["relative"]), bool(second["relative"])
-    try:
-        return units.conversion(one, other, source.units, target.units, differences=differences)
-    except InputError as error:
-        raise FmuVariableError(
-            f"{output!r} of {source.path.name} is in {one}, {entry!r} of {target.path.name} in {other}: {error.cause}",
-            error.remedy,
-            entry,
-        ) from error

@@ -21,16 +21,6 @@ from support.hostiles import DEEDS, hostile_fmu, library
 from support.masses import pair
 
 
-@pytest.fixture(scope="module")
-def binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return library(tmp_path_factory.mktemp("hostile") / "hostile.so")
-
-
-@pytest.fixture(scope="module")
-def hostile(binary: Path) -> Path:
-    return hostile_fmu(binary.with_name("hostile.fmu"), binary)
-
-
 def children() -> set[str]:
     return {pid for task in Path("/proc/self/task").iterdir() for pid in (task / "children").read_text().split()}
 
@@ -226,8 +216,8 @@ def test_libraries_are_closed_on_failure(tmp_path: Path, hostile: Path) -> None:
             slave.step(0.1, {}, {})
 
 
-def test_one_instance_in_a_process(tmp_path: Path, binary: Path) -> None:
-    once = hostile_fmu(tmp_path / "once.fmu", binary, canBeInstantiatedOnlyOncePerProcess="true")
+def test_one_instance_in_a_process(tmp_path: Path, hostile_binary: Path) -> None:
+    once = hostile_fmu(tmp_path / "once.fmu", hostile_binary, canBeInstantiatedOnlyOncePerProcess="true")
     fmu = load(once)
     with Slave(fmu):
         with pytest.raises(FmuImportError, match=r"once\.fmu allows one instance in a process.*isolated=True"):
@@ -238,13 +228,13 @@ def test_one_instance_in_a_process(tmp_path: Path, binary: Path) -> None:
         pass
 
 
-def test_a_changed_file_is_noticed(tmp_path: Path, binary: Path) -> None:
-    path = hostile_fmu(tmp_path / "changed.fmu", binary)
+def test_a_changed_file_is_noticed(tmp_path: Path, hostile_binary: Path) -> None:
+    path = hostile_fmu(tmp_path / "changed.fmu", hostile_binary)
     fmu = load(path)
     path.touch()
     with Slave(fmu):
         pass
-    hostile_fmu(path, binary, [("extra", b"1")])
+    hostile_fmu(path, hostile_binary, [("extra", b"1")])
     with pytest.raises(FmuImportError, match=r"changed\.fmu has changed since it was loaded. Load it again"):
         Slave(fmu)
     path.unlink()
