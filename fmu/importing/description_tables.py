@@ -14,18 +14,21 @@ from ropeway.components import units
 from ropeway.fmu.importing.variable_types import Entry, Value, kind_of
 
 _COLUMNS = ("kind", "causality", "variability", "unit", "start", "nominal", "description", "reference", "relative")
+_TRUE = "true", "1"
 
 
-def mark_differences(described: Any, root: ElementTree.Element) -> None:
-    """Sets relativeQuantity of the variables; FMPy 0.3.32 reads that of types only."""
+def complete(described: Any, root: ElementTree.Element) -> None:
+    """Sets what FMPy 0.3.32 does not read of variables: relativeQuantity, intermediateUpdate."""
+    within = {e.get("name") for e in root.iterfind("ModelVariables/*") if e.get("intermediateUpdate") in _TRUE}
     own = {
-        parent.get("name", element.get("name")): element.get("relativeQuantity") in ("true", "1")
+        parent.get("name", element.get("name")): element.get("relativeQuantity") in _TRUE
         for parent in root.iterfind("ModelVariables/*")
         for element in (parent, *parent)
         if "relativeQuantity" in element.attrib
     }
     for variable in described.modelVariables:
         variable.relativeQuantity = own.get(variable.name)
+        variable.intermediateUpdate = variable.name in within
 
 
 def variable_tables(

@@ -14,7 +14,7 @@ from ropeway.components import check, units
 from ropeway.components.argument_checks import checked
 from ropeway.fmu.errors import FmuImportError
 from ropeway.fmu.importing.archive import ArchiveLimits, read_description, require_identifier
-from ropeway.fmu.importing.description_tables import defined_units, mark_differences, variable_tables
+from ropeway.fmu.importing.description_tables import complete, defined_units, variable_tables
 from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.variable_types import Value
 
@@ -155,7 +155,7 @@ def load(
         raise FmuImportError(f"{file.name} is of FMI version {version}", "Use version 2.0 or 3.0")
     try:
         described = fmpy.read_model_description(str(file), validate=False)
-        mark_differences(described, root)
+        complete(described, root)
         variables, entries, arrays = variable_tables(described, {})
         defined = defined_units(described)
         platforms = tuple(name for name in fmpy.supported_platforms(str(file)) if name != "c-code")

@@ -68,7 +68,7 @@ class Instance:
     """An open instance.
 
     `time`: its last communication point or event [s]; `ended`: why the FMU ended the run, or None; `log`: its last
-    messages, of `noted` ones in all; `ramped`: its inputs have rates.
+    messages, of `noted` ones in all; `interpolated`: inputs that may be linear within a step; `ramped`: they are.
     `folder`: where it is unpacked; by default it is unpacked into a folder of its own, which `close` removes. Raises
     FmuImportError.
     """
@@ -85,8 +85,7 @@ class Instance:
         self.keeps_states = bool(section.canGetAndSetFMUstate)
         self._three = fmu.fmi != "2.0"
         self._ramp, self.ramped = InputRamp(), False
-        ramps = "providesIntermediateUpdate" if self._three else "canInterpolateInputs"
-        self.interpolates = kind == "CoSimulation" and bool(getattr(section, ramps))
+        self.interpolated = _interpolated(fmu, section) if kind == "CoSimulation" else frozenset()
         self.differentiates = bool(section.providesDirectionalDerivative)
         self.varies_steps = bool(getattr(section, "canHandleVariableCommunicationStepSize", True))
         self._worst = 0
@@ -123,8 +122,8 @@ class Instance:
     def _instantiate(self) -> None:
         if self._three:
             log = {"logMessage": lambda _, status, category, text: self._note(status, text)}
-            if self.interpolates:
-                inputs = [e.reference for e in self.fmu.entries.values() if e.causality == "input" and e.continuous]
+            if self.interpolated:
+                inputs = [self.fmu.entries[name].reference for name in self.interpolated]
                 log |= {"intermediateUpdate": self._ramp.update, "requiredIntermediateVariables": inputs}
             self._fmu.instantiate(**log)
             return
@@ -233,7 +232,7 @@ class Instance:
     def ramp(self, start: Mapping[str, float], rates: Mapping[str, float]) -> None:
         """Values of inputs now, and their rates in the next step. Raises FmuRunError."""
         self.set(start)
-        self.ramped = any(rates.values())
+        self.ramped = any(rates[name] for name in start)
         where = self._access.references(start)
         if self._three:
             lines = zip(start.values(), (rates[n] for n in start), strict=True)
@@ -346,6 +345,18 @@ class Instance:
             else:
                 close_library(self._fmu)
         self._cleared()
+
+
+def _interpolated(fmu: FmuInterface, section: Any) -> frozenset[str]:
+    """Inputs that may be linear within a step of Co-Simulation: scalars of double precision."""
+    three = fmu.fmi != "2.0"
+    if not getattr(section, "providesIntermediateUpdate" if three else "canInterpolateInputs"):
+        return frozenset()
+    known = {v.valueReference for v in fmu.description.modelVariables if v.intermediateUpdate or not three}
+    inputs = {n: e for n, e in fmu.entries.items() if e.causality == "input" and e.continuous}
+    return frozenset(
+        n for n, e in inputs.items() if e.size == 1 and e.type in ("Real", "Float64") and e.reference in known
+    )
 
 
 def _clear(fmu: FmuInterface, folder: str | None) -> None:

@@ -28,7 +28,7 @@ class LocalSlave:
 
             self._integrator = Integrator(self._instance, tolerance)
         self.can_restore = self._integrator is not None or self._instance.keeps_states
-        self.can_interpolate = self._integrator is not None or self._instance.interpolates
+        self.can_interpolate = self._integrator is not None or bool(self._instance.interpolated)
         self.varies_steps = self._integrator is not None or self._instance.varies_steps
         self._continuous = frozenset(n for n, entry in fmu.entries.items() if entry.continuous)
 
@@ -96,10 +96,10 @@ class LocalSlave:
             return
         changes = {n: (end[n] - v) / size for n, v in start.items()}
         if any(changes.values()) or self._instance.ramped:
-            if self.can_interpolate:
-                self._instance.ramp(start, changes)
-            else:
-                self.set({n: (v + end[n]) / 2.0 for n, v in start.items()})
+            ramps = {n: v for n, v in start.items() if n in self._instance.interpolated}
+            self.set({n: (v + end[n]) / 2.0 for n, v in start.items() if n not in ramps})
+            if ramps:
+                self._instance.ramp(ramps, changes)
             self._instance.do_step(size)
             self.set({n: end[n] for n in start})
         else:

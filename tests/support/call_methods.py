@@ -194,7 +194,8 @@ def methods() -> dict[str, Callable[[], Call]]:
             {"x": 40.0, "y": 0.0, "z": 20.0, "mass": 600.0, "ground": GROUND},
         ),
         "fmu.CoSimulation.add": lambda: cosimulation(
-            "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False, timeout=9.0, step=0.5,
+            "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False,
+            timeout=9.0, step=0.5,
         ),
         "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
         "fmu.CoSimulation.run": lambda: cosimulation(

@@ -9,6 +9,7 @@ typedef struct {
     rw_instance core;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
+    fmi3IntermediateUpdateCallback update;
 } instance_data;
 
 #define FMI(name) fmi3##name
@@ -62,12 +63,15 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update)
 {
-    (void)resources, (void)visible, (void)earlyReturnAllowed, (void)required, (void)nRequired, (void)update;
+    instance_data *i;
+    (void)resources, (void)visible, (void)earlyReturnAllowed, (void)required;
     if (eventModeUsed) {
         if (log) log(environment, fmi3Error, "logStatusError", "This FMU has no event mode in Co-Simulation");
         return NULL;
     }
-    return instantiate(name, token, logging, environment, log, 1);
+    i = instantiate(name, token, logging, environment, log, 1);
+    if (i && nRequired) i->update = update;
+    return i;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -252,6 +256,21 @@ fmi3Status fmi3EnterStepMode(fmi3Instance c)
     return fmi3Error;
 }
 
+/* Asks for the inputs at the end of a step: within it they are linear. */
+static void inputs_at_end(void *c, double end, double size)
+{
+    instance_data *i = c;
+    double begin[RW_NU + 1], reached[RW_NU + 1];
+    fmi3Boolean early = fmi3False;
+    fmi3Float64 until = end;
+    memcpy(begin, CORE->s.u, sizeof begin);
+    i->update(i->environment, end, fmi3True, fmi3False, fmi3False, fmi3False, &early, &until);
+    memcpy(reached, CORE->s.u, sizeof reached);
+    memcpy(CORE->s.u, begin, sizeof begin);
+    rw_inputs_reach(CORE, reached, size);
+    CORE->s.solved = CORE->s.rated = CORE->s.shown = 0;
+}
+
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean noSetPrior, fmi3Boolean *eventNeeded,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)
 {
@@ -259,6 +278,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     (void)noSetPrior;
     NEEDS(MODE == RW_STEP, "DoStep");
     *eventNeeded = *terminate = *early = fmi3False;
+    if (((instance_data *)c)->update && size > 0.0 && isfinite(size)) inputs_at_end(c, time + size, size);
     status = do_step(c, time, size);
     *last = CORE->s.now.t;
     return status;
