@@ -20,8 +20,8 @@ from ropeway.fmu.importing.archive import unpack
 from ropeway.fmu.importing.input_ramps import InputRamp
 from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.loading import (
+    KeptWorkingFolder,
     close_library,
-    kept_working_folder,
     loaded,
     release,
     reserve,
@@ -172,7 +172,7 @@ class Instance:
         """Sets start values and begins the initialisation. Raises FmuRunError, FmuVariableError."""
         self.time, self._stop = start, stop
         taken = self.fmu.values(values)
-        with kept_working_folder():
+        with KeptWorkingFolder():
             if self._three:
                 if self.fmu.structure:
                     self.call("other sizes", "enterConfigurationMode")
@@ -187,7 +187,7 @@ class Instance:
 
     def leave(self) -> None:
         """Ends the initialisation. Raises FmuRunError."""
-        with kept_working_folder():
+        with KeptWorkingFolder():
             self.call("the initialisation", "exitInitializationMode")
         self._running = True
 
@@ -261,7 +261,7 @@ class Instance:
     def _step_to(self, goal: float, size: float) -> None:
         while goal - self.time > 1e-9 * size:
             stop_if_interrupted()
-            with kept_working_folder():
+            with KeptWorkingFolder():
                 reached, ends = self._step_in_3(goal) if self._three else self._step_in_2(goal)
             if reached <= self.time and not ends:
                 raise self.error("returned from a step without advancing", "Check its inputs at that time")
@@ -334,7 +334,7 @@ class Instance:
         if not self._open:
             return
         self._open = False
-        with kept_working_folder():
+        with KeptWorkingFolder():
             if self._running and self._worst < _ERROR:
                 try:
                     self._fmu.terminate()

@@ -60,7 +60,7 @@ class IsolatedSlave:
             raise
         self._ended = weakref.finalize(self, _end, self._process, self._socket, folder)
         try:
-            self._receive("the start of its process", _STARTING)
+            self._receive("start", _STARTING)
             interface = FmuInterface(*(getattr(fmu, f.name) for f in fields(FmuInterface)))
             can = self._call("open", interface, name, kind, tolerance)
         except FmuRunError as error:
@@ -125,34 +125,33 @@ class IsolatedSlave:
         if not self._ended.alive:
             raise self._error("has no process any more", "Open it again")
         self._ahead.note(method, arguments)
-        what = f"the call {method!r}"
         limit = self._fmu.timeout if allowed is None else allowed
         try:
-            self._send(framed(pickle.dumps((method, arguments))), what, limit)
-            answer = self._receive(what, limit)
+            self._send(framed(pickle.dumps((method, arguments), pickle.HIGHEST_PROTOCOL)), method, limit)
+            answer = self._receive(method, limit)
         except BaseException:  # also a Ctrl-C: its answer would be taken for that of the next call
             self._ended()
             raise
         self.time, self.ended = answer.time, answer.ended
-        self.log += answer.log
-        if len(self.log) > 2 * KEPT:
-            del self.log[:-KEPT]
+        if answer.log:
+            self.log += answer.log
+            del self.log[: -2 * KEPT]
         if answer.error is not None:
             attributes = dict(answer.error)
             raise _ERRORS[attributes.pop("type")](**attributes)
         return answer.value
 
     def _send(self, message: bytes, what: str, limit: float | None) -> None:
-        left = memoryview(message)
+        left = message
         try:
             while left:
-                left = left[self._waited(lambda: self._socket.send(left), what, limit) :]  # noqa: B023
+                left = left[self._waited(self._socket.send, left, what, limit) :]
         except ConnectionError:
             self._lost(what)
 
     def _receive(self, what: str, limit: float | None) -> Answer:
         try:
-            message = received(lambda size: self._waited(lambda: self._socket.recv(size), what, limit))
+            message = received(lambda size: self._waited(self._socket.recv, size, what, limit))
         except ConnectionError:
             message = None
         if message is None:
@@ -160,20 +159,20 @@ class IsolatedSlave:
         try:
             return decoded(message)
         except (ValueError, KeyError, TypeError) as error:
-            cause = f"sent an answer to {what} that cannot be read"
+            cause = f"sent an answer to the call {what!r} that cannot be read"
             raise self._error(cause, "Its FMU may have damaged the memory of its process") from error
 
-    def _waited(self, action: Callable[[], Any], what: str, limit: float | None) -> Any:
+    def _waited(self, action: Callable[[Any], Any], argument: Any, what: str, limit: float | None) -> Any:
         """The result of an action on the socket, which gives up after `WAIT`. Raises FmuRunError, Interrupted."""
         begin: float | None = None
         while True:
             try:
-                return action()
+                return action(argument)
             except TimeoutError:
                 stop_if_interrupted()
                 begin = time.monotonic() - WAIT if begin is None else begin
                 if limit is not None and time.monotonic() - begin >= limit:
-                    cause = f"did not answer {what} within {limit:g} s: its process was ended"
+                    cause = f"did not answer the call {what!r} within {limit:g} s: its process was ended"
                     raise self._error(cause, "The FMU hangs, or needs a longer timeout") from None
 
     def _lost(self, what: str) -> NoReturn:
@@ -183,7 +182,9 @@ class IsolatedSlave:
         except subprocess.TimeoutExpired:
             code = 0
         how = f"by exit({code})" if code >= 0 else f"by signal {-code} ({signal.strsignal(-code)})"
-        raise self._error(f"ended its process {how} in {what}", "The fault is in the FMU: report it to its maker")
+        raise self._error(
+            f"ended its process {how} in the call {what!r}", "The fault is in the FMU: report it to its maker"
+        )
 
     def _error(self, what: str, remedy: str) -> FmuRunError:
         tail = f". Its log: {' | '.join(self.log[-3:])}" if self.log else ""

@@ -75,13 +75,15 @@ def restored_working_folder() -> Iterator[None]:
             os.chdir(folder)
 
 
-@contextmanager
-def kept_working_folder() -> Iterator[None]:
+class KeptWorkingFolder:
     """Around a call of an FMU, which may change the working folder; nothing is done while a thread loads a library."""
-    before = None if _LOADING.locked() else os.getcwd()
-    try:
-        yield
-    finally:
+
+    __slots__ = ("_before",)
+
+    def __enter__(self) -> None:
+        self._before = None if _LOADING.locked() else os.getcwd()
+
+    def __exit__(self, *_: object) -> None:
         with suppress(OSError):  # the folder may no longer exist
-            if before is not None and not _LOADING.locked() and os.getcwd() != before:
-                os.chdir(before)
+            if self._before is not None and not _LOADING.locked() and os.getcwd() != self._before:
+                os.chdir(self._before)

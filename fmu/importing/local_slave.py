@@ -94,8 +94,8 @@ class LocalSlave:
         if self._integrator is not None:
             self._integrator.advance(size, start, end)
             return
-        changes = {n: (end[n] - v) / size for n, v in start.items()}
-        if any(changes.values()) or self._instance.ramped:
+        if start != end or self._instance.ramped:
+            changes = {n: (end[n] - v) / size for n, v in start.items()}
             ramps = {n: v for n, v in start.items() if n in self._instance.interpolated}
             self.set({n: (v + end[n]) / 2.0 for n, v in start.items() if n not in ramps})
             if ramps:

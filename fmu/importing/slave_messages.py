@@ -8,8 +8,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +19,7 @@ _HEAD = struct.Struct("<?d")
 _BYTES = "bytes in hexadecimal"
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(NamedTuple):
     """An answer at the slave's time [s].
 
     `value`: what the method returned; `error`: attributes of its error; `log`: new messages of the FMU; `ended`: why
@@ -63,10 +61,8 @@ def received(read: Callable[[int], bytes]) -> bytes | None:
     """The next message, None at the end of the stream. `read` returns at most so many bytes."""
     data = read(1 << 16)
     while data:
-        if len(data) >= LENGTH.size:
-            whole = LENGTH.size + LENGTH.unpack_from(data)[0]
-            if len(data) >= whole:
-                return data[LENGTH.size :]
+        if len(data) >= LENGTH.size and len(data) >= LENGTH.size + LENGTH.unpack_from(data)[0]:
+            return data[LENGTH.size :]
         more = read(1 << 20)
         if not more:
             return None

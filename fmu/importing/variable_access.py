@@ -152,7 +152,7 @@ class Access:
         if not group.real or any(type(value) is not float for value in own):
             own = [taken_by(entry[name], name, file, value) for name, value in zip(group.names, own, strict=True)]
         if group.doubles is not None:
-            group.doubles.numbers[:] = own
+            group.doubles.values[:] = own
             self._pass(self._set, group.doubles)
             return
         if not group.scalars:
