@@ -57,7 +57,7 @@ class Driving:
     @property
     def breaks(self) -> np.ndarray:
         """Times of all vertices, jumps and changes [s]."""
-        times = [own.times for own in (*self.signals.values(), *self.changes.values())]
+        times = [s.times for s in self.signals.values()] + [c.times for c in self.changes.values()]
         return np.unique(np.concatenate([np.empty(0), *times]))
 
 

@@ -9,14 +9,10 @@ import zipfile
 import zlib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.fmu.errors import FmuImportError
-
-if TYPE_CHECKING:
-    from ropeway.fmu.importing.interface import FmuInterface
 
 _DESCRIPTION = "modelDescription.xml"
 _BROKEN = OSError, ValueError, RuntimeError, EOFError, struct.error, zlib.error, lzma.LZMAError, zipfile.BadZipFile
@@ -71,17 +67,17 @@ def read_description(path: Path, limits: ArchiveLimits) -> tuple[bytes, str]:
         raise FmuImportError(f"{path.name} cannot be read: {error}", "Export the FMU again") from error
 
 
-def unpack(fmu: FmuInterface, folder: Path) -> None:
-    """Unpacks an FMU into a folder. Raises FmuImportError, also if the file changed since `load`."""
+def unpack(path: Path, folder: Path, limits: ArchiveLimits, checksum: str) -> None:
+    """Unpacks an FMU into a folder. Raises FmuImportError, also if its checksum is another one (unless it is empty)."""
     try:
-        with zipfile.ZipFile(fmu.path) as archive:
+        with zipfile.ZipFile(path) as archive:
             entries = archive.infolist()
-            if fmu.checksum and _checksum(entries) != fmu.checksum:
-                raise FmuImportError(f"{fmu.path.name} has changed since it was loaded", "Load it again")
-            _require_within(fmu.path, entries, fmu.limits)
+            if checksum and _checksum(entries) != checksum:
+                raise FmuImportError(f"{path.name} has changed since it was loaded", "Load it again")
+            _require_within(path, entries, limits)
             archive.extractall(folder)
     except _BROKEN as error:
-        raise FmuImportError(f"{fmu.path.name} cannot be unpacked: {error}", "Export the FMU again") from error
+        raise FmuImportError(f"{path.name} cannot be unpacked: {error}", "Export the FMU again") from error
 
 
 def require_identifier(path: Path, identifier: str) -> None:

@@ -20,7 +20,6 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
-from ropeway.fmu.importing.archive import unpack
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import Instance, require_kind
 from ropeway.fmu.importing.model_exchange_integrator import Integrator
@@ -153,7 +152,7 @@ def component(
         )
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
-        unpack(file, Path(folder))
+        file.unpack(folder)
         make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
         # CasADi reads only real outputs.

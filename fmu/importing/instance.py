@@ -16,7 +16,6 @@ from fmpy import fmi2 as binding2, fmi3 as binding3
 from fmpy.fmi1 import FMICallException
 
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError, FmuVariableError
-from ropeway.fmu.importing.archive import unpack
 from ropeway.fmu.importing.input_ramps import InputRamp
 from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.loading import (
@@ -97,7 +96,7 @@ class Instance:
         self._cleared = weakref.finalize(self, _clear, fmu, own)
         try:
             if own is not None:
-                unpack(fmu, Path(own))
+                fmu.unpack(own)
             with restored_working_folder():
                 self._fmu = loaded(
                     kind,
@@ -121,7 +120,7 @@ class Instance:
 
     def _instantiate(self) -> None:
         if self._three:
-            log = {"logMessage": lambda _, status, category, text: self._note(status, text)}
+            log: dict[str, Any] = {"logMessage": lambda _, status, category, text: self._note(status, text)}
             if self.interpolated:
                 inputs = [self.fmu.entries[name].reference for name in self.interpolated]
                 log |= {"intermediateUpdate": self._ramp.update, "requiredIntermediateVariables": inputs}

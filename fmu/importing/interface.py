@@ -10,7 +10,7 @@ from typing import Any
 
 from ropeway.components.argument_checks import checked
 from ropeway.fmu.errors import FmuVariableError
-from ropeway.fmu.importing.archive import ArchiveLimits
+from ropeway.fmu.importing.archive import ArchiveLimits, unpack
 from ropeway.fmu.importing.variable_types import Entry, Value, taken_by
 
 
@@ -30,6 +30,21 @@ class FmuInterface:
     structure: Mapping[str, Value] = field(default_factory=dict)
     limits: ArchiveLimits = ArchiveLimits()  # noqa: RUF009
     checksum: str = ""
+
+    def unpack(self, folder: str | Path) -> None:
+        """Unpack the file into a folder.
+
+        Parameters
+        ----------
+        folder : str or Path
+            The folder.
+
+        Raises
+        ------
+        FmuImportError
+            The file changed since it was loaded, is broken or beyond its limits.
+        """
+        unpack(self.path, Path(folder), self.limits, self.checksum)
 
     def entry(self, name: str) -> Entry:
         """Type of a variable.

@@ -16,14 +16,12 @@ import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from multiprocessing.spawn import get_executable
-from pathlib import Path
 from typing import Any, NoReturn
 
 import numpy as np
 
 from ropeway.components.errors import InputError
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError, FmuVariableError
-from ropeway.fmu.importing.archive import unpack
 from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.importing.instance import KEPT, require_kind
 from ropeway.fmu.importing.interface import FmuInterface
@@ -48,12 +46,13 @@ class IsolatedSlave:
     def __init__(self, fmu: Fmu, name: str, kind: str, tolerance: float) -> None:
         require_kind(fmu, kind)
         self._fmu, self._name = fmu, name
-        self.time, self.ended = 0.0, None
+        self.time = 0.0
+        self.ended: str | None = None
         self._ahead = Ahead()
         self.log: list[str] = []
         folder = tempfile.mkdtemp(prefix="ropeway-")
         try:
-            unpack(fmu, Path(folder))
+            fmu.unpack(folder)
             self._process, self._socket = _started(folder)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)

@@ -14,6 +14,7 @@ from typing import Any
 
 from ropeway.components.errors import RopewayError
 from ropeway.fmu.errors import FmuError
+from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.local_slave import LocalSlave
 from ropeway.fmu.importing.slave_messages import Ahead, Answer, encoded, framed, received
 
@@ -77,8 +78,8 @@ class _Server:
         self._logged = slave.noted
         return Answer(slave.time, value, error, tuple(new), slave.ended)
 
-    def _open(self, *arguments: Any) -> list[bool]:
-        self._slave = slave = LocalSlave(*arguments, self._folder)
+    def _open(self, fmu: FmuInterface, name: str, kind: str, tolerance: float) -> list[bool]:
+        self._slave = slave = LocalSlave(fmu, name, kind, tolerance, self._folder)
         return [slave.can_restore, slave.can_interpolate, slave.varies_steps]
 
     def _step(self, *arguments: Any) -> Any:
@@ -105,7 +106,7 @@ def _attributes(error: Exception) -> dict[str, Any]:
     """What the session needs to raise an error again."""
     if not isinstance(error, RopewayError):
         return {"type": "FmuRunError", "cause": f"The FMU's process failed: {error!r}", "remedy": "", "fatal": True}
-    found = {"type": type(error).__name__, "cause": error.cause, "remedy": error.remedy}
+    found: dict[str, Any] = {"type": type(error).__name__, "cause": error.cause, "remedy": error.remedy}
     if isinstance(error, FmuError):
         found["variable"] = error.variable
     return found | {n: getattr(error, n) for n in ("time", "fatal") if hasattr(error, n)}
