@@ -8,7 +8,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.fmu import ArchiveLimits, FmuImportError, load
-from support.hostiles import hostile_fmu
+from support.hostiles import described, hostile_fmu
 
 
 @pytest.fixture
@@ -67,6 +67,22 @@ def test_a_binary_outside_the_folder(tmp_path: Path, text: Path, name: str) -> N
 def test_values_that_are_no_numbers(tmp_path: Path, text: Path, y1: str, cause: str) -> None:
     with pytest.raises(FmuImportError, match=cause):
         load(hostile_fmu(tmp_path / "value.fmu", text, y1=y1))
+
+
+ENTITIES = {
+    "expanding": "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10 if k else "x" * 10}">' for k in range(10)),
+    "external": '<!ENTITY e9 SYSTEM "file:///etc/passwd">',
+}
+
+
+@pytest.mark.parametrize("kind", ENTITIES)
+def test_entities_are_refused(tmp_path: Path, kind: str) -> None:
+    text = described(y1='description="&e9;"').replace("<fmi", f"<!DOCTYPE fmi [{ENTITIES[kind]}]><fmi", 1)
+    path = tmp_path / "entities.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+    with pytest.raises(FmuImportError, match="is not XML"):
+        load(path)
 
 
 def test_broken_archives(tmp_path: Path, text: Path) -> None:
