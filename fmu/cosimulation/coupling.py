@@ -137,14 +137,14 @@ class Coupling:
     def _read(self, name: str, values: np.ndarray) -> None:
         """Writes the outputs of a slave into `values`."""
         ends, slave = self._sources[name], self.slaves[name]
+        if not ends:
+            return
         found = slave.get(list(ends.values()))
         for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
             if not math.isfinite(value):
                 cause = f"{name}.{variable} is {value} at t = {slave.time:.9g} s"
                 raise FmuRunError(cause, "Check its inputs at that time", time=slave.time)
             values[i] = self._factors[i] * value + self._offsets[i]
-        if self._changes:
-            self._change(values)
 
     def _change(self, values: np.ndarray) -> None:
         """Writes the values of the scenario, which take precedence over connections."""
@@ -156,6 +156,7 @@ class Coupling:
         values = np.zeros(len(self.connections))
         for name in self.slaves:
             self._read(name, values)
+        self._change(values)
         return values
 
     def _inputs(self, name: str, values: np.ndarray) -> dict[str, float]:
@@ -287,6 +288,7 @@ class Coupling:
                 size = min(size, slave.time - self.time)
             if self.scheme.master == "Gauss-Seidel":
                 self._read(name, end)
+                self._change(end)
         return self._advance_slow(size) if self._slow else size
 
     def _advance_slow(self, size: float) -> float:
