@@ -22,7 +22,7 @@ def simulated() -> pd.DataFrame:
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_a_ramped_speed_at_coarse_steps(make: Any, simulated: pd.DataFrame, fmi: str) -> None:
-    """The master interpolates, and so does the FMU; with the mean of each step it would be off by 1e-3."""
+    """The master interpolates, and so does the FMU; with the mean of each step the speed is off by 3e-4."""
     path = make(f"ramped{fmi[0]}", short_line(drive=HYDRAULIC), fmi, tolerance=1e-8)
     together = CoSimulation(0.1)
     together.add("line", path)
