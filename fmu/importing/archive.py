@@ -52,8 +52,6 @@ class ArchiveLimits:
 
 def read_description(path: Path, limits: ArchiveLimits) -> tuple[bytes, str]:
     """The model description of an FMU, and the checksum of its contents. Raises FmuImportError."""
-    if not path.is_file():
-        raise FmuImportError(f"There is no file {path}", "Check the path")
     if not zipfile.is_zipfile(path):
         raise FmuImportError(f"{path.name} is not a zip archive", "Export the FMU again")
     try:

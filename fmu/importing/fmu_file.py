@@ -145,6 +145,8 @@ def load(
         check.positive(timeout, "load", "timeout", "s")
     limits = limits or ArchiveLimits()
     file = Path(path).absolute()  # the working folder may change before it is opened
+    if not file.is_file():
+        raise FmuImportError(f"There is no file {path}", "Check the path")
     text, checksum = read_description(file, limits)
     try:
         root = ElementTree.fromstring(text)
