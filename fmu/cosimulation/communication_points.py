@@ -17,8 +17,10 @@ def is_multiple(length: float, step: float) -> bool:
     return round(count) >= 1 and abs(count - round(count)) < 1e-6
 
 
-def require_steps(slaves: Mapping[str, OpenFmu], span: Span, scheme: Scheme, control: StepControl | None) -> None:
-    """Raises InputError if a slave does not accept the steps of a run."""
+def require_steps(
+    slaves: Mapping[str, OpenFmu], span: Span, slow: Mapping[str, float], scheme: Scheme, control: StepControl | None
+) -> None:
+    """Raises InputError if a slave does not accept the steps of a run; `slow`: steps of slow slaves [s]."""
     for name, slave in slaves.items():
         if scheme.iterated and not slave.can_restore:
             raise InputError(
@@ -29,10 +31,11 @@ def require_steps(slaves: Mapping[str, OpenFmu], span: Span, scheme: Scheme, con
             continue
         if control is not None:
             raise InputError(f"{name!r} accepts steps of one length only", "Leave out the step control")
-        if not is_multiple(span.until - span.start, span.step):
+        step = slow.get(name, span.step)
+        if not is_multiple(span.until - span.start, step):
             raise InputError(
                 f"{name!r} accepts steps of one length only, and {span.until - span.start:g} s are no whole number of "
-                f"steps of {span.step:g} s",
+                f"steps of {step:g} s",
                 "Choose another step, or another end of the run",
             )
 

@@ -290,14 +290,15 @@ class CoSimulation:
         with ExitStack() as stack:
             advance = stack.enter_context(bar("co-simulate", until, progress))
             slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            require_steps(slaves, span, self._scheme, self.control)
+            require_steps(slaves, span, driving.slow, self._scheme, self.control)
             coupling = Coupling(slaves, self._connections, self._scheme, driving, span)
             stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
             expected = 0 if stepper else int((until - start_time) / (every or self.step)) + len(driving.breaks) + 2
-            record, clock = Recorder(coupling, outputs, every, expected), Pace(pace, start_time)
+            record = Recorder(coupling, outputs, every, expected)
             with record.kept():
                 self._begin(coupling, until)
                 record.add(start_time)
+                clock = Pace(pace, start_time)
                 for time in points(coupling, stepper, driving, span):
                     record.add(time)
                     clock.wait(time)

@@ -88,7 +88,10 @@ class IsolatedSlave:
         if not names:
             return np.empty(0)
         found = self._ahead.values if self._ahead.names == tuple(names) else None
-        return np.array(self._call("get", names) if found is None else found)
+        values = np.array(self._call("get", names) if found is None else found)
+        if values.shape != (len(names),):
+            raise self._unreadable("get")
+        return values
 
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:
         return np.array(self._call("derivatives", outputs, inputs), dtype=float)
@@ -136,9 +139,19 @@ class IsolatedSlave:
             self.log += answer.log
             del self.log[: -2 * KEPT]
         if answer.error is not None:
-            attributes = dict(answer.error)
-            raise _ERRORS[attributes.pop("type")](**attributes)
+            raise self._passed_on(method, answer.error)
         return answer.value
+
+    def _passed_on(self, method: str, attributes: dict[str, Any]) -> FmuError | InputError:
+        """An error that the process has sent."""
+        try:
+            return _ERRORS[attributes["type"]](**{n: v for n, v in attributes.items() if n != "type"})
+        except (TypeError, KeyError):
+            return self._unreadable(method)
+
+    def _unreadable(self, method: str) -> FmuRunError:
+        cause = f"sent an answer to the call {method!r} that cannot be read"
+        return self._error(cause, "Its FMU may have damaged the memory of its process")
 
     def _send(self, message: bytes, what: str, limit: float | None) -> None:
         left = message
@@ -158,8 +171,7 @@ class IsolatedSlave:
         try:
             return decoded(message)
         except (ValueError, KeyError, TypeError) as error:
-            cause = f"sent an answer to the call {what!r} that cannot be read"
-            raise self._error(cause, "Its FMU may have damaged the memory of its process") from error
+            raise self._unreadable(what) from error
 
     def _waited(self, action: Callable[[Any], Any], argument: Any, what: str, limit: float | None) -> Any:
         """The result of an action on the socket, which gives up after `WAIT`. Raises FmuRunError, Interrupted."""
@@ -202,6 +214,7 @@ def _started(folder: str) -> tuple[subprocess.Popen[bytes], socket.socket]:
     name = "shared" if windows else str(theirs.fileno())
     main = _MAIN.format("ropeway.fmu.importing.slave_process")
     command = [get_executable(), "-c", main, name, folder, json.dumps(sys.path)]
+    process = None
     how: dict[str, Any] = {"pass_fds": () if windows else (theirs.fileno(),), "start_new_session": not windows}
     try:
         process = subprocess.Popen(command, stdin=subprocess.PIPE, **how)
@@ -211,6 +224,8 @@ def _started(folder: str) -> tuple[subprocess.Popen[bytes], socket.socket]:
             process.stdin.flush()  # type: ignore[union-attr]
     except BaseException:
         ours.close()
+        if process is not None:
+            process.kill()
         raise
     finally:
         theirs.close()

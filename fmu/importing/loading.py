@@ -79,11 +79,14 @@ class KeptWorkingFolder:
     """Around a call of an FMU, which may change the working folder; nothing is done while a thread loads a library."""
 
     __slots__ = ("_before",)
+    _before: str | None
 
     def __enter__(self) -> None:
-        self._before = None if _LOADING.locked() else os.getcwd()
+        self._before = None
+        with suppress(OSError):  # the folder may have been removed
+            self._before = None if _LOADING.locked() else os.getcwd()
 
     def __exit__(self, *_: object) -> None:
-        with suppress(OSError):  # the folder may no longer exist
+        with suppress(OSError):
             if self._before is not None and not _LOADING.locked() and os.getcwd() != self._before:
                 os.chdir(self._before)

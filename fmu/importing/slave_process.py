@@ -12,7 +12,7 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from ropeway.components.errors import RopewayError
+from ropeway.components.errors import InputError, RopewayError
 from ropeway.fmu.errors import FmuError
 from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.local_slave import LocalSlave
@@ -106,7 +106,9 @@ def _attributes(error: Exception) -> dict[str, Any]:
     """What the session needs to raise an error again."""
     if not isinstance(error, RopewayError):
         return {"type": "FmuRunError", "cause": f"The FMU's process failed: {error!r}", "remedy": "", "fatal": True}
-    found: dict[str, Any] = {"type": type(error).__name__, "cause": error.cause, "remedy": error.remedy}
+    kind = "InputError" if isinstance(error, InputError) else "FmuRunError"
+    kind = type(error).__name__ if isinstance(error, FmuError) else kind
+    found: dict[str, Any] = {"type": kind, "cause": error.cause, "remedy": error.remedy}
     if isinstance(error, FmuError):
         found["variable"] = error.variable
     return found | {n: getattr(error, n) for n in ("time", "fatal") if hasattr(error, n)}
