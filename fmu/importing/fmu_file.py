@@ -150,7 +150,7 @@ def load(
     text, checksum = read_description(file, limits)
     try:
         root = ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # also unknown encodings
         raise FmuImportError(f"modelDescription.xml of {file.name} is not XML: {error}", "Export it again") from error
     version = root.get("fmiVersion", "?")
     if version != "2.0" and not version.startswith("3.0"):

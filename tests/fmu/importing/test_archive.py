@@ -69,6 +69,14 @@ def test_values_that_are_no_numbers(tmp_path: Path, text: Path, y1: str, cause: 
         load(hostile_fmu(tmp_path / "value.fmu", text, y1=y1))
 
 
+def test_an_unknown_encoding(tmp_path: Path) -> None:
+    path = tmp_path / "encoding.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", described().replace("UTF-8", "unknown"))
+    with pytest.raises(FmuImportError, match="is not XML: unknown encoding"):
+        load(path)
+
+
 ENTITIES = {
     "expanding": "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10 if k else "x" * 10}">' for k in range(10)),
     "external": '<!ENTITY e9 SYSTEM "file:///etc/passwd">',
