@@ -7,7 +7,7 @@ import tempfile
 import weakref
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -16,6 +16,7 @@ import pandas as pd
 from ropeway.components import check, units
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.fmu.cosimulation import ssp_exchange
 from ropeway.fmu.cosimulation.coupling import Coupling, Master, Scheme
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
 from ropeway.fmu.cosimulation.input_signals import Inputs, Signal, next_break, signals
@@ -27,6 +28,8 @@ from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
 from ropeway.fmu.importing.participant import OpenFmu, require_connectable
 from ropeway.fmu.importing.variable_types import Value, fits
+from ropeway.fmu.ssp.reading import SspSystem, read_ssp
+from ropeway.fmu.ssp.writing import write_ssp
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
@@ -92,8 +95,11 @@ class CoSimulation:
         self._scheme = Scheme(master, iterated, tolerance, iterations)
         self._participants: dict[str, _Participant] = {}
         self._connections: list[Connection] = []
+        self.start_time = 0.0
+        self.stop_time: float | None = None
         self._folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._own_folders = {self._folder}
 
     def add(
         self,
@@ -149,15 +155,21 @@ class CoSimulation:
         self._participants[name] = _Participant(fmu, kind, values, open_inputs)
         return fmu
 
-    def connect(self, source: str, target: str) -> Connection:
+    def connect(
+        self, source: str, target: str, *, factor: float = 1.0, offset: float = 0.0, convert_units: bool = True
+    ) -> Connection:
         """Connect an output to an input.
 
-        Units are converted. A Boolean or an integer may drive a number.
+        A Boolean or an integer may drive a number.
 
         Parameters
         ----------
         source, target : str
             Output and input, "slave.variable" each.
+        factor, offset : float, default 1 and 0
+            The input is factor times the converted output plus offset; real variables only.
+        convert_units : bool, default True
+            Whether values are converted from the unit of the output to that of the input first.
 
         Returns
         -------
@@ -188,13 +200,140 @@ class CoSimulation:
                 "Connect variables of the same kind, or enumerations with the same items",
                 ends[1][1],
             )
-        conversion = _conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
+        check.number(factor, "connect", "factor")
+        check.number(offset, "connect", "offset")
+        real = one.kind == other.kind == "Real"
+        if (factor, offset) != (1.0, 0.0) and not real:
+            raise FmuVariableError(f"{target!r} is driven by a value that cannot be scaled", "Scale real values only")
+        unit = _conversion(*ends[0], *ends[1]) if real and convert_units else (1.0, 0.0)
+        if (factor, offset) != (1.0, 0.0):
+            unit = factor * unit[0], factor * unit[1] + offset
         held = one.kind != "Real" or not other.continuous
-        connection = Connection(source, target, *conversion, held)
+        connection = Connection(source, target, *unit, held)
         self._connections.append(connection)
         return connection
 
     @interruptible
+    def to_ssp(
+        self, path: str | Path, *, until: float | None = None, start_time: float = 0.0, embed: bool = True
+    ) -> Path:
+        """Write the FMUs, their start values and connections as a system structure (SSP 1.0).
+
+        Other tools read it; `from_ssp` reads the settings of the master as well. Inputs over time are not part of it.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write; it ends in .ssp.
+        until, start_time : float, optional
+            Times of the default experiment [s].
+        embed : bool, default True
+            Whether the FMUs are in the file; otherwise it refers to them by their paths. FMUs without a file of their
+            own, as of systems of this library, are always in it.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            An invalid path or time, or no slave.
+        WriteError
+            The file could not be written.
+
+        Examples
+        --------
+        >>> master.to_ssp("yard.ssp", until=60.0)
+        """
+        target = Path(path)
+        if target.suffix != ".ssp":
+            raise InputError(f"{str(path)!r} does not end in .ssp", f"Rename it to {target.stem or 'yard'}.ssp")
+        if not target.parent.is_dir():
+            raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
+        if not self._participants:
+            raise InputError("There is no slave", "Add FMUs or systems")
+        for name, value in (("until", until), ("start_time", start_time)):
+            if value is not None:
+                check.number(value, "to_ssp", name, "s")
+        slaves = tuple(
+            ssp_exchange.slave(name, p.fmu, p.kind, p.start, {"open": list(p.open)})
+            for name, p in self._participants.items()
+        )
+        connections = tuple(ssp_exchange.connection(c, self._units_of(c)) for c in self._connections)
+        settings = ssp_exchange.settings_of(self.step, self._scheme, self.control)
+        system = SspSystem(slaves, connections, start_time, until, settings)
+        kept = {s.fmu.path for s in slaves if embed or not self._own_folders.isdisjoint(s.fmu.path.parents)}
+        write_ssp(system, target, name=target.stem, embedded=kept)
+        return target
+
+    def _units_of(self, connection: Connection) -> tuple[float, float]:
+        """Factor and offset of the units of a connection; (1, 0) unless both ends are real."""
+        ends = [
+            (self._participants[e.split(".", 1)[0]].fmu, e.split(".", 1)[1])
+            for e in (connection.source, connection.target)
+        ]
+        if any(fmu.entry(variable).kind != "Real" for fmu, variable in ends):
+            return 1.0, 0.0
+        try:
+            return _conversion(*ends[0], *ends[1])
+        except FmuVariableError:  # connected without a conversion
+            return 0.0, 0.0
+
+    @classmethod
+    def from_ssp(cls, path: str | Path, *, step: float | None = None) -> CoSimulation:
+        """Read a system structure (SSP).
+
+        Systems within systems become slaves with joined names: `winch.drum` becomes `winch_drum`. Values of parameter
+        sets that fit no variable are ignored, with a `RopewayWarning`.
+
+        Parameters
+        ----------
+        path : str or Path
+            A file .ssp, or .ssd with its FMUs beside it; of version 1.0 or 2.0.
+        step : float, optional
+            Communication step [s]; by default that of `to_ssp`, or the smallest one that an FMU suggests.
+
+        Returns
+        -------
+        CoSimulation
+            Its FMUs, start values and connections; with the master's settings, if `to_ssp` has written it. `start_time`
+            and `stop_time` are those of the default experiment [s].
+
+        Raises
+        ------
+        InputError
+            No step is known.
+        FmuImportError
+            The file, or an FMU in it, cannot be used.
+        FmuVariableError
+            A connection or parameter value does not fit its variables.
+
+        Examples
+        --------
+        >>> rw.fmu.CoSimulation.from_ssp("yard.ssp").run(60.0)
+        """
+        folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
+        try:
+            system = read_ssp(path, folder)
+            made = cls(**ssp_exchange.arguments_of(system, step))
+            for one in system.slaves:
+                options = ssp_exchange.options_of(one)
+                opened = tuple(options.pop("open", ()))
+                made.add(one.name, one.fmu, kind=one.kind, start=one.start, **options)  # type: ignore[arg-type]
+                made._participants[one.name] = replace(made._participants[one.name], open=opened)
+            for c in system.connections:
+                scale = {} if c.plain else {"factor": c.factor, "offset": c.offset, "convert_units": False}
+                made.connect(c.source, c.target, **scale)  # type: ignore[arg-type]
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
+        made._own_folders.add(folder)
+        made.start_time, made.stop_time = system.start_time or 0.0, system.stop_time
+        return made
+
     def run(
         self,
         until: float,

@@ -63,6 +63,10 @@ def methods() -> dict[str, Callable[[], Call]]:
             master.add("line", exported_line())
         return Call(getattr(master, name), arguments)
 
+    def structure() -> Call:
+        path = cosimulation("to_ssp", path=folder() / "read.ssp").function(folder() / "read.ssp")
+        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5})
+
     def slave(name: str, /, **arguments: Any) -> Call:
         one = rw.fmu.Slave(fmu())
         if name != "enter":
@@ -194,7 +198,13 @@ def methods() -> dict[str, Callable[[], Call]]:
         "fmu.CoSimulation.add": lambda: cosimulation(
             "add", name="span", participant=exported(), kind="CoSimulation", start={}
         ),
-        "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
+        "fmu.CoSimulation.connect": lambda: cosimulation(
+            "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
+        ),
+        "fmu.CoSimulation.from_ssp": structure,
+        "fmu.CoSimulation.to_ssp": lambda: cosimulation(
+            "to_ssp", path=folder() / "yard.ssp", until=1.0, start_time=0.0, embed=False
+        ),
         "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
         "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
         "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
