@@ -62,12 +62,12 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update)
 {
-    (void)resources, (void)visible, (void)earlyReturnAllowed, (void)required, (void)nRequired, (void)update;
-    if (eventModeUsed) {
-        if (log) log(environment, fmi3Error, "logStatusError", "This FMU has no event mode in Co-Simulation");
-        return NULL;
-    }
-    return instantiate(name, token, logging, environment, log, 1);
+    instance_data *i = instantiate(name, token, logging, environment, log, 1);
+    (void)resources, (void)visible, (void)required, (void)nRequired, (void)update;
+    if (!i) return NULL;
+    i->core.has_event_mode = eventModeUsed;
+    i->core.stops_at_events = eventModeUsed && earlyReturnAllowed;
+    return i;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -85,8 +85,8 @@ void fmi3FreeInstance(fmi3Instance c) { free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean stopDefined, fmi3Float64 stop)
 {
-    (void)toleranceDefined, (void)tolerance, (void)stopDefined, (void)stop;
     NEEDS(MODE == RW_INSTANTIATED, "EnterInitializationMode");
+    rw_experiment(CORE, toleranceDefined, tolerance, stopDefined, stop);
     CORE->start_time = start;
     if (rw_set_time(CORE, start) != RW_OK) return fmi3Error;
     MODE = RW_INITIALIZATION;
@@ -248,8 +248,9 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n)
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
-    NEEDS(0, "EnterStepMode");
-    return fmi3Error;
+    NEEDS(MODE == RW_EVENT && CORE->co_simulation, "EnterStepMode");
+    MODE = RW_STEP;
+    return fmi3OK;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean noSetPrior, fmi3Boolean *eventNeeded,
@@ -261,5 +262,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     *eventNeeded = *terminate = *early = fmi3False;
     status = do_step(c, time, size);
     *last = CORE->s.now.t;
+    *eventNeeded = status <= fmi3Warning && CORE->has_event_mode && CORE->event;
+    *early = *eventNeeded && CORE->s.now.t < time + size;
     return status;
 }
