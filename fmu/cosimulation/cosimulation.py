@@ -6,7 +6,6 @@ import shutil
 import tempfile
 import weakref
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -16,25 +15,26 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.fmu.cosimulation.communication_points import is_multiple, points, require_steps
-from ropeway.fmu.cosimulation.coupling import Coupling, Driving, Master, Scheme, Span
+from ropeway.fmu.cosimulation import ssp_exchange
+from ropeway.fmu.cosimulation.communication_points import is_multiple
+from ropeway.fmu.cosimulation.coupling import Master, Scheme, Span
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
-from ropeway.fmu.cosimulation.input_signals import Inputs, signals
-from ropeway.fmu.cosimulation.pacing import Pace
+from ropeway.fmu.cosimulation.input_signals import Inputs
 from ropeway.fmu.cosimulation.participants import Participant, conversion, started
-from ropeway.fmu.cosimulation.recording import Recorder
-from ropeway.fmu.cosimulation.scenario import Scenario, changes
-from ropeway.fmu.cosimulation.step_control import StepControl, Stepper
+from ropeway.fmu.cosimulation.run import Request, Run
+from ropeway.fmu.cosimulation.scenario import Scenario
+from ropeway.fmu.cosimulation.step_control import StepControl
 from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting.export import export
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
-from ropeway.fmu.importing.participant import OpenFmu, require_connectable
+from ropeway.fmu.importing.participant import require_connectable
 from ropeway.fmu.importing.variable_types import fits
+from ropeway.fmu.ssp.reading import SspSystem, read_ssp
+from ropeway.fmu.ssp.writing import write_ssp
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
-from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -86,8 +86,11 @@ class CoSimulation:
         self._scheme = Scheme(master, iterated, tolerance, iterations)
         self._participants: dict[str, Participant] = {}
         self._connections: list[Connection] = []
+        self.start_time = 0.0
+        self.stop_time: float | None = None
         self._folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._own_folders = {self._folder}
 
     def add(
         self,
@@ -172,15 +175,21 @@ class CoSimulation:
             )
         return step if step > 1.5 * self.step else None
 
-    def connect(self, source: str, target: str) -> Connection:
+    def connect(
+        self, source: str, target: str, *, factor: float = 1.0, offset: float = 0.0, convert_units: bool = True
+    ) -> Connection:
         """Connect an output to an input.
 
-        Units are converted. A Boolean or an integer may drive a number.
+        A Boolean or an integer may drive a number.
 
         Parameters
         ----------
         source, target : str
             Output and input, "slave.variable" each.
+        factor, offset : float, default 1 and 0
+            The input is factor times the converted output plus offset; real variables only.
+        convert_units : bool, default True
+            Whether values are converted from the unit of the output to that of the input first.
 
         Returns
         -------
@@ -211,11 +220,122 @@ class CoSimulation:
                 "Connect variables of the same kind, or enumerations with the same items",
                 ends[1][1],
             )
-        converted = conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
+        check.number(factor, "connect", "factor")
+        check.number(offset, "connect", "offset")
+        real = one.kind == other.kind == "Real"
+        if (factor, offset) != (1.0, 0.0) and not real:
+            raise FmuVariableError(f"{target!r} is driven by a value that cannot be scaled", "Scale real values only")
+        unit = conversion(*ends[0], *ends[1]) if real and convert_units else (1.0, 0.0)
+        if (factor, offset) != (1.0, 0.0):
+            unit = factor * unit[0], factor * unit[1] + offset
         held = one.kind != "Real" or not other.continuous
-        connection = Connection(source, target, *converted, held)
+        connection = Connection(source, target, *unit, held)
         self._connections.append(connection)
         return connection
+
+    def to_ssp(
+        self, path: str | Path, *, until: float | None = None, start_time: float = 0.0, embed: bool = True
+    ) -> Path:
+        """Write the FMUs, their start values and connections as a system structure (SSP 1.0).
+
+        Other tools read it; `from_ssp` reads the settings of the master as well. Inputs over time are not part of it.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write; it ends in .ssp.
+        until, start_time : float, optional
+            Times of the default experiment [s].
+        embed : bool, default True
+            Whether the FMUs are in the file; otherwise it refers to them by their paths. FMUs without a file of their
+            own, as of systems of this library, are always in it.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            An invalid path or time, or no slave.
+        WriteError
+            The file could not be written.
+
+        Examples
+        --------
+        >>> master.to_ssp("yard.ssp", until=60.0)
+        """
+        target = Path(path)
+        if target.suffix != ".ssp":
+            raise InputError(f"{str(path)!r} does not end in .ssp", f"Rename it to {target.stem or 'yard'}.ssp")
+        if not target.parent.is_dir():
+            raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
+        if not self._participants:
+            raise InputError("There is no slave", "Add FMUs or systems")
+        for name, value in (("until", until), ("start_time", start_time)):
+            if value is not None:
+                check.number(value, "to_ssp", name, "s")
+        slaves = tuple(ssp_exchange.slave(name, p) for name, p in self._participants.items())
+        connections = tuple(ssp_exchange.connection(c, self._participants) for c in self._connections)
+        settings = ssp_exchange.settings_of(self.step, self._scheme, self.control)
+        system = SspSystem(slaves, connections, start_time, until, settings)
+        kept = {s.fmu.path for s in slaves if embed or not self._own_folders.isdisjoint(s.fmu.path.parents)}
+        write_ssp(system, target, name=target.stem, embedded=kept)
+        return target
+
+    @classmethod
+    def from_ssp(cls, path: str | Path, *, step: float | None = None) -> CoSimulation:
+        """Read a system structure (SSP).
+
+        Systems within systems become slaves with joined names: `winch.drum` becomes `winch_drum`. Values of parameter
+        sets that fit no variable are ignored, with a `RopewayWarning`.
+
+        Parameters
+        ----------
+        path : str or Path
+            A file .ssp, or .ssd with its FMUs beside it; of version 1.0 or 2.0.
+        step : float, optional
+            Communication step [s]; by default that of `to_ssp`, or the smallest one that an FMU suggests.
+
+        Returns
+        -------
+        CoSimulation
+            Its FMUs, start values and connections; with the master's settings, if `to_ssp` has written it. `start_time`
+            and `stop_time` are those of the default experiment [s].
+
+        Raises
+        ------
+        InputError
+            No step is known.
+        FmuImportError
+            The file, or an FMU in it, cannot be used.
+        FmuVariableError
+            A connection or parameter value does not fit its variables.
+
+        Examples
+        --------
+        >>> rw.fmu.CoSimulation.from_ssp("yard.ssp").run(60.0)
+        """
+        folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
+        try:
+            system = read_ssp(path, folder)
+            made = cls(**ssp_exchange.arguments_of(system, step))
+            for one in system.slaves:
+                options = ssp_exchange.options_of(one)
+                opened = tuple(options.pop("open", ()))
+                made.add(one.name, one.fmu, kind=one.kind, start=one.start, **options)  # type: ignore[arg-type]
+                made._participants[one.name] = replace(made._participants[one.name], open=opened)
+            for c in system.connections:
+                scale = {} if c.plain else {"factor": c.factor, "offset": c.offset, "convert_units": False}
+                made.connect(c.source, c.target, **scale)  # type: ignore[arg-type]
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
+        made._own_folders.add(folder)
+        made.start_time, made.stop_time = system.start_time or 0.0, system.stop_time
+        return made
 
     @interruptible
     def run(
@@ -280,59 +400,5 @@ class CoSimulation:
             An FMU failed, or the user interrupted; `result` has the rows up to then.
         """
         span = Span(float(start_time), float(until), self.step)
-        span.require()
-        if not self._participants:
-            raise InputError("There is no slave", "Add FMUs or systems")
-        for name, value in (("every", every), ("pace", pace)):
-            if value is not None:
-                check.positive(value, "run", name)
-        driving = self._driving(inputs, scenario, until)
-        with ExitStack() as stack:
-            advance = stack.enter_context(bar("co-simulate", until, progress))
-            slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            require_steps(slaves, span, driving.slow, self._scheme, self.control)
-            coupling = Coupling(slaves, self._connections, self._scheme, driving, span)
-            stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
-            expected = 0 if stepper else int((until - start_time) / (every or self.step)) + len(driving.breaks) + 2
-            record = Recorder(coupling, outputs, every, expected)
-            with record.kept():
-                self._begin(coupling, until)
-                record.add(start_time)
-                clock = Pace(pace, start_time)
-                for time in points(coupling, stepper, driving, span):
-                    record.add(time)
-                    clock.wait(time)
-                    advance(time)
-                if coupling.aligned:
-                    record.finish(coupling.time)
-            frame = record.frame()
-        if stepper is not None:
-            frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
-        if pace is not None:
-            frame.attrs["late"] = clock.late
-        return frame
-
-    def _driving(self, inputs: Inputs | None, scenario: Scenario | None, until: float) -> Driving:
-        """What drives the slaves from outside. Raises InputError if an input is open or driven twice."""
-        fmus = {name: p.fmu for name, p in self._participants.items()}
-        driving = signals({} if inputs is None else inputs, fmus, until)
-        connected = {c.target for c in self._connections}
-        if twice := connected & driving.keys():
-            raise InputError(f"{min(twice)!r} is already driven", "An input takes a connection or values over time")
-        for name, participant in self._participants.items():
-            for entry in participant.open:
-                if entry not in participant.start and f"{name}.{entry}" not in connected | driving.keys():
-                    raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
-        found = {} if scenario is None else changes(scenario, fmus, connected)
-        if twice := found.keys() & driving.keys():
-            raise InputError(f"{min(twice)!r} is in the inputs and in the scenario", "Change it in one of them")
-        return Driving(driving, found, {name: p.step for name, p in self._participants.items() if p.step is not None})
-
-    def _begin(self, coupling: Coupling, until: float) -> None:
-        """Initialises all slaves. Raises FmuRunError."""
-        for name, slave in coupling.slaves.items():
-            slave.enter(coupling.time, self._participants[name].start, until)
-        coupling.initialise()
-        for slave in coupling.slaves.values():
-            slave.leave()
-        coupling.exchange()
+        run = Run(self._participants, self._connections, self._scheme, self.control, span)
+        return run.rows(Request(inputs, scenario, outputs, every, pace), progress)

@@ -38,6 +38,10 @@ class Span:
             raise InputError(f"run: until is {self.until!r} s", f"It must be above the start time, {self.start:g} s")
         check.count((self.until - self.start) / self.step, "run", "steps")
 
+    def count(self, every: float | None) -> int:
+        """Number of rows, one `every` so many seconds or at each communication point, and that of the end."""
+        return int((self.until - self.start) / max(every or 0.0, self.step)) + 2
+
     def point(self, i: int) -> float:
         """Time of communication point i."""
         return self.until if i >= (self.until - self.start) / self.step - 1e-9 else self.start + i * self.step

@@ -38,7 +38,7 @@ class About:
 def model_description(fmi: str, about: About, interface: Interface, sources: Sequence[str]) -> bytes:
     """modelDescription.xml of FMI version `fmi`; `sources`: C files to compile."""
     root = _fmi2(about, interface, sources) if fmi == "2.0" else _fmi3(about, interface)
-    return _written(root)
+    return written(root)
 
 
 def build_description(about: About, sources: Sequence[str]) -> bytes:
@@ -49,10 +49,11 @@ def build_description(about: About, sources: Sequence[str]) -> bytes:
     for name in sources:
         ElementTree.SubElement(files, "SourceFile", name=name)
     ElementTree.SubElement(build, "Library", name="m")
-    return _written(root)
+    return written(root)
 
 
-def _written(root: ElementTree.Element) -> bytes:
+def written(root: ElementTree.Element) -> bytes:
+    """A document with indentation."""
     ElementTree.indent(root)
     written: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return written
@@ -155,8 +156,12 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
     # A carriage continues from the last accepted step.
     accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
     ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
-    steps = {"canHandleVariableCommunicationStepSize": True, "providesIntermediateUpdate": True}
-    ElementTree.SubElement(root, "CoSimulation", _attributes(**can, **steps))
+    own = {
+        "canHandleVariableCommunicationStepSize": True,
+        "providesIntermediateUpdate": True,
+        "hasEventMode": True,
+    }
+    ElementTree.SubElement(root, "CoSimulation", _attributes(**can, **own))
     _common(root, about, interface)
     by_name = {v.name: v for v in interface.variables}
     variables = ElementTree.SubElement(root, "ModelVariables")

@@ -23,9 +23,23 @@ enum {
 
 enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
 
+/* Name of a variable for messages. */
+static const char *name_of(unsigned vr)
+{
+    return vr < END && rw_variable_name[vr][0] ? rw_variable_name[vr] : "without a name";
+}
+
+/* What the importer says of its run. */
+void rw_experiment(rw_instance *m, int tolerance_defined, double tolerance, int stop_defined, double stop)
+{
+    m->tolerance = tolerance_defined && tolerance > 0.0 ? fmin(fmax(tolerance, 1e-10), 1e-2) : RW_TOLERANCE;
+    m->stop_time = stop_defined ? stop : INFINITY;
+}
+
 void rw_reset(rw_instance *m)
 {
     rw_state *s = &m->s;
+    rw_experiment(m, 0, 0.0, 0, 0.0);
     memset(s, 0, sizeof *s);
     s->mode = RW_INSTANTIATED;
     s->now.t = m->start_time;
@@ -109,6 +123,9 @@ rw_status rw_up_to_date(rw_instance *m)
     if (m->s.mode <= RW_INITIALIZATION) {
         rw_status status = apply_start_values(m);
         if (status != RW_OK) return status;
+    } else {
+        rw_status status = rw_look_ahead(m);
+        if (status != RW_OK) return status;
     }
     return rw_show(m);
 }
@@ -132,7 +149,7 @@ static rw_status unknown(rw_instance *m, unsigned vr)
 
 static rw_status not_now(rw_instance *m, unsigned vr)
 {
-    rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
+    rw_message(m, RW_ERROR, "logStatusError", "The variable %s cannot be set now", name_of(vr));
     return RW_ERROR;
 }
 
@@ -170,7 +187,7 @@ static int in_range(rw_instance *m, unsigned vr, double value)
     double least = known ? rw_least[vr - P] : 0.0, most = known ? rw_most[vr - P] : INFINITY;
     const char *wanted = value > most ? "be at most" : above ? "be above" : "not be below";
     if (value > least || (!above && value == least)) if (value <= most) return 1;
-    rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must %s %g", vr, wanted, value > most ? most : least);
+    rw_message(m, RW_ERROR, "logStatusError", "The value for %s must %s %g", name_of(vr), wanted, value > most ? most : least);
     return 0;
 }
 
@@ -179,16 +196,22 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     int access = vr < LIMIT ? rw_access[vr] : HIDDEN, initialising = m->s.mode <= RW_INITIALIZATION;
     if (access == HIDDEN) return unknown(m, vr);
     if (!isfinite(value)) {
-        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The value for %s is not finite", name_of(vr));
         return RW_ERROR;
     }
     if (access == PARAMETER && !in_range(m, vr, value)) return RW_ERROR;
     if (access == INPUT) {
         if (m->s.u[vr - U] == value) return RW_OK;
         m->s.u[vr - U] = value;
+        m->s.ahead.kept = 0;
+        m->s.ahead.stale = 1;
     } else if (access == PARAMETER && initialising) {
         *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
         m->s.known = 0;
+    } else if (access == PARAMETER && rw_tunable[vr - P] && (m->s.mode == RW_EVENT || m->s.mode == RW_STEP)) {
+        *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
+        m->s.lu.valid = 0;
+        if (vr >= MASS) rw_write_slots(m);
     } else if (access == STATE && (initialising || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
         m->s.now.x[vr - X] = value;
         if (initialising) m->s.known = 0;
@@ -275,7 +298,7 @@ rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
         m->dt = seed;
         rw_input_rates(m->s.now.t, seed, m->du);
     } else {
-        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u is not an input, a state or a parameter", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The variable %s (value reference %u) is not an input, a state or a parameter", name_of(vr), vr);
         return RW_ERROR;
     }
     return RW_OK;
@@ -289,7 +312,7 @@ rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
     else if (vr >= Z && vr < U) *value = m->dz[vr - Z];
     else if (vr >= Y && vr < EI) *value = m->dy[vr - Y];
     else {
-        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u has no derivatives", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The variable %s (value reference %u) has no derivatives", name_of(vr), vr);
         return RW_ERROR;
     }
     return RW_OK;

@@ -64,6 +64,10 @@ def methods() -> dict[str, Callable[[], Call]]:
             master.add("line", exported_line())
         return Call(getattr(master, name), arguments)
 
+    def structure() -> Call:
+        path = cosimulation("to_ssp", path=folder() / "read.ssp").function(folder() / "read.ssp")
+        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5})
+
     def slave(name: str, /, **arguments: Any) -> Call:
         one = rw.fmu.Slave(fmu())
         if name != "enter":
@@ -197,7 +201,13 @@ def methods() -> dict[str, Callable[[], Call]]:
             "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False,
             timeout=9.0, step=0.5,
         ),
-        "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
+        "fmu.CoSimulation.connect": lambda: cosimulation(
+            "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
+        ),
+        "fmu.CoSimulation.from_ssp": structure,
+        "fmu.CoSimulation.to_ssp": lambda: cosimulation(
+            "to_ssp", path=folder() / "yard.ssp", until=1.0, start_time=0.0, embed=False
+        ),
         "fmu.CoSimulation.run": lambda: cosimulation(
             "run", until=1.0, start_time=0.0, inputs={}, progress=False, scenario=changes,
             outputs=["span.a.tension"], every=0.5, pace=100.0,

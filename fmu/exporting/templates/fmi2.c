@@ -77,8 +77,8 @@ void fmi2FreeInstance(fmi2Component c)
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stopDefined, fmi2Real stop)
 {
-    (void)toleranceDefined, (void)tolerance, (void)stopDefined, (void)stop;
     NEEDS(MODE == RW_INSTANTIATED, "SetupExperiment");
+    rw_experiment(CORE, toleranceDefined, tolerance, stopDefined, stop);
     CORE->start_time = start;
     return (fmi2Status)rw_set_time(CORE, start);
 }

@@ -208,3 +208,12 @@ def test_singular_loops_are_errors(hostile: Path, hostile_binary: Path, tmp_path
     chain.connect("a.y1", "a.u3")
     chain.connect("a.y2", "a.u1")
     assert chain.run(0.2)["a.y3"].tolist() == pytest.approx([2.0] * 3)
+
+
+def test_a_structure_keeps_isolation_and_rates(kinds2: Path, tmp_path: Path) -> None:
+    together = CoSimulation(0.1)
+    together.add("a", kinds2, isolated=True, timeout=7.0)
+    together.add("b", kinds2, step=0.5)
+    again = CoSimulation.from_ssp(together.to_ssp(tmp_path / "both.ssp"))
+    kept = {name: (p.fmu.isolated, p.fmu.timeout, p.step) for name, p in again._participants.items()}
+    assert kept == {"a": (True, 7.0, None), "b": (False, 60.0, 0.5)}
