@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation.coupling import Coupling, Driving, Scheme, Span
 from ropeway.fmu.cosimulation.input_signals import next_break
@@ -15,6 +16,19 @@ def is_multiple(length: float, step: float) -> bool:
     """Whether a length is a whole number of steps."""
     count = length / step
     return round(count) >= 1 and abs(count - round(count)) < 1e-6
+
+
+def multiple(name: str, step: float | None, master: float) -> float | None:
+    """The step of a slow slave, None if it takes that of the master [s]. Raises InputError if it is no multiple."""
+    if step is None:
+        return None
+    check.positive(step, f"Slave {name!r}", "step", "s")
+    if not is_multiple(step, master):
+        raise InputError(
+            f"Slave {name!r} has steps of {step:g} s, which is no multiple of {master:g} s",
+            "Give the master the shortest step",
+        )
+    return step if step > 1.5 * master else None
 
 
 def require_steps(

@@ -16,7 +16,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation import ssp_exchange
-from ropeway.fmu.cosimulation.communication_points import is_multiple
+from ropeway.fmu.cosimulation.communication_points import multiple
 from ropeway.fmu.cosimulation.coupling import Master, Scheme, Span
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
 from ropeway.fmu.cosimulation.input_signals import Inputs
@@ -158,22 +158,11 @@ class CoSimulation:
             kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
         require_kind(fmu, kind)
         fmu, values = started(fmu, name, start or {})
-        self._participants[name] = Participant(fmu, kind, values, open_inputs, self._own_step(name, step))
-        return fmu
-
-    def _own_step(self, name: str, step: float | None) -> float | None:
-        """Raises InputError."""
-        if step is None:
-            return None
-        check.positive(step, f"Slave {name!r}", "step", "s")
-        if self._scheme.iterated or self.control is not None:
+        if step is not None and (self._scheme.iterated or self.control is not None):
             raise InputError(f"Slave {name!r} has a step of its own", "Use iterated=False without a step control")
-        if not is_multiple(step, self.step):
-            raise InputError(
-                f"Slave {name!r} has steps of {step:g} s, which is no multiple of {self.step:g} s",
-                "Give the master the shortest step",
-            )
-        return step if step > 1.5 * self.step else None
+        own_step = multiple(name, step, self.step)
+        self._participants[name] = Participant(fmu, kind, values, open_inputs, own_step)
+        return fmu
 
     def connect(
         self, source: str, target: str, *, factor: float = 1.0, offset: float = 0.0, convert_units: bool = True
