@@ -25,6 +25,7 @@ from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
 from ropeway.fmu.exporting.interface import Interface
+from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
@@ -79,10 +80,11 @@ def export(
     parameters : sequence of str, optional
         Names of the parameters; by default all, and the masses of the loads.
     platforms : sequence of str, default ("host",)
-        Platforms of the binaries: "host", "x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-macos",
-        "aarch64-macos"; () for sources only.
+        Platforms of the binaries: "host", "x86_64-linux", "aarch64-linux", "x86-linux", "x86_64-windows",
+        "x86-windows", "x86_64-macos", "aarch64-macos"; () for sources only.
     tolerance : float, default 1e-6
-        Tolerance of the integrator in Co-Simulation, relative and absolute on scaled variables.
+        Tolerance of the integrator in Co-Simulation, relative and absolute on scaled variables, unless the importer
+        gives one.
     station : float, optional
         Start of the carriage of a skyline rig [m]; by default the middle of the first span.
     payload : float, optional
@@ -159,8 +161,15 @@ def _content(
         "documentation/index.html": documentation.page(about, interface, seen if rest.runs else None).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         "sources/buildDescription.xml": model_description.build_description(about, compiled),
+        **_terminals(interface, fmi),
         **_binaries(sources, compiled, fmi, about.identifier, platforms),
     }
+
+
+def _terminals(interface: Interface, fmi: str) -> dict[str, bytes]:
+    """The terminals of FMI 3.0."""
+    found = terminals(interface) if fmi == "3.0" else []
+    return {"terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(found)} if found else {}
 
 
 def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:

@@ -37,6 +37,8 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     tables.integers("switch", equations.switches.values())
     tables.integers("switch_shown", [name in interface.inputs for name in equations.switches])
     tables.integers("access", _access(interface))
+    tables.integers("tunable", [interface.is_tunable(name) for name in (*m.p.names, *interface.mass_names)])
+    tables.texts("variable_name", _names(interface))
     _schedules(tables, interface)
     _runs(tables, interface)
     _limits(tables, m, interface)
@@ -77,6 +79,14 @@ def _access(interface: Interface) -> np.ndarray:
             access[v.reference] = {"parameter": _PARAMETER, "input": _INPUT}.get(v.causality, _READ)
     access[first.x : first.dx] = _STATE
     return access
+
+
+def _names(interface: Interface) -> list[str]:
+    """Name of each variable by its reference, "" if it is not exported."""
+    names = [""] * interface.first.end
+    for v in interface.variables:
+        names[v.reference] = v.name
+    return names
 
 
 def _schedules(tables: Tables, interface: Interface) -> None:

@@ -26,7 +26,7 @@ int rw_all_finite(const double *v, int n)
 /* Inputs at a time: those of the FMU, and piecewise linear schedules. */
 void rw_inputs_at(rw_instance *m, double t, double *u)
 {
-    memcpy(u, m->s.u, sizeof m->s.u);
+    for (int i = 0; i < RW_NU; i++) u[i] = m->s.u[i] + m->s.slope[i] * (t - m->s.slope_from);
     for (int i = 0; i < RW_NS; i++) {
         const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
         int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;

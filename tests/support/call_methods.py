@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 import ropeway as rw
 from support.call_objects import (
@@ -64,6 +65,10 @@ def methods() -> dict[str, Callable[[], Call]]:
             master.add("line", exported_line())
         return Call(getattr(master, name), arguments)
 
+    def structure() -> Call:
+        path = cosimulation("to_ssp", path=folder() / "read.ssp").function(folder() / "read.ssp")
+        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5})
+
     def slave(name: str, /, **arguments: Any) -> Call:
         one = rw.fmu.Slave(fmu())
         if name != "enter":
@@ -71,6 +76,7 @@ def methods() -> dict[str, Callable[[], Call]]:
             one.leave()
         return Call(getattr(one, name), arguments)
 
+    changes = pd.DataFrame(columns=["time", "variable", "value"])
     schedule, curve = rw.Schedule([0.0, 4.0], [0.5, 1.0]), rw.CatenaryCurve(120.0, -8.0, 900.0)
     problem = rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)
     stretch = {"axial_stiffness": 24e6, "breaking_load": 450e3}
@@ -198,10 +204,20 @@ def methods() -> dict[str, Callable[[], Call]]:
             {"x": 40.0, "y": 0.0, "z": 20.0, "mass": 600.0, "ground": GROUND},
         ),
         "fmu.CoSimulation.add": lambda: cosimulation(
-            "add", name="span", participant=exported(), kind="CoSimulation", start={}
+            "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False,
+            timeout=9.0, step=0.5,
         ),
-        "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
-        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
+        "fmu.CoSimulation.connect": lambda: cosimulation(
+            "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
+        ),
+        "fmu.CoSimulation.from_ssp": structure,
+        "fmu.CoSimulation.to_ssp": lambda: cosimulation(
+            "to_ssp", path=folder() / "yard.ssp", until=1.0, start_time=0.0, embed=False
+        ),
+        "fmu.CoSimulation.run": lambda: cosimulation(
+            "run", until=1.0, start_time=0.0, inputs={}, progress=False, scenario=changes,
+            outputs=["span.a.tension"], every=0.5, pace=100.0,
+        ),
         "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
         "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
         "fmu.Fmu.entry": lambda: Call(fmu().entry, {"name": "a.tension"}),
