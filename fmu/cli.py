@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import pandas as pd
 import typer
@@ -61,10 +61,15 @@ def info(file: File) -> None:
 def run(
     file: File,
     until: Annotated[float, typer.Option(help="End of the run [s].")],
-    step: Annotated[float, typer.Option(help="Communication step, the time between two rows [s].")] = 0.1,
+    step: Annotated[float, typer.Option(help="Communication step [s].")] = 0.1,
     out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
     start: Annotated[
         list[str] | None, typer.Option(help="A start value as name=value; repeat the option for more.")
+    ] = None,
+    isolated: Annotated[bool, typer.Option("--isolated", help="Run it in a process of its own.")] = False,
+    every: Annotated[float | None, typer.Option(help="Time between two rows [s]; by default each step.")] = None,
+    scenario: Annotated[
+        Path | None, typer.Option(help="A table of changes: time, variable (as fmu.NAME), value.")
     ] = None,
 ) -> None:
     """Run an FMU (Co-Simulation or Model Exchange) and write its outputs as a table."""
@@ -83,8 +88,8 @@ def run(
                 raise InputError(f"{text!r} is not name=value", "Write name=value")
             values[name] = from_text(fmu.entry(name), value)
         master = CoSimulation(step)
-        master.add("fmu", fmu, start=values)
-        _run(master, 0.0, until, out)
+        master.add("fmu", fmu, start=values, isolated=isolated)
+        _run(master, out, until, every=every, scenario=scenario)
 
 
 @ssp.command("run")
@@ -106,7 +111,7 @@ def run_structure(
         end = master.stop_time if until is None else until
         if end is None:
             raise InputError(f"{file} has no end of the run", "Give it with --until")
-        _run(master, master.start_time, end, out)
+        _run(master, out, end, start_time=master.start_time)
 
 
 def _require_writable(out: Path) -> None:
@@ -119,13 +124,13 @@ def _require_writable(out: Path) -> None:
         raise InputError(f"{out} is a folder", "Give the name of a file with --out")
 
 
-def _run(master: CoSimulation, start: float, until: float, out: Path) -> None:
+def _run(master: CoSimulation, out: Path, until: float, **how: Any) -> None:
     """Runs a co-simulation and writes its table, after a failure that of the rows so far."""
     from ropeway.components.errors import Interrupted
     from ropeway.fmu.errors import FmuRunError
 
     try:
-        typer.echo(_table(master.run(until, start_time=start), out))
+        typer.echo(_table(master.run(until, **how), out))
     except (FmuRunError, Interrupted) as error:
         if isinstance(error.result, pd.DataFrame) and len(error.result):
             typer.echo(_table(error.result, out), err=True)

@@ -10,8 +10,9 @@ from typing import Any
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation.coupling import Scheme
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
+from ropeway.fmu.cosimulation.participants import Participant, conversion
 from ropeway.fmu.cosimulation.step_control import StepControl
-from ropeway.fmu.errors import FmuImportError
+from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.ssp.reading import SspConnection, SspSlave, SspSystem
 
@@ -41,10 +42,12 @@ def _experiment(fmu: Fmu, name: str) -> str | None:
     return None if found is None else str(found)
 
 
-def slave(name: str, fmu: Fmu, kind: str, start: Mapping[str, object], options: Mapping[str, object]) -> SspSlave:
+def slave(name: str, one: Participant) -> SspSlave:
     """A participant; structural parameters are start values as well."""
-    given = {key: value for key, value in options.items() if value}
-    return SspSlave(name, fmu, kind, {**fmu.structure, **start}, _texts(given))
+    isolated = {"isolated": True, "timeout": one.fmu.timeout} if one.fmu.isolated else {}
+    given = {"open": list(one.open), "step": one.step, **isolated}
+    options = _texts({key: value for key, value in given.items() if value})
+    return SspSlave(name, one.fmu, one.kind, {**one.fmu.structure, **one.start}, options)
 
 
 def options_of(one: SspSlave) -> dict[str, Any]:
@@ -52,10 +55,24 @@ def options_of(one: SspSlave) -> dict[str, Any]:
     return _values(one.settings)
 
 
-def connection(one: Connection, converted: tuple[float, float]) -> SspConnection:
-    """A connection; `converted`: factor and offset of the units alone."""
-    plain = (one.factor, one.offset) == tuple(converted)
+def connection(one: Connection, participants: Mapping[str, Participant]) -> SspConnection:
+    """A connection; it is plain if it converts units, and nothing else."""
+    plain = (one.factor, one.offset) == _units(one, participants)
     return SspConnection(one.source, one.target, one.factor, one.offset, plain)
+
+
+def _units(one: Connection, participants: Mapping[str, Participant]) -> tuple[float, float] | None:
+    """Factor and offset of the units of a connection; (1, 0) unless both ends are real, None without a conversion."""
+    ends = [
+        (participants[name].fmu, variable)
+        for name, _, variable in (one.source.partition("."), one.target.partition("."))
+    ]
+    if any(fmu.entry(variable).kind != "Real" for fmu, variable in ends):
+        return 1.0, 0.0
+    try:
+        return conversion(*ends[0], *ends[1])
+    except FmuVariableError:
+        return None
 
 
 def _texts(values: Mapping[str, object]) -> dict[str, str]:

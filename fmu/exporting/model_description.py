@@ -112,7 +112,8 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
         "canSerializeFMUstate": True,
         "providesDirectionalDerivative": True,
     }
-    for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": True})):
+    steps = {"canHandleVariableCommunicationStepSize": True, "canInterpolateInputs": True}
+    for kind, more in (("ModelExchange", {}), ("CoSimulation", steps)):
         element = ElementTree.SubElement(root, kind, _attributes(**can, **more))
         files = ElementTree.SubElement(element, "SourceFiles")
         for name in sources:
@@ -155,7 +156,11 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
     # A carriage continues from the last accepted step.
     accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
     ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
-    own = {"canHandleVariableCommunicationStepSize": True, "hasEventMode": True}
+    own = {
+        "canHandleVariableCommunicationStepSize": True,
+        "providesIntermediateUpdate": True,
+        "hasEventMode": True,
+    }
     ElementTree.SubElement(root, "CoSimulation", _attributes(**can, **own))
     _common(root, about, interface)
     by_name = {v.name: v for v in interface.variables}
@@ -163,10 +168,11 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
     for v in interface.variables:
         real = {"unit": v.unit, "nominal": v.nominal} if v.kind == "Real" else {}
         of = by_name[v.state].reference if v.state else None
+        within = True if v.kind == "Real" and v.causality == "input" and v.variability == "continuous" else None
         ElementTree.SubElement(
             variables,
             _TYPES[v.kind],
-            _attributes(**_attributes_of(v), **real, start=v.start, derivative=of),
+            _attributes(**_attributes_of(v), **real, start=v.start, derivative=of, intermediateUpdate=within),
         )
     structure = ElementTree.SubElement(root, "ModelStructure")
     groups = (

@@ -1,4 +1,4 @@
-"""terminalsAndIcons.xml of FMI 3.0: the variables of an FMU by what they connect to: rope ends, drives, hydraulic ports."""
+"""terminalsAndIcons.xml of FMI 3.0: the variables of an FMU by rope ends, drives and hydraulic ports."""
 
 from __future__ import annotations
 

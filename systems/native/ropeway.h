@@ -51,6 +51,7 @@ typedef struct {
     double h;                          /* next step of the error control */
     rw_point now, held;                /* held: last accepted point of a carriage, or in Model Exchange */
     int place;                         /* place of the carriage at the held point */
+    double slope[RW_NU + 1], slope_from; /* rates of inputs within the next step of Co-Simulation, from a time on */
     rw_ahead ahead;
     int stopping;                      /* emergency stop: the commanded speeds are ramped down to zero */
     double stop_time, stop_speed[RW_NE + 1];
@@ -174,6 +175,8 @@ rw_status rw_up_to_date(rw_instance *m);
 rw_status rw_set_time(rw_instance *m, double t);
 rw_status rw_get_real(rw_instance *m, unsigned vr, double *value);
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value);
+rw_status rw_set_input_rate(rw_instance *m, unsigned vr, double rate);
+void rw_inputs_reach(rw_instance *m, const double *end, double size);
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value);
 rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value);
 rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value);

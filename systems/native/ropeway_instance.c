@@ -222,6 +222,27 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     return RW_OK;
 }
 
+/* Rate of an input within the next step of Co-Simulation. */
+rw_status rw_set_input_rate(rw_instance *m, unsigned vr, double rate)
+{
+    if (vr >= LIMIT || rw_access[vr] != INPUT) return unknown(m, vr);
+    if (!isfinite(rate)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The rate for value reference %u is not finite", vr);
+        return RW_ERROR;
+    }
+    m->s.slope[vr - U] = rate;
+    m->s.slope_from = m->s.now.t;
+    m->s.rated = 0;
+    return RW_OK;
+}
+
+/* Inputs go linearly to `end` within the next step of Co-Simulation. */
+void rw_inputs_reach(rw_instance *m, const double *end, double size)
+{
+    m->s.slope_from = m->s.now.t;
+    for (int i = 0; i < RW_NU; i++) m->s.slope[i] = (end[i] - m->s.u[i]) / size;
+}
+
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
@@ -324,30 +345,47 @@ rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
     return RW_OK;
 }
 
+/* FNV-1a of 64 bits: a state with another checksum is damaged. */
+static uint64_t checksum(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = 14695981039346656037u;
+    for (size_t i = 0; i < size; i++) sum = (sum ^ bytes[i]) * 1099511628211u;
+    return sum;
+}
+
 size_t rw_serialized_size(void)
 {
-    return sizeof(rw_fingerprint) + sizeof(rw_state);
+    return sizeof(rw_fingerprint) + sizeof(uint64_t) + sizeof(rw_state);
 }
 
 rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
 {
+    uint64_t sum = checksum((const unsigned char *)state, sizeof *state);
     if (size < rw_serialized_size()) {
         rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size());
         return RW_ERROR;
     }
     memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);
-    memcpy(bytes + sizeof rw_fingerprint, state, sizeof *state);
+    memcpy(bytes + sizeof rw_fingerprint, &sum, sizeof sum);
+    memcpy(bytes + sizeof rw_fingerprint + sizeof sum, state, sizeof *state);
     return RW_OK;
 }
 
 rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state)
 {
+    uint64_t sum;
+    const unsigned char *kept = bytes + sizeof rw_fingerprint + sizeof sum;
     if (size != rw_serialized_size() || memcmp(bytes, rw_fingerprint, sizeof rw_fingerprint) != 0) {
         rw_message(m, RW_ERROR, "logStatusError", "These bytes are not a state of this FMU");
         return RW_ERROR;
     }
+    memcpy(&sum, bytes + sizeof rw_fingerprint, sizeof sum);
+    if (sum != checksum(kept, sizeof **state)) {
+        rw_message(m, RW_ERROR, "logStatusError", "These bytes of a state are damaged: their checksum differs");
+        return RW_ERROR;
+    }
     if (!*state) *state = malloc(sizeof **state);
     if (!*state) return RW_ERROR;
-    memcpy(*state, bytes + sizeof rw_fingerprint, sizeof **state);
+    memcpy(*state, kept, sizeof **state);
     return RW_OK;
 }

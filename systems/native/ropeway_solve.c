@@ -32,7 +32,7 @@ double rw_stop_end(const rw_instance *m, int i)
 /* Inputs at a time: those of the FMU, piecewise linear schedules, and the speeds of an emergency stop. */
 void rw_inputs_at(rw_instance *m, double t, double *u)
 {
-    memcpy(u, m->s.u, sizeof m->s.u);
+    for (int i = 0; i < RW_NU; i++) u[i] = m->s.u[i] + m->s.slope[i] * (t - m->s.slope_from);
     for (int i = 0; i < RW_NS; i++) {
         const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
         int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;

@@ -272,7 +272,8 @@ static rw_status advance(rw_instance *m, double end)
     return status;
 }
 
-/* From the present time to `end`; after a failure the state is unchanged. */
+/* From the present time to `end`, or to an event before it; rates of inputs end there. After a failure the state is
+ * unchanged. */
 rw_status rw_do_step(rw_instance *m, double end)
 {
     rw_status status;
@@ -282,6 +283,11 @@ rw_status rw_do_step(rw_instance *m, double end)
     if (status > RW_WARNING) {
         m->s = m->backup;
         m->s.lu.valid = 0;
+        return status;
+    }
+    for (int i = 0; i < RW_NU; i++) {
+        m->s.u[i] += m->s.slope[i] * (m->s.now.t - m->s.slope_from);
+        m->s.slope[i] = 0.0;
     }
     return status;
 }

@@ -106,6 +106,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "TunedResponse": lambda: rw.TunedResponse(line(), response(), "all at once", 1.0, 2.0, pd.DataFrame()),
         "Turn": lambda: rw.Turn(log(), dropline=THIN, length=6.0),
         "UnstretchedLength": lambda: rw.unstretched_length(length=150.0, **HANGING),
+        "fmu.ArchiveLimits": rw.fmu.ArchiveLimits,
         "fmu.Fmu": fmu,
         "fmu.FmuComponent": lambda: rw.fmu.component("part", exported(), ignore_events=True),
         "fmu.StepControl": lambda: rw.fmu.StepControl("Richardson"),
@@ -248,5 +249,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
             "path": folder() / "fmu.html",
         },
-        "fmu.load": lambda: {"path": exported()},
+        "fmu.load": lambda: {
+            "path": exported(), "isolated": False, "timeout": 9.0, "limits": rw.fmu.ArchiveLimits(),
+        },
     }  # fmt: skip

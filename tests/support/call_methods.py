@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 import ropeway as rw
 from support.call_objects import (
@@ -74,6 +75,7 @@ def methods() -> dict[str, Callable[[], Call]]:
             one.leave()
         return Call(getattr(one, name), arguments)
 
+    changes = pd.DataFrame(columns=["time", "variable", "value"])
     schedule, curve = rw.Schedule([0.0, 4.0], [0.5, 1.0]), rw.CatenaryCurve(120.0, -8.0, 900.0)
     problem = rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)
     stretch = {"axial_stiffness": 24e6, "breaking_load": 450e3}
@@ -196,7 +198,8 @@ def methods() -> dict[str, Callable[[], Call]]:
             {"x": 40.0, "y": 0.0, "z": 20.0, "mass": 600.0, "ground": GROUND},
         ),
         "fmu.CoSimulation.add": lambda: cosimulation(
-            "add", name="span", participant=exported(), kind="CoSimulation", start={}
+            "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False,
+            timeout=9.0, step=0.5,
         ),
         "fmu.CoSimulation.connect": lambda: cosimulation(
             "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
@@ -205,7 +208,10 @@ def methods() -> dict[str, Callable[[], Call]]:
         "fmu.CoSimulation.to_ssp": lambda: cosimulation(
             "to_ssp", path=folder() / "yard.ssp", until=1.0, start_time=0.0, embed=False
         ),
-        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
+        "fmu.CoSimulation.run": lambda: cosimulation(
+            "run", until=1.0, start_time=0.0, inputs={}, progress=False, scenario=changes,
+            outputs=["span.a.tension"], every=0.5, pace=100.0,
+        ),
         "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
         "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
         "fmu.Fmu.entry": lambda: Call(fmu().entry, {"name": "a.tension"}),

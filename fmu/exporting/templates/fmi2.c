@@ -171,9 +171,13 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    (void)vr, (void)n, (void)order, (void)value;
-    NEEDS(0, "SetRealInputDerivatives");
-    return fmi2Error;
+    rw_status status = RW_OK;
+    NEEDS(MODE == RW_STEP, "SetRealInputDerivatives");
+    for (size_t i = 0; i < n; i++) {
+        NEEDS(order[i] == 1, "SetRealInputDerivatives of another order than 1");
+        WORST(status, rw_set_input_rate(CORE, vr[i], value[i]));
+    }
+    return (fmi2Status)status;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],

@@ -9,6 +9,7 @@ typedef struct {
     rw_instance core;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
+    fmi3IntermediateUpdateCallback update;
 } instance_data;
 
 #define FMI(name) fmi3##name
@@ -63,8 +64,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3IntermediateUpdateCallback update)
 {
     instance_data *i = instantiate(name, token, logging, environment, log, 1);
-    (void)resources, (void)visible, (void)required, (void)nRequired, (void)update;
+    (void)resources, (void)visible, (void)required;
     if (!i) return NULL;
+    if (nRequired) i->update = update;
     i->core.has_event_mode = eventModeUsed;
     i->core.stops_at_events = eventModeUsed && earlyReturnAllowed;
     return i;
@@ -253,6 +255,21 @@ fmi3Status fmi3EnterStepMode(fmi3Instance c)
     return fmi3OK;
 }
 
+/* Asks for the inputs at the end of a step: within it they are linear. */
+static void inputs_at_end(void *c, double end, double size)
+{
+    instance_data *i = c;
+    double begin[RW_NU + 1], reached[RW_NU + 1];
+    fmi3Boolean early = fmi3False;
+    fmi3Float64 until = end;
+    memcpy(begin, CORE->s.u, sizeof begin);
+    i->update(i->environment, end, fmi3True, fmi3False, fmi3False, fmi3False, &early, &until);
+    memcpy(reached, CORE->s.u, sizeof reached);
+    memcpy(CORE->s.u, begin, sizeof begin);
+    rw_inputs_reach(CORE, reached, size);
+    CORE->s.solved = CORE->s.rated = CORE->s.shown = 0;
+}
+
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean noSetPrior, fmi3Boolean *eventNeeded,
                       fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)
 {
@@ -260,6 +277,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     (void)noSetPrior;
     NEEDS(MODE == RW_STEP, "DoStep");
     *eventNeeded = *terminate = *early = fmi3False;
+    if (((instance_data *)c)->update && size > 0.0 && isfinite(size)) inputs_at_end(c, time + size, size);
     status = do_step(c, time, size);
     *last = CORE->s.now.t;
     *eventNeeded = status <= fmi3Warning && CORE->has_event_mode && CORE->event;

@@ -77,6 +77,19 @@ def test_bytes_of_something_else_are_refused(open_fmu: Opener, line: Path) -> No
     assert "not a state of this FMU" in one.log[-1]
 
 
+def test_damaged_bytes_are_refused(open_fmu: Opener, line: Path) -> None:
+    one = open_fmu(line)
+    one.initialize()
+    state = one.save()
+    bytes_ = bytearray(one.fmu.serializeFMUState(state) if one.three else one.fmu.serializeFMUstate(state))
+    for place in (len(bytes_) // 2, len(bytes_) - 1):
+        bytes_[place] ^= 1
+        with pytest.raises(FMICallException):
+            (one.fmu.deserializeFMUState if one.three else one.fmu.deSerializeFMUstate)(bytes(bytes_))
+        assert "their checksum differs" in one.log[-1]
+        bytes_[place] ^= 1
+
+
 def refused(one: Opened, text: str) -> None:
     assert one.log, "nothing was logged"
     assert text in one.log[-1]

@@ -135,14 +135,14 @@ def test_a_stiff_oscillator(tmp_path: Path, step: float) -> None:
     with Slave(load(path), "one", "ModelExchange") as slave:
         slave.enter(0.0, {"mu": 1000.0})
         slave.leave()
-        rates = slave._integrator._rates  # type: ignore[union-attr]
+        rates = slave._slave._integrator._rates  # type: ignore[union-attr]
 
         def counted(time: float, states: np.ndarray) -> np.ndarray:
             nonlocal calls
             calls += 1
             return rates(time, states)
 
-        slave._integrator._rates = counted  # type: ignore[union-attr, method-assign]
+        slave._slave._integrator._rates = counted  # type: ignore[union-attr, method-assign]
         for _ in range(round(200.0 / step)):
             slave.step(step, {}, {})
         found = slave.get(["x0", "x1"])
