@@ -161,6 +161,10 @@ class SimulationError(RopewayError):
         return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
 
 
+class DesignPointError(RopewayError):
+    """The search for the most probable failure did not converge, or the study fails on its way."""
+
+
 class WorkerError(RopewayError):
     """Worker processes of a study were lost.
 

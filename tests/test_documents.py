@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/reports.md",
         "docs/gis.md",
         "docs/index.md",
+        "docs/uncertainty.md",
         "docs/errors.md",
         "docs/faq.md",
         "docs/theory/assumptions.md",
@@ -36,8 +37,9 @@ def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     scripts = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(), re.DOTALL)
     assert scripts
+    names: dict[str, object] = {}
     for script in scripts:
-        exec(compile(script, document, "exec"), {})
+        exec(compile(script, document, "exec"), names)
     assert list(tmp_path.glob("*.png")) or ".plot(" not in "".join(scripts)
 
 
