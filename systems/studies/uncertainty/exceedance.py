@@ -39,7 +39,7 @@ def exceedance(
     Returns
     -------
     DataFrame
-        A row a limit, and "any" for the cases that pass at least one. Columns: `limit`; `probability` and its
+        A row a limit, and "any" for the cases that pass at least one. Columns: `probability` and its
         `standard_error` from the solved cases; `low` and `high`, the exact binomial interval (Clopper and Pearson), in
         which failed cases count as safe in `low` and as passed in `high`; `passed`, `solved` and `failed` cases. For a
         Latin hypercube or a Sobol sequence the error is smaller than stated.
@@ -59,24 +59,22 @@ def exceedance(
     """
     if not 0.0 < confidence < 1.0:
         raise InputError(f"confidence is {confidence:g}", "Give a number between 0 and 1")
-    passed, limits = dict[str, np.ndarray](), dict[str, float]()
+    passed = dict[str, np.ndarray]()
     solved = (table["error"] == "").to_numpy() if "error" in table else np.ones(len(table), dtype=bool)
     for given, sign, words in ((above or {}, 1.0, "above"), (below or {}, -1.0, "below")):
         for name, limit in given.items():
             check.number(limit, "exceedance", f"the limit of {name}")
             values = _numbers(table, name)
             key = name if name not in passed else f"{name} {words}"
-            passed[key], limits[key] = sign * (values - limit) > 0.0, limit
+            passed[key] = sign * (values - limit) > 0.0
             solved = solved & np.isfinite(values)
     if not passed:
         raise InputError("exceedance has no limit", "Give above= or below=, by column")
     if not solved.any():
         raise InputError("The table has no solved case", "Read its column `message`")
     passed[ANY] = np.logical_or.reduce(list(passed.values()))
-    rows = [
-        _row(limits.get(name, np.nan), which[solved], int((~solved).sum()), confidence)
-        for name, which in passed.items()
-    ]
+    failed = int((~solved).sum())
+    rows = [_row(which[solved], failed, confidence) for which in passed.values()]
     return pd.DataFrame(rows, index=pd.Index(list(passed), name="quantity"))
 
 
@@ -90,7 +88,7 @@ def _numbers(table: pd.DataFrame, name: str) -> np.ndarray:
         raise InputError(f"Column {name!r} has text", "Give a column of numbers") from error
 
 
-def _row(limit: float, passed: np.ndarray, failed: int, confidence: float) -> dict[str, float]:
+def _row(passed: np.ndarray, failed: int, confidence: float) -> dict[str, float]:
     from scipy.stats import binomtest
 
     count, solved = int(passed.sum()), len(passed)
@@ -98,7 +96,6 @@ def _row(limit: float, passed: np.ndarray, failed: int, confidence: float) -> di
     low = binomtest(count, solved + failed).proportion_ci(confidence).low
     high = binomtest(count + failed, solved + failed).proportion_ci(confidence).high
     return {
-        "limit": limit,
         "probability": share,
         "standard_error": float(np.sqrt(share * (1.0 - share) / solved)),
         "low": low,

@@ -49,8 +49,8 @@ class Reliability:
         Derivative of the first-order probability by the limit.
     frame : DataFrame
         A row an input: `median`; `design`, its value in the most probable failure, and its normal `score`;
-        `importance`, its share in the variance of the linearised result there, with a sum of 1; `per_mean` and `per_deviation`,
-        derivatives of the first-order probability by the mean and by the standard deviation of its distribution.
+        `importance`, its share in the variance of the linearised result there, with a sum of 1; `per_mean` and
+        `per_deviation`, derivatives of the first-order probability by the mean and by the standard deviation of its distribution.
     solves : int
         Evaluations of the limit and its derivatives, without those of the curvature.
     """
