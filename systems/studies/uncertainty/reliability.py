@@ -50,7 +50,8 @@ class Reliability:
     frame : DataFrame
         A row an input: `median`; `design`, its value in the most probable failure, and its normal `score`;
         `importance`, its share in the variance of the linearised result there, with a sum of 1; `per_mean` and
-        `per_deviation`, derivatives of the first-order probability by the mean and by the standard deviation of its distribution.
+        `per_deviation`, derivatives of the first-order probability by the mean and by the standard deviation of its
+        distribution.
     solves : int
         Evaluations of the limit and its derivatives, without those of the curvature.
     """
