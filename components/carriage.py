@@ -54,6 +54,11 @@ class Carriage(Node):
     ------
     InputError
         A negative mass, payload or depth, or a clamped carriage with a holding force.
+
+    Examples
+    --------
+    >>> rw.Carriage("carriage", mass=450.0, clamped=True).clamped
+    True
     """
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)

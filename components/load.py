@@ -24,6 +24,11 @@ class Load:
     ------
     InputError
         A mass that is not positive, or an invalid name.
+
+    Examples
+    --------
+    >>> rw.Load("turn", mass=400.0).mass
+    400.0
     """
 
     name: str

@@ -66,6 +66,11 @@ class Log(Node):
     ------
     InputError
         A value out of its range.
+
+    Examples
+    --------
+    >>> rw.Log("log", mass=900.0, length=7.0, friction=0.5).length
+    7.0
     """
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)

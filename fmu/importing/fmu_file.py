@@ -53,6 +53,12 @@ class Fmu:
         Names of the elements of each array.
     structure : mapping of str, optional
         Values of structural parameters other than their start values.
+
+    Examples
+    --------
+    >>> fmu = rw.fmu.load("span.fmu")
+    >>> fmu.names("output")
+    ['a.tension', 'b.tension']
     """
 
     path: Path
@@ -222,7 +228,8 @@ def load(path: str | Path) -> Fmu:
 
     Examples
     --------
-    >>> rw.fmu.load("line.fmu").variables
+    >>> rw.fmu.load("span.fmu").variables["unit"]["a.tension"]
+    'N'
     """
     file = Path(path)
     if not file.is_file():

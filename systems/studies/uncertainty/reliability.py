@@ -54,6 +54,13 @@ class Reliability:
         distribution.
     solves : int
         Evaluations of the limit and its derivatives, without those of the curvature.
+
+    Examples
+    --------
+    >>> from scipy.stats import norm
+    >>> inputs = rw.Uncertain({"load": norm(10.0, 2.0), "strength": norm(20.0, 1.5)})
+    >>> rw.reliability(lambda load, strength: strength - load, inputs, below=0.0).frame["importance"].round(2).to_dict()
+    {'load': 0.64, 'strength': 0.36}
     """
 
     output: str
