@@ -29,6 +29,7 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/faq.md",
         "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
+        *(pytest.param(f"docs/start/{name}.md", marks=pytest.mark.slow) for name in ("forest", "line", "control")),
     ],
 )
 def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
