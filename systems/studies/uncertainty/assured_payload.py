@@ -72,7 +72,8 @@ def assured_payload(
     >>> from scipy.stats import norm
     >>> def study(mass):
     ...     return rw.payload(replace(rig, carriage=rw.Carriage("carriage", mass=mass)), stations=[150.0])
-    >>> found = rw.assured_payload(study, rw.Uncertain({"mass": norm(450.0, 30.0)}), samples=20, workers=1)
+    >>> inputs = rw.Uncertain({"mass": norm(450.0, 30.0)})
+    >>> found = rw.assured_payload(study, inputs, confidence=0.8, samples=5, workers=1)
     >>> float(found.loc["everywhere", "median"] - found.loc["everywhere", "payload"]) > 0.0
     True
     """
