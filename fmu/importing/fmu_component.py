@@ -44,6 +44,12 @@ class FmuComponent(Component):
         Its variables in SI units.
     scales : mapping of str
         Factor and offset of each variable to SI units.
+
+    Examples
+    --------
+    >>> unit = rw.fmu.component("unit", "span.fmu", ignore_events=True)
+    >>> unit.name
+    'unit'
     """
 
     external: ClassVar[bool] = True
@@ -127,8 +133,8 @@ def component(
 
     Examples
     --------
-    >>> unit = system.add(rw.fmu.component("unit", "power_unit.fmu"))
-    >>> system.connect(unit.output("flow"), sheave.input("pump_flow"))
+    >>> rw.fmu.component("other", "span.fmu", ignore_events=True).output("a.tension").name
+    'a.tension'
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)

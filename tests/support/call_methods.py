@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm
 
 import ropeway as rw
 from support.call_objects import (
@@ -198,6 +199,13 @@ def methods() -> dict[str, Callable[[], Call]]:
                 "rope": ROPE, "one": rw.Anchor("a", at=(0.0, 0.0)), "other": rw.Anchor("b", at=(60.0, 3.0)),
                 "length": 62.0, "tension": None, "name": "main",
             },
+        ),
+        "Uncertain.cases": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).cases, {"samples": 4, "method": "sobol", "seed": 3}
+        ),
+        "Uncertain.normal": lambda: Call(rw.Uncertain.normal, {"means": {"a": 3.0}, "covariance": [[2.0]]}),
+        "Uncertain.values": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).values, {"scores": np.array([[0.5], [1.0]])}
         ),
         "Turn.under": lambda: Call(
             rw.Turn(log(), dropline=THIN, length=6.0).under,

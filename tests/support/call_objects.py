@@ -140,6 +140,12 @@ def line_of_two() -> rw.System:
     return rw.monocable(ROPE, table.drop_duplicates("x"), tension=22e3, load_mass=90.0, load_spacing=33.0)
 
 
+def payloads(tension: float) -> rw.PayloadStudy:
+    """Payloads of a corridor whose skyline has an uncertain tension."""
+    parts = {k: v for k, v in rig_parts().items() if v is not None} | {"tension": tension}
+    return rw.payload(rw.standing_skyline(GROUND, **parts), stations=STATIONS)
+
+
 @cache
 def folder() -> Path:
     return Path(tempfile.mkdtemp())
