@@ -91,8 +91,8 @@ def export(
     payload : float, optional
         Payload of a skyline rig [kg]; by default that of its carriage.
     emergency_stop : float, optional
-        Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as an
-        `Intervention` does; by default there is none.
+        Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
+        an `Intervention` does; by default there is none.
 
     Returns
     -------

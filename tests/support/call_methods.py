@@ -19,6 +19,7 @@ from support.call_objects import (
     corridor,
     exported,
     exported_line,
+    fitted,
     fmu,
     folder,
     grounded,
@@ -31,6 +32,7 @@ from support.call_objects import (
     run,
     shod_rig,
     speeds,
+    watch,
 )
 
 
@@ -101,6 +103,10 @@ def methods() -> dict[str, Callable[[], Call]]:
         "GuyedSpar.block": lambda: Call(guyed().block, {"rope": "mainline"}),
         "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
         "Equilibrium.heights_over_ground": lambda: Call(grounded().heights_over_ground, {"points": 21}),
+        "Fit.intervals": lambda: Call(fitted().intervals, {"confidence": 0.9}),
+        "Fit.report": lambda: Call(fitted().report, {"path": folder() / "fit.html"}),
+        "Monitor.follow": lambda: Call(watch().follow, {"rows": [{"t": 0.0, "A": 22e3}]}),
+        "Monitor.update": lambda: Call(watch().update, {"row": {"t": 0.0, "A": 22e3}}),
         "MapFrame.straight": lambda: Call(
             rw.MapFrame.straight,
             {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},

@@ -178,6 +178,19 @@ def fmu() -> rw.fmu.Fmu:
     return rw.fmu.load(exported())
 
 
+@cache
+def fitted() -> rw.Fit:
+    """A payload by two tensions."""
+    table = pd.DataFrame({"station": STATIONS, "A": [110e3, 112e3]})
+    columns = {"station": "station", "A": "headspar_tension"}
+    return rw.fit(rig(), table, columns=columns, free="payload", sigma=500.0)
+
+
+def watch() -> rw.Monitor:
+    """A monitor of a line, before its first row."""
+    return rw.monitor(line(), columns={"t": "time", "A": "c.tension_in"}, free="*.mass", sigma=100.0)
+
+
 def guyed() -> rw.GuyedSpar:
     guys = tuple(
         rw.Guyline(f"g{k}", rope=THIN, at=(-14.0, 28.0 * k - 14.0, 0.0), pretension=9e3, stiffness=1e6)
