@@ -198,7 +198,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = rig.studied_in(environment)
     where = stations_of(rig, stations)
     search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))
     rows: list[StationRow] = []
