@@ -159,29 +159,6 @@ class SkylineRig(RigParts):
         require_weather(rig.system())
         return rig
 
-    def studied_in(self, environment: Environment | None) -> SkylineRig:
-        """The rig of a study with an argument `environment`: without one, as it is; in a calm one, without weather.
-
-        Parameters
-        ----------
-        environment : Environment or None
-            Weather.
-
-        Returns
-        -------
-        SkylineRig
-            The rig.
-
-        Raises
-        ------
-        InputError
-            As `in_weather`.
-        """
-        if environment is None:
-            return self
-        calm = environment.is_calm(self.temperature)
-        return replace(self, environment=None) if calm else self.in_weather(environment)
-
     def span_of(self, station: float) -> int:
         """The span of a station.
 
@@ -394,3 +371,11 @@ class SkylineRig(RigParts):
         attributes = {f.name: getattr(self.carriage, f.name) for f in fields(self.carriage)}
         attributes.update(at=(x, support.at[1], start.z), payload=mass if self.turn is None else 0.0)
         return CarriageOnShoe(**attributes, support=support, mainline_on_roller=self.pulled), start
+
+
+def studied_in(rig: SkylineRig, environment: Environment | None) -> SkylineRig:
+    """The rig of a study with an argument `environment`: without one, as it is; in a calm one, without weather. Raises
+    InputError."""
+    if environment is None:
+        return rig
+    return replace(rig, environment=None) if environment.is_calm(rig.temperature) else rig.in_weather(environment)

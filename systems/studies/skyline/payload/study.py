@@ -19,7 +19,7 @@ from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
 from ropeway.systems.studies.skyline.payload.data import PayloadData
@@ -198,7 +198,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    rig = rig.studied_in(environment)
+    rig = studied_in(rig, environment)
     where = stations_of(rig, stations)
     search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))
     rows: list[StationRow] = []
