@@ -97,6 +97,22 @@ class Environment:
         most = max(pressure.speeds) if isinstance(pressure, Schedule) else pressure
         return most > 0.0 or self.ice_thickness > 0.0
 
+    @property
+    def words(self) -> str:
+        """Its name and values, for reports."""
+
+        def value(quantity: Changing) -> str:
+            if isinstance(quantity, Schedule):
+                return f"{min(quantity.speeds):g} to {max(quantity.speeds):g}"
+            return f"{quantity:g}"
+
+        parts = [] if self.temperature is None else [f"{value(self.temperature)} °C"]
+        if self.ice_thickness > 0.0:
+            parts.append(f"{1e3 * self.ice_thickness:g} mm of ice of {self.ice_density:g} kg/m³")
+        if self.pressure != 0.0:
+            parts.append(f"wind of {value(self.pressure)} Pa from {value(self.wind_from)}°")
+        return f"{self.name}: {', '.join(parts)}" if parts else self.name
+
     def is_calm(self, strung: float) -> bool:
         """Whether there is neither wind nor ice, and ropes are as warm as when they were strung.
 
