@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.systems.studies.skyline.station_solver import Stations
 from support.weather import misses, wind_vector
 
 pytestmark = pytest.mark.filterwarnings("ignore::ropeway.components.errors.RopewayWarning")  # drawn without regard
@@ -348,3 +349,40 @@ def test_cross_wind_on_a_shoe_is_refused() -> None:
     along = rw.Environment("along", temperature=-10.0, wind_pressure=300.0, wind_from=270.0)
     path = rw.load_path(rig, 1000.0, [100.0, 150.5], environment=along)
     assert path["carriage_y"].abs().max() < 1e-9
+
+
+def rigs() -> dict[str, rw.SkylineRig]:
+    """Kinds of rigs with a carriage in the wind."""
+    thin = rope(mass_per_length=0.9, axial_stiffness=8e6, breaking_load=150e3, diameter=0.016)
+    head, tail = rw.HeadSpar("head", at=(0.0, 20.0)), rw.TailSpar("tail", at=(300.0, 10.0))
+    carriage = rw.Carriage("carriage", mass=450.0, drag_area=2.0)
+    guys = [rw.Guyline(f"g{i}", at=(x, y, 0.0), rope=thin, pretension=20e3)
+            for i, (x, y) in enumerate([(-25.0, 20.0), (-25.0, -20.0), (20.0, 20.0), (20.0, -20.0)])]  # fmt: skip
+    ground = rw.Profile([-30.0, 150.0, 330.0], [0.0, -60.0, 0.0])
+    held = {"tailspar": tail, "carriage": carriage, "mainline": thin}
+    own = {"skyline": rope(), "tension": 70e3}
+    return {
+        "standing": rw.standing_skyline(None, headspar=head, **held, **own),
+        "live": rw.live_skyline(None, headspar=head, **held, **own),
+        "running": rw.running_skyline(None, headspar=head, **held, haulback=thin, tension=40e3),
+        "guyed": rw.standing_skyline(
+            ground, headspar=rw.GuyedSpar("head", station=0.0, height=20.0, guylines=guys),
+            tailspar=rw.TailSpar("tail", station=300.0, height=12.0), carriage=carriage, **own,
+        ),
+        "log": rw.standing_skyline(
+            ground, headspar=rw.HeadSpar("head", station=0.0, height=20.0), **own, carriage=carriage, mainline=thin,
+            tailspar=rw.TailSpar("tail", station=300.0, height=12.0),
+            turn=rw.Turn(rw.Log("log", mass=900.0, length=10.0, drag_area=3.0), thin, length=6.0),
+        ),
+    }  # fmt: skip
+
+
+def test_rigs_of_all_kinds_in_a_storm() -> None:
+    """Ropes end where the carriage, the log and the top of the spar are; these are certified to be in balance."""
+    storm = rw.Environment("storm", temperature=-20.0, ice_thickness=0.01, wind_pressure=400.0, wind_from=20.0)
+    for kind, rig in rigs().items():
+        solved = Stations(rig.in_weather(storm)).solve(110.0, 1200.0)
+        eq = solved.at.rest(solved.point)
+        assert misses(eq, storm).ends < 1e-9, kind
+        assert eq.certificate["holds"].all(), kind
+        assert eq["carriage.y"] < -0.5, kind
