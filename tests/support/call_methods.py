@@ -97,6 +97,7 @@ def methods() -> dict[str, Callable[[], Call]]:
             rw.Disturbance("late", sheave="c", delay=1.0).schedules, {"planned": {"c": schedule}}
         ),
         "Disturbance.start": lambda: Call(rw.Disturbance("heavy", mass=1.1).start, {"planned": rest()}),
+        "Environment.is_calm": lambda: Call(rw.Environment("calm").is_calm, {"strung": 15.0}),
         "Equilibrium.__getitem__": lambda: Call(rest().__getitem__, {"name": "c.tension_in"}),
         "Equilibrium.points": lambda: Call(rest().points, {"r": 0}),
         "Equilibrium.profile": lambda: Call(rest().profile, {"span": "a_c", "stations": [0.0, 20.0]}),

@@ -80,6 +80,7 @@ def rig_parts() -> dict[str, Any]:
         "haulback_tension": None,
         "haulback_block": None,
         "holding": "bisector",
+        "temperature": 5.0,
         "turn": None,
         "name": "rig",
         "gravity": 9.81,
