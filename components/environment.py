@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -23,7 +23,8 @@ class Environment:
     """Temperature, ice and wind, the same at all places of a system.
 
     Temperature, wind pressure and direction may be a `Schedule` of their values over a simulation; at rest the first
-    one counts. Assumptions: `docs/weather.md`.
+    one counts. A calm environment at the temperature of stringing gives what a system without environment gives, bit
+    for bit. Assumptions: `docs/weather.md`.
 
     Parameters
     ----------
@@ -96,10 +97,17 @@ class Environment:
         most = max(pressure.speeds) if isinstance(pressure, Schedule) else pressure
         return most > 0.0 or self.ice_thickness > 0.0
 
-    @property
-    def varies(self) -> bool:
-        """Whether a value changes over time."""
-        return any(isinstance(getattr(self, f.name), Schedule) for f in fields(self))
+    def is_calm(self, strung: float) -> bool:
+        """Whether there is neither wind nor ice, and ropes are as warm as when they were strung.
 
+        Parameters
+        ----------
+        strung : float
+            Temperature of stringing [degrees C].
 
-CALM = Environment("calm")
+        Returns
+        -------
+        bool
+            False also where a value changes over time.
+        """
+        return self.temperature in (None, strung) and self.pressure == 0.0 and self.ice_thickness == 0.0

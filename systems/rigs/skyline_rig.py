@@ -159,6 +159,29 @@ class SkylineRig(RigParts):
         require_weather(rig.system())
         return rig
 
+    def studied_in(self, environment: Environment | None) -> SkylineRig:
+        """The rig of a study with an argument `environment`: without one, as it is; in a calm one, without weather.
+
+        Parameters
+        ----------
+        environment : Environment or None
+            Weather.
+
+        Returns
+        -------
+        SkylineRig
+            The rig.
+
+        Raises
+        ------
+        InputError
+            As `in_weather`.
+        """
+        if environment is None:
+            return self
+        calm = environment.is_calm(self.temperature)
+        return replace(self, environment=None) if calm else self.in_weather(environment)
+
     def span_of(self, station: float) -> int:
         """The span of a station.
 

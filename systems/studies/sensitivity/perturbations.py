@@ -67,9 +67,8 @@ class Varied:
                 for place, count in zip(first, layout.slots.count, strict=True):
                     flags[place : place + count] = True
             for j in range(found.shape[1]):
-                rates = replace(
-                    run.loads, mass=self.mass[r][:, j], place=self.place[r][:, j], at=np.zeros(len(run.loads.at))
-                )
+                none = np.zeros(len(run.loads.at))
+                rates = replace(run.loads, mass=self.mass[r][:, j], place=self.place[r][:, j], at=none, drag=none)
                 layout.slots.write(found[:, j], replace(run, loads=rates), passed[r], self.start[r][:, j])
             found[flags] = 0.0
             for k in np.flatnonzero(layout.held >= 0):

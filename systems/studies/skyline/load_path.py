@@ -87,7 +87,7 @@ def load_path(
     check.not_negative(payload, rig.name, "payload", "kg")
     if height is not None and not rig.kind.sets_height:
         raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = rig.studied_in(environment)
     solver = Stations(rig, by_height=height is not None)
     positions, solved = stations_of(rig, stations), list[Solved]()
 

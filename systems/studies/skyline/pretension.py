@@ -109,7 +109,7 @@ def set_up(
     4.95
     """
     _require_one_target(rig, payload, tension, deflection)
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = rig.studied_in(environment)
     state = partial(at, rig, station=station, payload=payload)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)

@@ -214,7 +214,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = rig.studied_in(environment)
     where = stations_of(rig, stations)
     _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
     saddles = (saddle_angle, roller_force, rollers or {})
