@@ -56,7 +56,7 @@ def rig_states(
     case."""
     found = []
     for case, payload in zip(cases, payloads, strict=True):
-        solver = Stations(rig.in_weather(case.environment))
+        solver = Stations(rig.studied_in(case.environment))
         try:
             solved = []
             for x in stations.tolist():
