@@ -16,7 +16,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import SHARED, shared_variables, signals_of
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
-from ropeway.systems.modelling.component_functions import ComponentFunctions
+from ropeway.systems.modelling.connections.signals import with_links, with_residuals
 from ropeway.systems.modelling.dae_model import (
     Balance,
     Limits,
@@ -32,7 +32,7 @@ from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
 from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
 from ropeway.systems.modelling.sampled_control import clocks, responses_of
-from ropeway.systems.modelling.signal_connections import with_links, with_residuals
+from ropeway.systems.modelling.structure import KNOWN, Structure, key_of
 from ropeway.systems.modelling.system import System
 
 
@@ -66,7 +66,7 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     --------
     >>> rw.assemble(system).z.names
     """
-    return assembled(system, ComponentFunctions(), slots)
+    return assembled(system, slots)
 
 
 def in_weather(system: System | Model, environment: Environment | None, named: Collection[str] = ()) -> Model:
@@ -84,8 +84,9 @@ def in_weather(system: System | Model, environment: Environment | None, named: C
     return assemble(weathered)
 
 
-def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Sequence[int]] | None = None) -> Model:
-    """As `assemble`, with functions that systems with the same kinds of components can share."""
+def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
+    """As `assemble`, for declarations that are known to be sound."""
+    functions = KNOWN.functions
     system.require_complete()
     require_weather(system)
     runs = find_runs(system)
@@ -98,12 +99,19 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
     rows = with_residuals(system, variables)
     shared = _shared(system)
     tables = {kind: _table(kind, rows, shared) for kind in Kind}
-    dae, outputs = EquationGraph(system, runs, sites, variables, tables, functions).functions()
+    layouts, balances = tuple(_layout(run, tables) for run in runs), _balances(system, runs, tables)
+
+    def build() -> Structure:
+        return Structure(*EquationGraph(system, runs, sites, variables, tables, functions).functions())
+
+    indices = {kind: table.index for kind, table in tables.items()}
+    positions = (balances, tuple(layout.key for layout in layouts))
+    key, size = key_of(system, runs, sites, variables, positions), sum(map(len, tables.values()))
+    structure = build() if key is None else KNOWN.get(key, size, build)
     model = Model(
         system=system.copy(),
         tables=tables,
-        dae=dae,
-        outputs=outputs,
+        structure=structure,
         signals=_signals_of(system)
         + tuple(
             system.components[name].driver(v.name)
@@ -113,13 +121,11 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
             for _ in range(v.size)
         ),
         runs=runs,
-        layouts=tuple(_layout(run, tables) for run in runs),
-        balances=_balances(system, runs, tables),
+        layouts=layouts,
+        balances=balances,
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
-        clocks=clocks(
-            responses_of(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
-        ),
+        clocks=clocks(responses_of(runs), system.precedence_of, structure.outputs, indices),
         kept=np.array(tables[Kind.DISCRETE].shown, dtype=int),
         free_states=tuple(
             f"{name}.{v.name}"

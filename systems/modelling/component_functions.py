@@ -21,8 +21,12 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 """Kinds of variables in equations, in the order of the model's arguments."""
 
 
+MOST = 2_000
+"""Functions that are kept: a class that shares none has one for each of its constants."""
+
+
 class ComponentFunctions:
-    """Component functions of one assembly, or of several with the same kinds of components; one for each kind."""
+    """Component functions of all assemblies of a thread; one for each kind of component."""
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
@@ -32,6 +36,8 @@ class ComponentFunctions:
         """A component's variables. Raises InputError for a broken rule; each form is checked once."""
         variables, form = component.variables(site), component.form(site)
         if form not in self._declared:
+            if len(self._declared) > MOST:
+                self._declared.clear()
             component_rules.require_declared(component, variables)
             self._declared.add(form)
         return variables
@@ -57,6 +63,8 @@ class ComponentFunctions:
         stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
+            if len(self._functions) > MOST:
+                self._functions.clear()
             self._functions[key] = component_function(component, variables, weather=site.weather)
         return self._functions[key]
 

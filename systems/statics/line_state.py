@@ -15,7 +15,6 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
@@ -38,7 +37,6 @@ class LineState:
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
         rope still makes without it. Determined anew where it is missing."""
-        self._functions = ComponentFunctions()  # of models with more and more slots
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
@@ -58,7 +56,6 @@ class LineState:
         """With arrays of its own."""
         copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
         copied.resting = dict(self.resting)
-        copied._functions = self._functions
         return copied
 
     def restart(self) -> None:
@@ -105,7 +102,7 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
+        self.model = assembled(old.system, [[int(n) for n in c] for c in counts])
         d = self.model.d.values.copy()
         d[self.model.kept] = self.point.d[old.kept]
         self.point = replace(self.point, d=d)
