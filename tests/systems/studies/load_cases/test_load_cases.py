@@ -265,6 +265,23 @@ def test_supports_of_a_rig_carry_everything(radius: float, stations: tuple[float
             assert sums.loc[support, "vertical_force"] == pytest.approx(parts, rel=1e-12)
 
 
+def test_supports_of_a_rig_bear_the_wind() -> None:
+    """Across the corridor too: ropes with ice, the carriage, and what each support takes of it."""
+    weather = rw.Environment("storm", temperature=-5.0, ice_thickness=0.005, wind_pressure=250.0, wind_from=20.0)
+    rigged = rig(carriage=rw.Carriage("carriage", mass=450.0, drag_area=3.0)).in_weather(weather)
+    solved = Stations(rigged).solve(330.0, 1500.0)
+    assert solved.held_by == "mainline"
+    towards = np.radians(20.0)
+    wanted = np.array([-np.sin(towards), -np.cos(towards), 0.0]) * 3.0 * 250.0 - [0.0, 0.0, 1950.0 * 9.80665]
+    for run in solved.at.model.runs:
+        for span in run.spans:
+            wanted += [solved[f"{span.name}.length"] * solved[f"{span.name}.load_{axis}"] for axis in "xyz"]
+    rows = support_states([solved])
+    total = rows.loc[rows["rope"] != "all", ["resultant_x", "resultant_y", "resultant_z"]].sum().to_numpy()
+    assert total == pytest.approx(wanted, abs=1e-9 * 150e3)
+    assert abs(total[1]) > 3000.0
+
+
 def test_a_table_of_a_rig_has_its_extreme_states(of_rig: rw.LoadCases) -> None:
     table = rw.support_table(rig(), [CALM], payload=2000.0, stations=[60.0, 200.0, 259.95, 400.0], rollers={"jack": 3})
     again = rw.support_table(of_rig, rollers={"jack": 3})
