@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -143,7 +144,7 @@ def test_hung_loads_and_a_loading_of_the_user() -> None:
     spans = s.string(ROPE, *nodes, length=233.0)
     s.hang(rw.Load("one", 400.0), spans[0], at=60.0)
     s.hang(rw.Load("two", 300.0), spans, at=170.0)
-    mine = {"empty": "empty", "second only": {"one": 0.0}}
+    mine: dict[str, Any] = {"empty": "empty", "second only": {"one": 0.0}}
     found = rw.load_cases(s, [CALM, COLD], loadings=mine)
     alone = s.copy()
     alone.hung = alone.hung[1:]
@@ -220,9 +221,9 @@ def test_a_rig_in_each_case_is_its_load_path(of_rig: rw.LoadCases) -> None:
     row = of_rig.frame.loc["iced, full"]
     assert row["highest_tension"] == pytest.approx(path["highest_tension"].max(), rel=1e-9)
     assert row["least_clearance"] == pytest.approx(path[["rope_clearance", "clearance"]].min().min(), abs=1e-6)
-    assert of_rig.states["iced, full"]["carriage_z"].to_numpy() == pytest.approx(
-        path["carriage_z"].to_numpy(), abs=1e-7
-    )
+    found = of_rig.states["iced, full"]
+    assert isinstance(found, pd.DataFrame)
+    assert found["carriage_z"].to_numpy() == pytest.approx(path["carriage_z"].to_numpy(), abs=1e-7)
     jack = of_rig.supports.query("case == 'iced, full' and support == 'jack' and rope == 'skyline'").set_index(
         "extreme"
     )
