@@ -18,6 +18,7 @@ from .components.environment import Environment as Environment
 from .components.errors import (
     CompiledError as CompiledError,
     CompilerError as CompilerError,
+    DesignPointError as DesignPointError,
     EquilibriumError as EquilibriumError,
     FitError as FitError,
     InfeasibleScheduleError as InfeasibleScheduleError,
@@ -148,5 +149,10 @@ from .systems.studies.skyline.support_layout import (
 )
 from .systems.studies.sweeps.cases import latin_hypercube as latin_hypercube
 from .systems.studies.sweeps.sweep import sweep as sweep
+from .systems.studies.uncertainty.assured_payload import assured_payload as assured_payload
+from .systems.studies.uncertainty.exceedance import exceedance as exceedance
+from .systems.studies.uncertainty.reliability import Reliability as Reliability, reliability as reliability
+from .systems.studies.uncertainty.sobol_indices import sobol_indices as sobol_indices
+from .systems.studies.uncertainty.uncertain import Uncertain as Uncertain
 
 __version__: str

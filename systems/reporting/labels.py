@@ -40,6 +40,7 @@ ENGLISH: Mapping[str, str] = {
     "safety_factor": "Safety factor",
     "working_load": "Safe working load (SWL)",
     "gravity": "Gravity",
+    "weather": "Weather",
     "carriage": "Carriage",
     "carriage_mass": "Mass of the carriage",
     "load_depth": "Lowest point of the load below the skyline",

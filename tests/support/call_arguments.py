@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pandas as pd
+from scipy.stats import norm
 
 import ropeway as rw
 from ropeway.systems.studies.handbook.payload_methods import METHODS
@@ -34,6 +35,7 @@ from support.call_objects import (
     log,
     new_rig,
     one_span,
+    payloads,
     plan,
     response,
     rest,
@@ -96,6 +98,9 @@ def instances() -> dict[str, Callable[[], Any]]:
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
         "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
+        "Reliability": lambda: rw.Reliability(
+            "z", 3.0, True, 2.0, 0.02, 0.02, -0.1, pd.DataFrame({"importance": [1.0]}), 4
+        ),
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
         "Result": run,
         "Rope": lambda: ROPE,
@@ -115,7 +120,9 @@ def instances() -> dict[str, Callable[[], Any]]:
         "ThresholdResponse": lambda: rw.ThresholdResponse(low=1e4, high=3e4, increment=0.01),
         "TunedResponse": lambda: rw.TunedResponse(line(), response(), "all at once", 1.0, 2.0, pd.DataFrame()),
         "Turn": lambda: rw.Turn(log(), dropline=THIN, length=6.0),
+        "Uncertain": lambda: rw.Uncertain({"a": norm(3.0, 1.0), "b": norm(5.0, 1.0)}, {("a", "b"): 0.3}),
         "UnstretchedLength": lambda: rw.unstretched_length(length=150.0, **HANGING),
+        "fmu.ArchiveLimits": rw.fmu.ArchiveLimits,
         "fmu.Fmu": fmu,
         "fmu.FmuComponent": lambda: rw.fmu.component("part", exported(), ignore_events=True),
         "fmu.StepControl": lambda: rw.fmu.StepControl("Richardson"),
@@ -271,6 +278,21 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "unstretched_length": lambda: {**HANGING, "length": 150.0},
         "string_guylines": lambda: {"system": rw.System("yard"), "spar": guyed()},
         "support_range": lambda: {"start": 40.0, "end": 90.0, "spacing": 25.0, "heights": (6.0, 8.0)},
+        "assured_payload": lambda: {
+            "study": payloads, "inputs": rw.Uncertain({"tension": norm(60e3, 2e3)}), "confidence": 0.5, "samples": 2,
+            "seed": 1, "workers": 1, "progress": False,
+        },
+        "exceedance": lambda: {
+            "table": pd.DataFrame({"pull": [1.0, 2.0, 3.0]}), "above": {"pull": 2.5}, "below": None, "confidence": 0.9,
+        },
+        "reliability": lambda: {
+            "study": one_span(), "inputs": rw.Uncertain({"turn.mass": norm(700.0, 50.0)}), "output": "a_b.tension_a",
+            "above": 50e3, "below": None, "workers": 1,
+        },
+        "sobol_indices": lambda: {
+            "study": one_span(), "inputs": rw.Uncertain({"turn.mass": norm(700.0, 50.0)}),
+            "outputs": ["a_b.tension_a"], "samples": 4, "seed": 0, "workers": 1, "progress": False,
+        },
         "sweep": lambda: {
             "study": one_span(), "parameters": {"turn.mass": [500.0, 600.0]}, "outputs": ["a_b.tension_a"],
             "workers": 1, "path": None, "progress": False, "compiled": False,
@@ -291,10 +313,13 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
+            "emergency_stop": None,
         },
         "fmu.run_report": lambda: {
             "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
             "path": folder() / "fmu.html",
         },
-        "fmu.load": lambda: {"path": exported()},
+        "fmu.load": lambda: {
+            "path": exported(), "isolated": False, "timeout": 9.0, "limits": rw.fmu.ArchiveLimits(),
+        },
     }  # fmt: skip

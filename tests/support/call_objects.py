@@ -80,6 +80,7 @@ def rig_parts() -> dict[str, Any]:
         "haulback_tension": None,
         "haulback_block": None,
         "holding": "bisector",
+        "temperature": 5.0,
         "turn": None,
         "name": "rig",
         "gravity": 9.81,
@@ -138,6 +139,12 @@ def line_of_two() -> rw.System:
     table.loc[2.0] = ("d", 185.0, 0.0, 9.0, "control")
     table.loc[3.0] = ("e", 270.0, 0.0, 6.0, "drum")
     return rw.monocable(ROPE, table.drop_duplicates("x"), tension=22e3, load_mass=90.0, load_spacing=33.0)
+
+
+def payloads(tension: float) -> rw.PayloadStudy:
+    """Payloads of a corridor whose skyline has an uncertain tension."""
+    parts = {k: v for k, v in rig_parts().items() if v is not None} | {"tension": tension}
+    return rw.payload(rw.standing_skyline(GROUND, **parts), stations=STATIONS)
 
 
 @cache

@@ -83,7 +83,9 @@ def sensitivities(
 
     Examples
     --------
-    >>> rw.sensitivities(rw.equilibrium(line), of="c1.tension_in", to=["l7.mass", "c1.z"])  # doctest: +SKIP
+    >>> frame = rw.sensitivities(rw.equilibrium(line), of="c1.tension_in", to=["l8.mass", "c1.z"])
+    >>> frame.loc["c1.tension_in"].round(2).to_dict()
+    {'l8.mass': 1.57, 'c1.z': 99.58}
     """
     wanted, varied = ([v] if isinstance(v, str) else list(v) for v in (of, to))
     if not wanted or not varied:
