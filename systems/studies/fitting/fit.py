@@ -53,10 +53,11 @@ def fit(
     columns : mapping of str to str, optional
         The quantity that each column holds: {"A": "c2.tension_in"}; by default columns are named after quantities.
         Results are measured: tensions, forces, pressures, displacements; columns of a load path of a rig; "a_b.rope_z",
-        the height of a point on a span's rope. Others are given in each row: parameters, inputs, masses; "station",
-        "payload" and "height" of a rig; "a_b.rope_x" (and rope_y), the place of the point in plan; "time" [s] of a
-        series, at regular intervals, whose given columns are inputs. Values are in SI units unless the header or the
-        key has a unit ("A [kN]") or the name ends with one (skyline_kN, load_t).
+        the height of a point on a span's rope; "a_b.return_time", in which a blow on it returns [s]. Others are given
+        in each row: parameters, inputs, masses; "station", "payload" and "height" of a rig; "a_b.rope_x" (and rope_y),
+        the place of the point in plan; "time" [s] of a series, at regular intervals, whose given columns are inputs.
+        Values are in SI units unless the header or the key has a unit ("A [kN]") or the name ends with one (skyline_kN,
+        load_t).
     free : str or sequence of str
         Quantities to fit: those of `sensitivities`, and "A.gain" and "A.offset" of the sensor of column A.
     sigma : float or mapping of str to (float or sequence of float), optional

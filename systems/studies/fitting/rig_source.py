@@ -12,7 +12,7 @@ from ropeway.components.errors import EquilibriumError, InputError, UnknownNameE
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.studies.fitting.measured import GIVEN, MEASURED
-from ropeway.systems.studies.fitting.rope_points import ROPE_X, ROPE_Y, ROPE_Z, rope_points
+from ropeway.systems.studies.fitting.rope_points import RETURN_TIME, ROPE_X, ROPE_Y, ROPE_Z, return_time, rope_points
 from ropeway.systems.studies.fitting.sources import Source, States
 from ropeway.systems.studies.sensitivity import rig_quantities
 from ropeway.systems.studies.sensitivity.linearisation import LinearState
@@ -53,6 +53,8 @@ class RigSource(Source):
         quantity = name.rpartition(".")[2]
         if quantity in (ROPE_X, ROPE_Y, ROPE_Z):
             return MEASURED if quantity == ROPE_Z else GIVEN
+        if quantity == RETURN_TIME:
+            return MEASURED
         try:
             rig_quantities.unit_of(self._at, name)
         except UnknownNameError:
@@ -61,8 +63,9 @@ class RigSource(Source):
         return GIVEN
 
     def unit(self, name: str) -> str:
-        if name.rpartition(".")[2] in (ROPE_X, ROPE_Y, ROPE_Z):
-            return "m"
+        own = {ROPE_X: "m", ROPE_Y: "m", ROPE_Z: "m", RETURN_TIME: "s"}
+        if (unit := own.get(name.rpartition(".")[2])) is not None:
+            return unit
         if self.role(name) == MEASURED:
             return unit_of_reading(self._one, name)
         return rig_quantities.unit_of(self._at, name)
@@ -196,6 +199,10 @@ class RigStates(States):
         return Solved(at, point, at.outputs(point), held_by, case)
 
     def reading(self, state: int, name: str) -> Reading:
+        owner, _, quantity = name.rpartition(".")
+        if quantity == RETURN_TIME:
+            model = self.solved[state].at.model
+            return return_time(model, model.runs, owner)
         return rig_reading(self.solved[state], name)
 
     def points(self, state: int, span: str, at: np.ndarray) -> Reading:

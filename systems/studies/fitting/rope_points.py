@@ -1,4 +1,5 @@
-"""Points on the rope of a span, as a laser scanner or a total station measures them: its height at places in plan."""
+"""Measurements of the rope of a span: its height at places in plan, as a laser scanner or a total station finds it, and
+the time in which a blow on it returns, as a rigger takes it with a stopwatch."""
 
 from __future__ import annotations
 
@@ -18,6 +19,9 @@ from ropeway.systems.studies.sensitivity.reading import Reading
 
 ROPE_X, ROPE_Y, ROPE_Z = "rope_x", "rope_y", "rope_z"
 """Quantities of a span for points on its rope: place x, y in plan (given) and height z (measured) [m]."""
+RETURN_TIME = "return_time"
+"""Quantity of a span: time [s] in which a blow on the rope at end a returns from the nearest load, or from end b."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _NEAR = 1e-12
 """Accuracy of a point along the rope, relative to the span."""
 _MOST = 40
@@ -29,26 +33,36 @@ Read = Callable[[str], Any]
 
 def rope_points(model: Model, runs: Sequence[Run], span: str, at: np.ndarray) -> Reading:
     """The heights of a span's rope at places (n, 2) in plan [m]; an unknown y is NaN. Raises UnknownNameError."""
+    rope = _rope_of(model, runs, span)
+    return rope.reading(lambda read: rope.heights(read, at))
+
+
+def return_time(model: Model, runs: Sequence[Run], span: str) -> Reading:
+    """The time [s] in which a transverse wave returns to end a of a span. Raises UnknownNameError."""
+    rope = _rope_of(model, runs, span)
+    return rope.reading(rope.return_time)
+
+
+def _rope_of(model: Model, runs: Sequence[Run], span: str) -> _SpanRope:
+    """The rope of a span by its name. Raises UnknownNameError."""
     for r, run in enumerate(runs):
         for k, one in enumerate(run.spans):
             if one.name == span:
-                return _Scan(model, run, k, int(model.layouts[r].slots.count[k]), at).reading
+                return _SpanRope(model, run, k, int(model.layouts[r].slots.count[k]))
     raise UnknownNameError(f"No span {span!r}", f"Spans are {', '.join(s.name for run in runs for s in run.spans)}")
 
 
 @dataclass(frozen=True)
-class _Scan:
-    """Points on span `k` of a run, whose loads are in so many `slots`, at places (n, 2) in plan."""
+class _SpanRope:
+    """The rope of span `k` of a run, whose loads are in so many `slots`."""
 
     model: Model
     run: Run
     k: int
     slots: int
-    at: np.ndarray
 
-    @property
-    def reading(self) -> Reading:
-        """Heights as a function of all that the span's rope depends on."""
+    def reading(self, of: Callable[[Read], np.ndarray]) -> Reading:
+        """A function of all that the span's rope depends on, as a reading."""
         names = list[str]()
 
         def noted(name: str) -> float:
@@ -57,11 +71,7 @@ class _Scan:
             return 1.0
 
         self._parts(noted)
-
-        def heights(values: np.ndarray) -> np.ndarray:
-            return self._heights(dict(zip(names, values, strict=True)).__getitem__)
-
-        return Reading(tuple(names), heights)
+        return Reading(tuple(names), lambda values: of(dict(zip(names, values, strict=True)).__getitem__))
 
     def _parts(self, read: Read) -> tuple[Any, ...]:
         """Tension vector at the start, rope, length, distances and forces of loads, start and end of the span."""
@@ -71,21 +81,35 @@ class _Scan:
         drag = [read(f"{name}.slot_drag[{j + 1}]") if model.weather else 0.0 for j in range(self.slots)]
         masses = [read(f"{name}.slot_mass[{j + 1}]") for j in range(self.slots)]
         loads = [load_force(model, mass, area, read) for mass, area in zip(masses, drag, strict=True)]
+        read(f"{name}.mass_per_length")
         rope, length = span_rope(model, self.run, self.k, read), read(f"{name}.length")
         return force, rope, length, distances, loads, self.run.start(self.k, read), self.run.end(self.k, read)
 
-    def _heights(self, read: Read) -> np.ndarray:
-        """Heights z (n,) of the rope; complex numbers carry derivatives. Raises EquilibriumError."""
+    def return_time(self, read: Read) -> np.ndarray:
+        """Time of a transverse wave from end a to the nearest load, or to end b, and back [s], (1,). A metre as strung
+        takes sqrt(mass per metre as strung * stretched length / T)."""
+        force, rope, length, distances, _, _, _ = self._parts(read)
+        name = self.run.spans[self.k].name
+        loaded = [j for j in range(self.slots) if read(f"{name}.slot_mass[{j + 1}]").real > 0.0]
+        way = distances[loaded[0]] if loaded else length
+        tension = catenary.norm(catenary.end_of(force, rope.weight, 0.5 * (1.0 + _NODES) * way))
+        stretched = rope.strain.expansion + rope.strain.at(tension)
+        slowness = np.sqrt(read(f"{name}.mass_per_length") * stretched / tension)
+        return np.array([(_WEIGHTS @ slowness) * way])
+
+    def heights(self, read: Read, places: np.ndarray) -> np.ndarray:
+        """Heights z (n,) of the rope at places (n, 2) in plan; complex numbers carry derivatives. Raises
+        EquilibriumError."""
         force, rope, length, distances, loads, start, end = self._parts(read)
         along = (end - start)[:2] / np.sqrt(((end - start)[:2] ** 2).sum())
-        without_y = np.isnan(self.at[:, 1])
+        without_y = np.isnan(places[:, 1])
 
         def place(x: Any, y: Any, of: Any = slice(None)) -> Any:
             """Distance in plan from the start, along the chord, of some of the points."""
             return np.where(without_y[of], x / along[0], x * along[0] + y * along[1])
 
-        wanted = place(self.at[:, 0] - start[0], np.nan_to_num(self.at[:, 1]) - start[1])
-        found, left = np.zeros(len(self.at), dtype=complex), np.ones(len(self.at), dtype=bool)
+        wanted = place(places[:, 0] - start[0], np.nan_to_num(places[:, 1]) - start[1])
+        found, left = np.zeros(len(places), dtype=complex), np.ones(len(places), dtype=bool)
         reach: Any = np.zeros(3, dtype=complex)
         here: Any = 0.0
         for i, cut in enumerate([*distances, length]):

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from support.measured import idlers, standing
+from support.measured import ROPE, idlers, standing
 
 GON = rw.units.GON
 TWO = (460.296269689673, [(0.0, 95.3282575966228), (165.995104445107, 76.6693939496654)],
@@ -129,3 +129,28 @@ def test_temperatures_are_given_in_each_row() -> None:
     free, sigma = ["a.pretension", "a.axial_stiffness"], {"A_kN": 100.0, "z": 0.01}
     fit = rw.fit(blown(40e3), pd.DataFrame(rows), columns=columns, free=free, sigma=sigma)
     np.testing.assert_allclose(fit.values, [44e3, 20e6], rtol=1e-7)
+
+
+def test_a_pretension_by_stopwatch() -> None:
+    """The time of a wave along an empty rope and back, as the stringing table has it; with a load, from the load."""
+
+    def empty(tension: float) -> rw.System:
+        s = rw.System("empty")
+        s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(250.0, 30.0)), tension=tension)
+        return s
+
+    (row,) = rw.stringing_table(empty(25e3), [15.0]).itertuples()
+    columns = {"t": "a_b.return_time"}
+    fit = rw.fit(empty(20e3), pd.DataFrame({"t": [row.return_time]}), columns=columns, free="a.pretension", sigma=0.05)
+    assert fit.values["a.pretension"] == pytest.approx(25e3, rel=1e-6)
+    # T is as the square of 1 / t: 1 % of the time is 2 % of the tension.
+    assert fit.standard_errors["a.pretension"] / 25e3 == pytest.approx(2.0 * 0.05 / row.return_time, rel=0.1)
+    known = {"l1.mass": (400.0, 1e-3)}
+    times = pd.DataFrame({"t": [1.2]})
+    columns = {"t": "s1_s2.return_time"}
+    blow = rw.fit(idlers(tension=33e3), times, columns=columns, free="l1.mass", sigma=0.01, prior=known)
+    eq = rw.equilibrium(idlers(tension=33e3))
+    curve = eq.profile("s1_s2", np.linspace(0.0, eq["l1.distance"], 2001))
+    slowness = np.sqrt(ROPE.mass_per_length * (1.0 + curve["tension"] / ROPE.axial_stiffness) / curve["tension"])
+    expected = 2.0 * float(np.trapezoid(slowness, curve["station"]))
+    assert blow.predicted["t"].iloc[0] == pytest.approx(expected, rel=1e-6)
