@@ -151,6 +151,7 @@ BAD: Mapping[str, tuple[dict[str, Any], str]] = {
     "unknown column": ({"columns": {"q": "a.tension"}}, "no column q"),
     "unknown quantity": ({"columns": {"head": "a.tention"}}, "a.tension"),
     "unknown free quantity": ({"free": ["l9.mass"]}, "l9.mass"),
+    "unknown quantity of a sensor": ({"free": ["head.gian"]}, r"head\.gain or head\.offset"),
     "a result is free": ({"free": ["a.tension"]}, "is a result"),
     "nothing measured": ({"columns": {"m1": "l1.mass"}}, "No column is measured"),
     "free and given": ({"free": ["l1.mass"]}, "given in a column"),
