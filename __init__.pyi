@@ -59,6 +59,7 @@ from .components.variable import (
     Equations as Equations,
     Kind as Kind,
     Limit as Limit,
+    MovingMass as MovingMass,
     Site as Site,
     Variable as Variable,
 )
@@ -122,6 +123,7 @@ from .systems.studies.handbook.payload_methods import (
     tension_for_payload as tension_for_payload,
 )
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.inertia.modes import Modes as Modes, modes as modes
 from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
 from .systems.studies.skyline.inhaul.study import Inhaul as Inhaul, inhaul as inhaul

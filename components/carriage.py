@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -16,7 +16,7 @@ from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 Holding = Literal["bisector", "horizontal"]
 
@@ -115,6 +115,9 @@ class Carriage(Node):
     def free(self) -> tuple[tuple[str, str], ...]:
         # The direction of an ideal holding force depends on the rope: the balance has no symmetric stiffness matrix.
         return () if self.holding is not None else tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return tuple(MovingMass(axis, read("mass") + read("payload"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return (self.clamped, self.holding)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,7 +11,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Seat
 from ropeway.components.node import Node
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -63,6 +63,9 @@ class Joint(Node):
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         return tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return tuple(MovingMass(axis, read("mass"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return self.ends

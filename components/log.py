@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 _FORCE = 1e4
 """Unit of the normal force in the contact law [N]; that of the gap is 1 m."""
@@ -112,6 +112,10 @@ class Log(Node):
     @property
     def seats(self) -> tuple[Seat, ...]:
         return (self.front,)
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        # As a point at its front; the rear follows at rest.
+        return tuple(MovingMass(axis, read("mass"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return ()

@@ -84,6 +84,8 @@ def instances() -> dict[str, Callable[[], Any]]:
         "MapFrame": lambda: MAP,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
+        "Modes": lambda: rw.modes(rest(), 0, 2),
+        "MovingMass": lambda: rw.MovingMass("x", 90.0, {"balance_x": 1.0}),
         "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
@@ -172,6 +174,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "load_spacing": 33.0, "name": "line", "drive": drive(), "response": {"c": response()},
             "precedence": "all at once", "gravity": 9.8, "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
         },
+        "modes": lambda: {"eq": rest(), "nodes": 2, "count": 3, "damping": 1e-3},
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
             "line": line_of_two(), "until": 6.0, "minimise": {"energy": 1.0}, "limits": rw.ScheduleLimits(),

@@ -93,6 +93,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "GuyedSpar.block": lambda: Call(guyed().block, {"rope": "mainline"}),
         "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
         "Equilibrium.heights_over_ground": lambda: Call(grounded().heights_over_ground, {"points": 21}),
+        "Modes.plot": lambda: Call(rw.modes(rest(), 2, 3).plot, {"k": 2}),
         "MapFrame.straight": lambda: Call(
             rw.MapFrame.straight,
             {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},
