@@ -57,9 +57,10 @@ def test_frequencies_of_a_suspended_cable(horizontal: float, tolerances: tuple[f
 
 def test_published_frequencies() -> None:
     """ANSYS VM53: 74.708, 149.42, 224.12 Hz. Mehrabi and Tabatabai 1998, cables 1 and 2 of 100 m with 400 kg/m, without
-    bending (Irvine): 0.4395, 0.8520 and 0.4260, 0.4627 Hz; here with a hundredth of mass, force and stiffness. A
-    parabola omits that a sagging cable is longer than its span and moves lengthwise: 2.3 % of the antisymmetric mode of cable 2,
-    which sags by 7 %."""
+    bending (Irvine): 0.4395, 0.8520 and 0.4260, 0.4627 Hz; here with a hundredth of mass, force and stiffness.
+
+    A parabola omits that a sagging cable is longer than its span and moves lengthwise: 2.3 % of the antisymmetric mode
+    of cable 2, which sags by 7 %."""
     area, modulus = 1.97932e-6, 2.06843e11
     wire = rw.Rope(mass_per_length=7801.43 * area * 1.00543228, axial_stiffness=modulus * area, breaking_load=5000.0)
     found = frequencies(span(wire, 2.54, 2224.1, gravity=1e-6), 20, 6)
