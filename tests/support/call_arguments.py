@@ -85,7 +85,6 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
         "Modes": lambda: rw.modes(rest(), 0, 2),
-        "MovingMass": lambda: rw.MovingMass("x", 90.0, {"balance_x": 1.0}),
         "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
