@@ -10,6 +10,8 @@ The travel of a drive whose speed is commanded is a known function of time, and 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import casadi as ca
 import numpy as np
 
@@ -24,10 +26,21 @@ def strict(tolerance: float, share: float) -> float:
     return min(tolerance, max(share * tolerance, 1e-11))
 
 
+class Stretch(NamedTuple):
+    """How a stretch is integrated: `share` of the tolerance that one step may use, and the `first` step, a part of the
+    stretch. A quasi-static line changes slowly, so that its stretches are one step; one with inertia oscillates."""
+
+    share: float
+    first: float
+
+
+SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(1.0, 0.1)
+
+
 class Idas:
     """The integrator of a model; `tolerance` is absolute, on scaled variables."""
 
-    def __init__(self, model: Model, tolerance: float) -> None:
+    def __init__(self, model: Model, tolerance: float, stretch: Stretch = SLOW) -> None:
         self.model = model
         nx, nz, nu = len(model.x), len(model.z), len(model.u)
         sym = model.sym
@@ -47,7 +60,7 @@ class Idas:
         ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
-        tight = strict(tolerance, 0.005) * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        tight = strict(tolerance, stretch.share) * float(np.sqrt(max(nx, 1) / (nx + nz)))
         integrator = ca.integrator(
             "idas",
             "idas",
@@ -68,8 +81,8 @@ class Idas:
                 "suppress_algebraic": True,
                 "calc_ic": False,
                 "linear_solver": "csparse",
-                # The time between two events is short: one step is tried first, which the error test shortens.
-                "step0": 1.0,
+                # The error test shortens the first step.
+                "step0": stretch.first,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             },
