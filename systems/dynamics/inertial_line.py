@@ -11,6 +11,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import OSCILLATING, Idas
+from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.line_state import LineState
 
 
@@ -38,18 +39,28 @@ class InertialLine(LineStepper):
 
     def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
         """Advances the state by `h` seconds. Raises EquilibriumError, SimulationError."""
-        point, integrator = self.state.point, oscillating_idas_of(self.state.model, self.tolerance)
-        point.x[:], point.z[:] = integrator.advance(point, h, motion.x, motion.z, self.slope(stop))
-        # The inputs of a stretch that ends at a break are those before it until the line stops there.
-        self.state.point = replace(point, t=point.t + h)
-        self.state.point.u[:] = self.inputs_at(self.state.point.t)
-        return self.solve(stop)
+        return self.integrate_along(h, 1, motion, stop)[1]
+
+    def integrate_along(
+        self, h: float, count: int, motion: LineMotion, stop: float
+    ) -> tuple[list[Point], LineMotion]:
+        """As `integrate`, without a restart; also returns the solved points at `count` equal parts of the stretch."""
+        start = self.state.point
+        integrator = oscillating_idas_of(self.state.model, self.tolerance, count)
+        xs, zs = integrator.along(start, h, motion.x, motion.z, self.slope(stop))
+        points = []
+        for i, (x, z) in enumerate(zip(xs, zs, strict=True)):
+            t = start.t + h * (i + 1) / count
+            self.state.point = replace(start, x=x, z=z, u=self.inputs_at(t), t=t)
+            motion = self.solve(stop)
+            points.append(self.state.point)
+        return points, motion
 
 
 @kept_with_model
-def oscillating_idas_of(model: Model, tolerance: float) -> Idas:
-    """The integrator of a model with inertia."""
-    return Idas(model, tolerance, OSCILLATING)
+def oscillating_idas_of(model: Model, tolerance: float, count: int) -> Idas:
+    """The integrator of a model with inertia, which gives `count` points of a stretch."""
+    return Idas(model, tolerance, OSCILLATING, count)
 
 
 def _rate_after(signal: Signal, t: float) -> float:

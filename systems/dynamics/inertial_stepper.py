@@ -23,6 +23,8 @@ _SHORTEST, _FAILED = 1e-4, 1e-5
 _OVERRUN = 3e-3
 """How far past its threshold an event may be [m]."""
 _TRIALS = 40
+_COUNTS = (2, 5, 10, 20, 50, 100)
+"""Numbers of points that one stretch can give."""
 
 
 class InertialStepper:
@@ -52,8 +54,36 @@ class InertialStepper:
         self._motion = self.line.solve(self.line.time)
 
     def run_along(self, stops: Sequence[float]) -> int:
-        """As of an `EventStepper` that is not compiled: none."""
-        return 0
+        """Advances through the first of some evenly spaced stops with an entry at each, as far as it can do so without
+        an event and in one stretch; returns how many they are. Inputs do not bend before the last one. Raises
+        EquilibriumError, SimulationError."""
+        if len(stops) < 2 or self._motion is None:
+            return 0
+        line, every = self.line, stops[1] - stops[0]
+        if not np.isclose(stops[0] - line.time, every, rtol=1e-9):
+            return 0
+        events = self._coming(self._motion)
+        longest = _LONGEST if self._ties else np.inf
+        free = min([longest, *(max(e.gap, 0.0) / e.speed - _SHORTEST for e in events)])
+        count = max((n for n in _COUNTS if n <= len(stops) and n * every <= free), default=0)
+        if count == 0:
+            return 0
+        begin = line.state.copy()
+        try:
+            points, motion = line.integrate_along(stops[count - 1] - line.time, count, self._motion, stops[count - 1])
+            if any(e.gap < -_OVERRUN for e in self._coming(motion)):
+                raise SimulationError("A load comes near a support", "Take a shorter stretch", line.time)
+            self.state.require_rope("End the run before, or turn the drive")
+        except FinalError:
+            raise
+        except (EquilibriumError, SimulationError):  # it is tried again from stop to stop
+            line.state = begin
+            return 0
+        for point in points:
+            line.state.point = point
+            self.recorder.record(line.state, on_grid=True)
+        self._motion = motion
+        return count
 
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises

@@ -38,10 +38,11 @@ SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(1.0, 0.1)
 
 
 class Idas:
-    """The integrator of a model; `tolerance` is absolute, on scaled variables."""
+    """The integrator of a model; `tolerance` is absolute, on scaled variables. It gives `count` points of a stretch, at
+    equal distances."""
 
-    def __init__(self, model: Model, tolerance: float, stretch: Stretch = SLOW) -> None:
-        self.model = model
+    def __init__(self, model: Model, tolerance: float, stretch: Stretch = SLOW, count: int = 1) -> None:
+        self.model, self.count = model, count
         nx, nz, nu = len(model.x), len(model.z), len(model.u)
         sym = model.sym
         w, unknowns, tau = sym("w", nx), sym("zeta", nz), sym("tau")
@@ -73,7 +74,7 @@ class Idas:
                 "alg": (alg / model.r.nominals)[rows.tolist()],
             },
             0.0,
-            1.0,
+            1.0 if count == 1 else [(i + 1) / count for i in range(count)],
             {
                 "abstol": tight,
                 "reltol": 0.0,
@@ -82,7 +83,7 @@ class Idas:
                 "calc_ic": False,
                 "linear_solver": "csparse",
                 # The error test shortens the first step.
-                "step0": stretch.first,
+                "step0": stretch.first / count,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             },
@@ -98,7 +99,14 @@ class Idas:
 
         Raises SimulationError.
         """
-        m = self.model
+        x, z = self.along(point, h, x_rate, z_rate, slope)
+        return x[-1], z[-1]
+
+    def along(
+        self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `advance`, at all points of the stretch: (count, nx) and (count, nz)."""
+        m, passed = self.model, h * np.arange(1, self.count + 1) / self.count
         knowns = np.concatenate([[point.t, h], point.x, x_rate, point.z, z_rate, point.u, slope, point.p, point.d])
         try:
             end = self._f(self._zero[0], self._zero[1], knowns)
@@ -109,6 +117,7 @@ class Idas:
                 "Check the last result for a slack rope or a load that stands on a support; or take a larger tolerance",
                 point.t,
             ) from error
-        x = point.x + h * x_rate + end[0] * m.x.nominals
-        self._commanded.put(x[None], point, np.array([h]), slope)
-        return x, point.z + h * z_rate + end[1][self._places] * m.z.nominals
+        x = point.x + passed[:, None] * x_rate + end[0].reshape(self.count, -1) * m.x.nominals
+        self._commanded.put(x, point, passed, slope)
+        z = end[1].reshape(self.count, -1)[:, self._places]
+        return x, point.z + passed[:, None] * z_rate + z * m.z.nominals
