@@ -33,6 +33,7 @@ from .components.errors import (
     WriteError as WriteError,
 )
 from .components.guyed_spar import GuyedSpar as GuyedSpar, Guyline as Guyline
+from .components.inertia import Inertia as Inertia
 from .components.intermediate_support import IntermediateSupport as IntermediateSupport
 from .components.joint import Joint as Joint
 from .components.load import Load as Load

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -12,11 +12,13 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Seat
+from ropeway.components.component import Component, Seat, remade
 from ropeway.components.errors import InputError
+from ropeway.components.inertia import Inertia
+from ropeway.components.moving_node import inertial_force, kinetic_energy, motion_rates, motion_variables
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
-from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
+from ropeway.components.variable import Energies, Equations, Kind, MovingMass, Site, Variable
 
 Holding = Literal["bisector", "horizontal"]
 
@@ -74,6 +76,9 @@ class Carriage(Node):
             )
         if self.clamped and self.holding is not None:
             raise InputError(f"{self.described} is clamped and has a holding force", "The clamp holds it: omit holding")
+
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return remade(self, MovingCarriage) if type(self) is Carriage else self
 
     @property
     def a(self) -> Seat:
@@ -195,3 +200,42 @@ class Carriage(Node):
         if not self.clamped:
             found["tension_law"] = laws.ratio(ropes[0], ropes[1])
         return found
+
+
+@checked
+@dataclass(frozen=True, kw_only=True)
+class MovingCarriage(Carriage):
+    """A carriage with the inertia of itself, its payload and its ropes; arguments as of a `Carriage`."""
+
+    inertial: ClassVar[bool] = True
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return ()
+
+    @property
+    def _axes(self) -> str:
+        """The axes along which it is free to move: an ideal holding force holds its x."""
+        return "xyz" if self.holding is None else "yz"
+
+    def structure(self, site: Site) -> Hashable:
+        return super().structure(site)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        own = super().variables(site)
+        places = {v.name: v for v in own if v.name in self._axes}
+        dropped = Variable("dropped", Kind.DISCRETE, "1", "1: the payload has been dropped")
+        return (*(v for v in own if v.name not in places), *motion_variables(places), dropped)
+
+    def equations(self, v: Any) -> Equations:
+        v.payload = v.payload * (1 - v.dropped)
+        found, seats = super().equations(v), [seat.name for seat in self.seats]
+        mass = v.mass + v.payload
+        balances = {
+            f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, mass, seats)
+            for axis in "xyz"
+        }
+        return replace(found, rates=motion_rates(v, self._axes), residuals={**found.residuals, **balances})
+
+    def energies(self, read: Callable[[str], Any]) -> Energies:
+        return kinetic_energy(read, self.mass + self.payload, self._axes)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
+from ropeway.components.inertia import Inertia
+from ropeway.components.moving_rope import MovingRope, slot_variables
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
@@ -58,6 +60,9 @@ class Span(Component):
     @property
     def ports(self) -> tuple[RopeEnd, ...]:
         return (self.a, self.b)
+
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return MovingSpan(self.name, self.rope, self.length, inertia)
 
     def limits(self) -> tuple[Limit, ...]:
         return (
@@ -181,3 +186,77 @@ class Span(Component):
             force = (station.force[0], station.force[1], station.force[2] + load)
             at = here
         return elastic, gravity
+
+
+@checked
+@dataclass(frozen=True)
+class MovingSpan(Span):
+    """A span with the inertia of its rope and its loads; see `moving_rope`.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    rope : Rope
+        Its rope.
+    length : float
+        Unstretched length at zero travel of both supports [m].
+    inertia : Inertia
+        Damping of the rope.
+    """
+
+    inertial: ClassVar[bool] = True
+    inertia: Inertia = field(default_factory=Inertia)
+
+    def structure(self, site: Site) -> Hashable:
+        return self._constructional
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return (*super().variables(site), *slot_variables(site, self.inertia.damping))
+
+    def equations(self, v: Any) -> Equations:
+        strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)
+        rope = MovingRope(v, strain)
+        first, last, n = rope.pieces[0].first, rope.pieces[-1].last, rope.n
+        tension_a, tension_b = catenary.norm(first), catenary.norm(last)
+        hung, balances, inertia_a, inertia_b = rope.inertia()
+        elastic, gravity = rope.stored
+        velocities = rope.velocities
+        xp = catenary.namespace(tension_a)
+
+        def each(name: str, vectors: Sequence[catenary.Vector]) -> dict[str, Any]:
+            return {f"{name}_{axis}": xp.vertcat(*(w[i] for w in vectors)) for i, axis in enumerate("xyz")}
+
+        def own(name: str) -> list[catenary.Vector]:
+            return [rope.of(name, j) for j in range(n)]
+
+        return Equations(
+            rates={
+                **{f"place_{axis}": rope.free * getattr(v, f"velocity_{axis}") for axis in "xyz"},
+                **{f"velocity_{axis}": rope.free * getattr(v, f"acceleration_{axis}") for axis in "xyz"},
+            },
+            residuals={
+                **{f"closure_{axis}": miss for axis, miss in zip("xyz", rope.closure, strict=True)},
+                **each("hung", hung),
+                **each("balance", balances),
+            },
+            outputs={
+                "tension_a": tension_a,
+                "tension_b": tension_b,
+                "horizontal": catenary.norm((first[0], first[1], 0.0)),
+                "vertical_a": -first[2],
+                "vertical_b": last[2],
+                "length": rope.length,
+                "elastic_energy": elastic,
+                "gravity_energy": gravity,
+                "kinetic_energy": rope.kinetic,
+                "utilisation": rope.highest / v.breaking_load,
+                "slot_distance": rope.distance,
+                **each("slot", rope.places),
+                **each("slot_velocity", velocities[1:-1]),
+                **each("slot_acceleration", own("acceleration")),
+            },
+            forces={"a": (-first[0], -first[1], -first[2]), "b": last},
+            carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
+            inertia={"a": inertia_a, "b": inertia_b},
+        )

@@ -53,6 +53,8 @@ class Variable:
         of zero.
     hidden : bool, default False
         Whether results omit it.
+    rate_of : str, optional
+        Variable of the same component of which this one is the rate of change.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Variable:
     range: Range = ANY
     kept_at_rest: bool = False
     hidden: bool = False
+    rate_of: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +107,8 @@ class Equations:
         Force on the component at each rope end, a vector [N].
     carried : mapping of str, optional
         Energy that each metre of rope carries at each rope end, T + T^2/2EA [N].
+    inertia : mapping of str, optional
+        Of an inertial component: inertia of the rope at each rope end, a vector [N].
     """
 
     rates: Mapping[str, Any] = field(default_factory=dict)
@@ -111,6 +116,7 @@ class Equations:
     outputs: Mapping[str, Any] = field(default_factory=dict)
     forces: Mapping[str, Vector] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
+    inertia: Mapping[str, Vector] = field(default_factory=dict)
 
 
 class Energies(NamedTuple):

@@ -15,7 +15,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
-from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.dynamics.inertial_stepper import stepper_of
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
@@ -87,7 +87,7 @@ class Result(RunData):
             signals = [
                 Schedule((a.time, b.time), (u, v)) if u != v else float(u) for u, v in zip(a.u, b.u, strict=True)
             ]
-            stepper = EventStepper(state, signals, self.tolerance)
+            stepper = stepper_of(state, signals, self.tolerance)
             stepper.run_to(time)
             state = stepper.state
         return self._line(state, i)

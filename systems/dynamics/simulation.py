@@ -9,17 +9,20 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.carriage import Carriage
+from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.dynamics.line_stepper import Signal
+from ropeway.systems.dynamics.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
+from ropeway.systems.dynamics.support_zones import lose
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
-from ropeway.systems.modelling.intervention import Intervention
+from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
@@ -28,6 +31,7 @@ from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
+from ropeway.systems.statics.inertial_state import inertial_state
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
@@ -51,6 +55,7 @@ def simulate(
     stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
     compiled: bool = False,
+    inertia: Inertia | None = None,
 ) -> Result:
     """Simulate a system in time.
 
@@ -80,6 +85,9 @@ def simulate(
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
         lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
         compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+    inertia : Inertia, optional
+        The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
+        starts in equilibrium, with the line at its speed. Not compiled.
 
     Returns
     -------
@@ -112,7 +120,9 @@ def simulate(
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
-    _check_interventions(model, interventions)
+    _check_interventions(model, interventions, inertia)
+    if compiled and inertia is not None:
+        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
         compiled_line(model)
     if start is None:
@@ -122,7 +132,8 @@ def simulate(
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops, compiled))
+    settings = _Settings(signals, interventions, tolerance, stops, compiled, inertia)
+    run = _Simulation(replace(rest, pending=pending), settings)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -163,8 +174,12 @@ def _is_speed(system: System, component: str, quantity: str) -> bool:
     return quantity == "speed" and isinstance(system.components[component], Node)
 
 
-def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
+def _check_interventions(model: Model, interventions: Sequence[Intervention], inertia: Inertia | None) -> None:
     """Raises InputError, UnknownNameError for an intervention that the system does not allow."""
+    for intervention in interventions:
+        if intervention.inertial:
+            _check_inertial(model, intervention, inertia)
+    interventions = [i for i in interventions if not i.inertial]
     driven = [target for target in model.system.links if _is_speed(model.system, *target)]
     for intervention in interventions:
         if intervention.action == "emergency stop" and driven:
@@ -184,6 +199,21 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
             )
 
 
+def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia | None) -> None:
+    """Raises InputError, UnknownNameError for an intervention that takes mass off the line."""
+    action, name = intervention.action, str(intervention.component)
+    if inertia is None:
+        raise InputError(f"{action!r} needs inertia", "Give simulate(..., inertia=rw.Inertia())")
+    if action == LOAD_LOST:
+        known = [load for run in model.runs for load in run.loads.names]
+    else:
+        known = [n for n, c in model.system.components.items() if isinstance(c, Carriage)]
+    if name not in known:
+        raise UnknownNameError(
+            f"{action!r} does not apply to {name!r}", f"It applies to {', '.join(known[:12]) or 'nothing in this system'}"
+        )
+
+
 @dataclass(frozen=True)
 class _Settings:
     """What a run is asked for: a signal for each input, interventions, tolerance, and events at which it stops."""
@@ -193,6 +223,7 @@ class _Settings:
     tolerance: float
     stop_at: tuple[str, ...]
     compiled: bool
+    inertia: Inertia | None
 
 
 class _Simulation:
@@ -201,10 +232,11 @@ class _Simulation:
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
+        signals = settings.signals
+        if settings.inertia is not None and state.model.inertia is None:
+            state, signals = _inertial(state, signals, settings.inertia)
         self.recorder = Recorder()
-        self.stepper = EventStepper(
-            state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
-        )
+        self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
         self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
@@ -248,7 +280,7 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if self.settings.compiled and not self.stop_at:
+            if (self.settings.compiled or self.settings.inertia) and not self.stop_at:
                 stops = _grid(count, every, until, quiet)
                 if done := self.stepper.run_along(stops):
                     advance(stops[done - 1])
@@ -290,7 +322,7 @@ class _Simulation:
         due = [
             c for c in self.state.model.clocks if abs(pending.ticks.get((c.period, c.phase), np.inf) - point.t) <= 1e-9
         ]
-        d, changes, events = self.sampled(due)
+        (d, changes, events), lost = self.sampled(due), list[str]()
         while self.interventions and self.interventions[0].time <= point.t + 1e-9:
             intervention = self.interventions.pop(0)
             events.append(Event(point.t, intervention.component or self.state.model.name, intervention.action, np.nan))
@@ -298,6 +330,8 @@ class _Simulation:
                 ended, stopping = self.emergency_stop(intervention.deceleration)
                 changes.update(ended)
                 pending = replace(pending, stopping=stopping)
+            elif intervention.action == LOAD_LOST:
+                lost.append(str(intervention.component))
             else:
                 name, value = intervention.entry
                 changes[self.state.model.d.index[name]] = value
@@ -306,6 +340,8 @@ class _Simulation:
         for entry, value in changes.items():
             d[entry] = value
         point.d[:] = d
+        for name in lost:
+            lose(self.state, name)
         for clock in due:
             self.ticks[self.state.model.clocks.index(clock)] += 1
         self.recorder.pending = self.ticking(pending)
@@ -361,6 +397,19 @@ class _Simulation:
             return False
         self.record()
         return True
+
+
+def _inertial(
+    state: LineState, signals: Sequence[Signal], inertia: Inertia
+) -> tuple[LineState, tuple[Signal, ...]]:
+    """A line with inertia that starts as the quasi-static line moves, and the signals of its inputs."""
+    line = LineStepper(state, signals, 1e-6)
+    line.set_time(0.0)
+    motion = line.solve(float(min(line.breaks[line.breaks > 0.0], default=1.0)))
+    given = dict(zip(state.model.u.names, signals, strict=True))
+    found = inertial_state(line.state, inertia, (motion.x, motion.z))
+    # Rates of inputs follow from these: their own signals are not read.
+    return found, tuple(given.get(name, 0.0) for name in found.model.u.names)
 
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:

@@ -105,6 +105,7 @@ def assembled(system: System, functions: ComponentFunctions, slots: Sequence[Seq
             for v in owned
             if v.kind is Kind.STATE and not v.kept_at_rest
         ),
+        rate_of={f"{c}.{v.name}": f"{c}.{v.rate_of}" for c, owned in variables.items() for v in owned if v.rate_of},
     )
     stop_if_interrupted()
     _check_structure(model, system)

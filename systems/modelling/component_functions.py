@@ -10,14 +10,26 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.argument_checks import checked
+from ropeway.components.catenary import norm
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
-from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 
 SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE)
 """Kinds of variables in equations, in the order of the model's arguments."""
+
+
+FORCE = 4
+"""Entries of what a rope gives to a seat: the force and the energy carried."""
+
+
+def port_size(*, rope: bool, inertial: bool) -> int:
+    """Number of entries of a port: of a rope's end its position and travel, of a seat `FORCE` and the rope's speed."""
+    if rope:
+        return 12 if inertial else 4
+    return 10 if inertial else 5
 
 
 class ComponentFunctions:
@@ -106,7 +118,11 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
 
     # The force on the node at the other side of the port is opposite.
     forces = [
-        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
+        ca.vertcat(
+            *(-f for f in eq.forces[port.name]),
+            eq.carried[port.name],
+            *(_inertia_at(eq, port.name) if component.inertial else ()),
+        )
         for port in component.ports
         if isinstance(port, RopeEnd)
     ]
@@ -124,6 +140,15 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
     return found
 
 
+def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:
+    """What an inertial node has at the seat of a rope end besides force and carried energy."""
+    pull, inertia = eq.forces[end], eq.inertia[end]
+    # The force on the rope at end a points against the direction of the rope, at end b along it.
+    side = 1.0 if end == "a" else -1.0
+    along = -side * sum(pull[i] * inertia[i] for i in range(3)) / norm(pull)
+    return (*inertia, along, side)
+
+
 def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
     """Symbols of a component's equations, as attributes and as inputs of its function."""
     sym = ca.MX.sym if component.external else ca.SX.sym
@@ -139,12 +164,20 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
         vectors.append(vector)
     ports = []
     for port in component.ports:
-        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
+        rope, more = isinstance(port, RopeEnd), component.inertial
+        symbol = sym(port.name, port_size(rope=rope, inertial=more))
         vector_3d = (symbol[0], symbol[1], symbol[2])
-        if isinstance(port, RopeEnd):
-            setattr(v, port.name, SimpleNamespace(position=vector_3d, travel=symbol[3]))
+        if rope:
+            seen = SimpleNamespace(position=vector_3d, travel=symbol[3])
+            if more:
+                seen.velocity, seen.acceleration = (symbol[4], symbol[5], symbol[6]), (symbol[7], symbol[8], symbol[9])
+                seen.speed, seen.rope_acceleration = symbol[10], symbol[11]
         else:
-            setattr(v, port.name, SimpleNamespace(force=vector_3d, carried=symbol[3], speed=symbol[4]))
+            seen = SimpleNamespace(force=vector_3d, carried=symbol[3], speed=symbol[4])
+            if more:
+                seen.inertia = (symbol[5], symbol[6], symbol[7])
+                seen.along, seen.side = symbol[8], symbol[9]
+        setattr(v, port.name, seen)
         ports.append(symbol)
     names = (*component.sums, *component.shares)
     signals = sym("signals", len(names))

@@ -12,7 +12,7 @@ from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.component_functions import FORCE, SYMBOLS, ComponentFunctions
 from ropeway.systems.modelling.dae_model import VariableTable
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.modelling.signal_connections import differences
@@ -71,7 +71,8 @@ class EquationGraph:
             if not any(isinstance(port, RopeEnd) for port in c.ports):
                 continue
             seats = [self.system.connections[c.name, port.name] for port in c.ports]
-            self.results[c.name] = self._call(c, ca.MX(0, 1), [self._position(self.seats[seat]) for seat in seats])
+            ends = [self._position(self.seats[seat], inertial=c.inertial) for seat in seats]
+            self.results[c.name] = self._call(c, ca.MX(0, 1), ends)
             self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
 
     def _call_sources(self) -> dict[str, ca.MX]:
@@ -119,7 +120,23 @@ class EquationGraph:
         own = (self.parts[kind][component.name] for kind in SYMBOLS)
         return [self.time, self.vectors[Kind.PARAMETER][0], *own, signals, *ports]
 
-    def _position(self, seat: Seat) -> ca.MX:
+    def _position(self, seat: Seat, *, inertial: bool) -> ca.MX:
+        """Position and travel of the rope at a seat; inertial: and their rates."""
+        place = self._place(seat)
+        return ca.vertcat(place, self._rates(seat)) if inertial else place
+
+    def _rates(self, seat: Seat) -> ca.MX:
+        """Velocity and acceleration of a seat's node, speed and acceleration of the rope's travel there; zero where the
+        node has no such variable."""
+        node = seat.owner.name
+        names = [f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz"]
+        return ca.vertcat(*(self._rate(node, name) for name in (*names, seat.speed, seat.acceleration)))
+
+    def _rate(self, node: str, name: str | None) -> ca.MX:
+        known = name is not None and any(f"{node}.{name}" in self.tables[kind].index for kind in SYMBOLS)
+        return self._variable(node, name) if known and name is not None else ca.MX(0.0)
+
+    def _place(self, seat: Seat) -> ca.MX:
         """Position and travel of the rope at a seat."""
         node = seat.owner.name
         travel = ca.MX(0.0) if seat.travel is None else self._variable(node, seat.travel)
@@ -135,8 +152,9 @@ class EquationGraph:
         for port in component.ports:
             driver = self.speed_of.get((component.name, port.name))
             speed = ca.MX(0.0) if driver is None else self._variable(*driver)
-            force = self.force_on.get((component.name, port.name), ca.MX.zeros(4))
-            found.append(ca.vertcat(force, speed))
+            force = self.force_on.get((component.name, port.name), ca.MX.zeros(FORCE))
+            inertia = ca.MX.zeros(5) if force.numel() == FORCE else force[FORCE:]
+            found.append(ca.vertcat(force[:FORCE], speed, *((inertia,) if component.inertial else ())))
         return found
 
     def _variable(self, component: str, name: str) -> ca.MX:

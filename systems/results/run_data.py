@@ -177,9 +177,10 @@ class RunData(Tabular):
         """Records `which` with their outputs and algebraic variables."""
         m, records = self.model, [self.records[i] for i in which.tolist()]
         keep = list(m.y.shown)
-        moves = [i for i, name in enumerate(m.z.names) if ".force_" not in name]
-        blocks = [y[:, keep], z[:, moves], [r.x for r in records], [r.u for r in records]]
-        tables = [(m.y, keep), (m.z, moves), (m.x, range(len(m.x))), (m.u, range(len(m.u)))]
+        moves = [i for i in m.z.shown if ".force_" not in m.z.names[i]]
+        states = list(m.x.shown)
+        blocks = [y[:, keep], z[:, moves], [r.x[states] for r in records], [r.u for r in records]]
+        tables = [(m.y, keep), (m.z, moves), (m.x, states), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
         frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)

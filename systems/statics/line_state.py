@@ -102,10 +102,19 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
+        grown = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
+        self.model = replace(grown, inertia=old.inertia)
         d = self.model.d.values.copy()
-        d[self.model.kept] = self.point.d[old.kept]
-        self.point = replace(self.point, d=d)
+        if old.inertia is None:
+            d[self.model.kept] = self.point.d[old.kept]
+            self.point = replace(self.point, d=d)
+            return
+        # With inertia slots have states: those of the new slots, which are empty, have the declared values.
+        new = Point(self.model.x.values.copy(), self.model.z.values.copy(), self.point.u, self.point.p, d, self.point.t)
+        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.DISCRETE):
+            there = self.model.tables[kind].index
+            new.vector(kind)[[there[name] for name in old.tables[kind].names]] = self.point.vector(kind)
+        self.point = new
 
     def length(self, r: int) -> float:
         """Unstretched length of a run's rope between its ends at zero travel [m]."""

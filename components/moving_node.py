@@ -1,0 +1,39 @@
+"""Place, velocity and acceleration of a node that its ropes accelerate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ropeway.components.variable import Energies, Kind, Variable
+
+AXES = "xyz"
+
+
+def motion_variables(places: Mapping[str, Variable]) -> tuple[Variable, ...]:
+    """States and accelerations of a node, from the variables of its coordinates without inertia."""
+    state, alg = Kind.STATE, Kind.ALGEBRAIC
+    return (
+        *(Variable(axis, state, "m", place.description, place.value) for axis, place in places.items()),
+        *(Variable(f"velocity_{axis}", state, "m/s", f"velocity, {axis}", rate_of=axis) for axis in places),
+        *(Variable(f"acceleration_{axis}", alg, "m/s2", f"acceleration, {axis}") for axis in places),
+    )
+
+
+def motion_rates(v: Any, axes: Sequence[str]) -> dict[str, Any]:
+    """Rates of the states of `motion_variables`."""
+    return {
+        **{axis: getattr(v, f"velocity_{axis}") for axis in axes},
+        **{f"velocity_{axis}": getattr(v, f"acceleration_{axis}") for axis in axes},
+    }
+
+
+def inertial_force(v: Any, axis: str, mass: Any, seats: Sequence[str]) -> Any:
+    """What the forces on a node must overcome along an axis [N]: its own inertia and that of its ropes."""
+    rope = sum(getattr(v, seat).inertia["xyz".index(axis)] for seat in seats)
+    return rope + mass * getattr(v, f"acceleration_{axis}", 0.0)
+
+
+def kinetic_energy(read: Callable[[str], Any], mass: float, axes: Sequence[str]) -> Energies:
+    """Kinetic energy of a node over a run."""
+    return Energies(kinetic=mass / 2.0 * sum(read(f"velocity_{axis}") ** 2 for axis in axes))

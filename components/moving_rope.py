@@ -1,0 +1,228 @@
+"""A span with inertia: exact catenaries between its loads, which have a place and a velocity of their own.
+
+Behind each load slot the tension vector is an unknown, as at end a. A free slot is where its load is, so that the
+catenaries on both sides end there; the difference of their tensions and of the load's weight accelerates the load. A
+tied slot hangs in balance, as without inertia, and moves with the rope at its support, which carries its inertia; an
+empty slot is tied to end b. A joined slot moves with the slot before it, where two loads hang together. The mass of each piece of rope acts at its two ends.
+
+The tension sees the geometry a short time, the damping, ahead: stiffness-proportional damping, without effect at rest.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ropeway.components import catenary
+from ropeway.components.catenary import Strain, Vector
+from ropeway.components.variable import Kind, Site, Variable
+
+AXES = "xyz"
+_PER_METRE, _TYPICAL_MASS = 1e3, 100.0
+"""Scales of residuals with two meanings: one newton is a millimetre, one newton accelerates 0.01 m/s2."""
+
+
+def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
+    """What a span has with inertia, besides the variables that it has without."""
+    n, zeros = site.slots, (0.0,) * site.slots
+
+    def each(name: str, kind: Kind, unit: str, description: str, nominal: float = 1.0) -> tuple[Variable, ...]:
+        return tuple(
+            Variable(f"{name}_{a}", kind, unit, f"{description}, {a}", zeros, nominal, n, hidden=True) for a in AXES
+        )
+
+    state, alg, res, out, length = Kind.STATE, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.length
+    return (
+        Variable("damping", Kind.PARAMETER, "s", "stiffness-proportional damping", damping, 1e-3),
+        Variable("lumped", Kind.PARAMETER, "1", "share of the rope's mass that acts at the ends of its pieces alone"),
+        *each("place", state, "m", "place of the load in each slot"),
+        *each("velocity", state, "m/s", "velocity of the load in each slot"),
+        *each("pull", alg, "N", "tension vector behind each slot", site.force),
+        *each("acceleration", alg, "m/s2", "acceleration of each slot"),
+        *each("hung", res, "m", "rope reaches each slot", length),
+        *each("balance", res, "N", "forces on each slot", 0.01 * site.force),
+        Variable("tied_a", Kind.DISCRETE, "1", "1: the slot moves with the rope at end a", zeros, 1.0, n),
+        Variable("tied_b", Kind.DISCRETE, "1", "1: the slot moves with the rope at end b", (1.0,) * n, 1.0, n),
+        Variable("joined", Kind.DISCRETE, "1", "1: the slot moves with the slot before", zeros, 1.0, n),
+        Variable("lost", Kind.DISCRETE, "1", "1: the load in the slot is lost", zeros, 1.0, n),
+        Variable("kinetic_energy", out, "J", "kinetic energy of rope and loads", nominal=1e3),
+        *each("slot_velocity", out, "m/s", "velocity of each slot"),
+        *each("slot_acceleration", out, "m/s2", "acceleration of each slot"),
+    )
+
+
+class Piece(NamedTuple):
+    """A load-free piece: where it starts, the tension vectors at its start and end [N], its unstretched length [m]."""
+
+    start: Vector
+    first: Vector
+    last: Vector
+    length: Any
+
+
+class Slot(NamedTuple):
+    """A slot: its place as the rope sees it, by how much the rope misses it if it is free [m], and the force that
+    accelerates it [N]."""
+
+    place: Vector
+    miss: Vector
+    force: Vector
+
+
+class MovingRope:
+    """The pieces of a span with inertia, and its slots, on the symbols of its variables and ports."""
+
+    def __init__(self, v: Any, strain: Strain) -> None:
+        self.v, self.strain = v, strain
+        self.shares = (2 + v.lumped) / 6, (1 - v.lumped) / 6  # of a piece's mass: at the same end, and across
+        self.n = v.slot_at.numel()
+        self.weight = v.mass_per_length * v.gravity
+        self.length = v.length_start + v.a.travel - v.b.travel
+        self.distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * self.length
+        self.free = 1 - v.tied_a - v.tied_b - v.joined
+        self.mass = v.slot_mass * (1 - v.lost)
+        self.pieces: list[Piece] = []
+        self.slots: list[Slot] = []
+        self.end = self._chain()
+        first, last = self.pieces[0].first, self.pieces[-1].last
+        self.along = _unit(first), _unit(last)
+
+    def _chain(self) -> Vector:
+        """Goes through the span piece by piece; returns where it ends."""
+        v, ahead = self.v, self.v.damping
+        shift = v.a.speed - v.b.speed
+        to = self.distance + ahead * (v.slot_ride * v.a.speed + v.slot_empty * shift)
+        place, force, at = _moved(v.a.position, v.a.velocity, ahead), (v.force_x, v.force_y, v.force_z), 0.0
+        for j in range(self.n):
+            piece, there = self._piece(place, force, to[j] - at)
+            own = _moved(self.of("place", j), self.of("velocity", j), ahead)
+            pull, free, load = self.of("pull", j), self.free[j], self.mass[j] * v.gravity
+            jump = (pull[0] - piece[0], pull[1] - piece[1], pull[2] - piece[2] - load)
+            place = _chosen(free, own, there)
+            self.slots.append(Slot(place, _minus(there, own), jump))
+            force, at = pull, to[j]
+        return self._piece(place, force, self.length + ahead * shift - at)[1]
+
+    def _piece(self, start: Vector, force: Vector, length: Any) -> tuple[Vector, Vector]:
+        """Adds a piece; returns the tension vector at its end, and where it ends."""
+        found = catenary.segment(force, self.weight, length, self.strain)
+        self.pieces.append(Piece(start, force, found.force, length))
+        return found.force, _plus(start, found.reach)
+
+    def of(self, name: str, j: int) -> Vector:
+        """A vector of slot j."""
+        x, y, z = (getattr(self.v, f"{name}_{axis}")[j] for axis in AXES)
+        return (x, y, z)
+
+    @property
+    def places(self) -> list[Vector]:
+        """Where the slots are [m]; tied ones as the rope sees them."""
+        ahead = [_times(self.free[j] * self.v.damping, self.of("velocity", j)) for j in range(self.n)]
+        return [_minus(slot.place, moved) for slot, moved in zip(self.slots, ahead, strict=True)]
+
+    @property
+    def closure(self) -> Vector:
+        """By how much the rope misses its end b [m]."""
+        return _minus(self.end, _moved(self.v.b.position, self.v.b.velocity, self.v.damping))
+
+    def _ends(self, node: str, rope: str) -> tuple[Vector, Vector]:
+        """A rate of the rope at both ends: that of the node, and that of the rope that runs over it."""
+        a, b = ((getattr(end, node), getattr(end, rope)) for end in (self.v.a, self.v.b))
+        return _plus(a[0], _times(a[1], self.along[0])), _plus(b[0], _times(b[1], self.along[1]))
+
+    @property
+    def velocities(self) -> list[Vector]:
+        """Velocities of end a, all slots, and end b."""
+        a, b = self._ends("velocity", "speed")
+        found = [a]
+        for j in range(self.n):
+            bound = self._bound(j, a, b, found[-1])
+            found.append(_plus(_times(self.free[j], self.of("velocity", j)), bound))
+        return [*found, b]
+
+    def _bound(self, j: int, a: Vector, b: Vector, before: Vector) -> Vector:
+        """A rate of slot j where it is not free: that of its end, or of the slot before."""
+        v = self.v
+        ends = _plus(_times(v.tied_a[j], a), _times(v.tied_b[j], b))
+        return _plus(ends, _times(v.joined[j], before))
+
+    @property
+    def kinetic(self) -> Any:
+        """Kinetic energy of rope and loads [J]."""
+        near, across = self.shares
+        speeds, v = self.velocities, self.v
+        energy = sum(self.mass[j] * _dot(speeds[j + 1], speeds[j + 1]) / 2 for j in range(self.n))
+        for piece, a, b in zip(self.pieces, speeds[:-1], speeds[1:], strict=True):
+            mass = v.mass_per_length * piece.length
+            energy = energy + mass * (near / 2 * (_dot(a, a) + _dot(b, b)) + across * _dot(a, b))
+        return energy
+
+    def inertia(self) -> tuple[list[Vector], list[Vector], Vector, Vector]:
+        """Residuals of the places and of the accelerations of all slots, and the inertia that the ends carry [N]."""
+        v, n = self.v, self.n
+        near, across = self.shares
+        a, b = self._ends("acceleration", "rope_acceleration")
+        each = [a, *(self.of("acceleration", j) for j in range(n)), b]
+        at: list[Vector] = [(0.0, 0.0, 0.0), *(_times(self.mass[j], each[j + 1]) for j in range(n)), (0.0, 0.0, 0.0)]
+        for k, piece in enumerate(self.pieces):
+            mass = v.mass_per_length * piece.length
+            at[k] = _plus(at[k], _times(mass, _plus(_times(near, each[k]), _times(across, each[k + 1]))))
+            at[k + 1] = _plus(at[k + 1], _times(mass, _plus(_times(across, each[k]), _times(near, each[k + 1]))))
+        hung, balances, at_a, at_b = [], [], at[0], at[-1]
+        for j, slot in enumerate(self.slots):
+            own = at[j + 1]
+            bound = _times(_TYPICAL_MASS, _minus(each[j + 1], self._bound(j, a, b, each[j])))
+            balances.append(_chosen(self.free[j], _minus(own, slot.force), bound))
+            in_balance = _minus(slot.force, _times(v.joined[j], own))
+            hung.append(_chosen(self.free[j], slot.miss, _times(1 / _PER_METRE, in_balance)))
+            at_a, at_b = _plus(at_a, _times(v.tied_a[j], own)), _plus(at_b, _times(v.tied_b[j], own))
+        return hung, balances, at_a, at_b
+
+    @property
+    def stored(self) -> tuple[Any, Any]:
+        """Elastic energy, and potential energy relative to z = 0 [J]."""
+        elastic, gravity = 0, 0
+        for piece in self.pieces:
+            own = catenary.energy(piece.first, self.weight, piece.length, self.v.compliance)
+            elastic, gravity = elastic + own.elastic, gravity + own.gravity
+            gravity = gravity + self.weight * piece.length * piece.start[2]
+        for j, place in enumerate(self.places):
+            gravity = gravity + self.mass[j] * self.v.gravity * place[2]
+        return elastic, gravity
+
+    @property
+    def highest(self) -> Any:
+        """Highest tension at an end of a piece [N]."""
+        tensions = [catenary.norm(f) for piece in self.pieces for f in (piece.first, piece.last)]
+        highest = tensions[0]
+        for tension in tensions[1:]:
+            highest = catenary.namespace(highest).fmax(highest, tension)
+        return highest
+
+
+def _unit(force: Vector) -> Vector:
+    return _times(1 / catenary.norm(force), force)
+
+
+def _moved(place: Vector, velocity: Vector, time: Any) -> Vector:
+    return _plus(place, _times(time, velocity))
+
+
+def _plus(a: Vector, b: Vector) -> Vector:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def _minus(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _times(factor: Any, a: Vector) -> Vector:
+    return (factor * a[0], factor * a[1], factor * a[2])
+
+
+def _dot(a: Vector, b: Vector) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _chosen(share: Any, a: Vector, b: Vector) -> Vector:
+    """The first vector where share is 1, the second where it is 0."""
+    return _plus(_times(share, a), _times(1 - share, b))
