@@ -17,7 +17,7 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import moving_seat, travel_variables
-from ropeway.components.variable import Energies, Equations, Kind, Site, Variable
+from ropeway.components.variable import Energies, Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -86,6 +86,9 @@ class Drum(Node):
     @property
     def balance(self) -> str | None:
         return None if self.tension is None else "tension_kept"
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return (MovingMass("travel", self.inertia, {"tension_kept": 1.0}),)
 
     def structure(self, site: Site) -> Hashable:
         return self.tension is None

@@ -16,7 +16,7 @@ from ropeway.components.component import Component, Seat, remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
-from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
+from ropeway.components.variable import Energies, Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -158,6 +158,9 @@ class Sheave(Wheel):
     @property
     def balance(self) -> str:
         return "tension_law"
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return (MovingMass("travel", self.inertia, {"tension_law": 1.0}),)
 
     def structure(self, site: Site) -> Hashable:
         return self.friction > 0.0

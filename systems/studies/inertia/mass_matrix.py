@@ -11,16 +11,11 @@ from scipy.sparse.linalg import LinearOperator, splu
 
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.studies.inertia.material_points import CutSpan, MaterialPoints
-
-_CONSISTENT = (1.0 / 3.0, 1.0 / 6.0)
-_AVERAGED = (5.0 / 12.0, 1.0 / 12.0)
-"""Shares of the mass of a piece of rope: of each end alone, and of both ends together. The average of a consistent and
-a lumped mass is the most accurate along a rope with nodes; the consistent one between loads."""
-
 
 @dataclass(frozen=True)
 class Motion:
@@ -52,12 +47,12 @@ class _Free:
     strain: Mapping[str, float]
 
 
-def linear_motion(cut: MaterialPoints, *, averaged: bool) -> Motion:
+def linear_motion(cut: MaterialPoints, inertia: Inertia) -> Motion:
     """Flexibility and mass of a cut equilibrium. Raises EquilibriumError where its equations are singular."""
     free = _free(cut)
     starts, stops = (_rope_ends(cut, free, k) for k in (0, 1))
     frames = np.array([_frame(span) for span in cut.spans for _ in span.pieces]).reshape(-1, 3, 3)
-    own, both = _AVERAGED if averaged else _CONSISTENT
+    own, both = inertia.shares
     values, index = cut.point.p, cut.model.p.index
     kilograms = diags(
         [

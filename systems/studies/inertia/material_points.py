@@ -16,6 +16,7 @@ from ropeway.components.joint import Joint
 from ropeway.components.span import Span
 from ropeway.components.variable import Site
 from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.inertial_system import rope_nodes
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -71,7 +72,7 @@ class MaterialPoints:
 
 
 def material_points(line: Equilibrium, nodes: int) -> MaterialPoints:
-    """The equilibrium with about `nodes` rope nodes in each span, evenly between loads and ends. Raises InputError."""
+    """The equilibrium with `nodes` rope nodes in each span, spread over the pieces between its loads. Raises InputError."""
     system = line.model.system.copy()
     system.hung, system.feeds = [], []
     cut: list[CutSpan] = []
@@ -101,19 +102,18 @@ def _cut(line: Equilibrium, r: int, k: int, nodes: int) -> tuple[CutSpan, list[f
     """A span cut at its loads and rope nodes, and the masses at its inner points."""
     run, point, p = line.runs[r], line.point, line.model.p.index
     name, length = run.spans[k].name, line[f"{run.spans[k].name}.length"]
-    station, names, masses = [0.0], [run.nodes[k].name], list[float]()
     loads = line.loads[line.loads["span"] == name]
     inner = loads[(loads["distance"] > _SHORTEST * length) & (loads["distance"] < (1.0 - _SHORTEST) * length)]
-    for load in (*inner.itertuples(), None):
-        here = length if load is None else float(load.distance)
-        if load is not None and len(station) > 1 and here - station[-1] <= _SHORTEST * length:
-            names[-1], masses[-1] = f"{names[-1]}, {load.load}", masses[-1] + float(load.mass)
-            continue
-        count = max(1, round((here - station[-1]) * (nodes + 1) / length))
-        between = np.linspace(station[-1], here, count + 1)[1:-1]
-        station += [*between.tolist(), here]
-        names += [*(f"{name} {s:.4g} m" for s in between), run.nodes[k + 1].name if load is None else str(load.load)]
-        masses += [*([0.0] * len(between)), *([] if load is None else [float(load.mass)])]
+    hung = dict[float, tuple[str, float]]()
+    for load in inner.itertuples():
+        at = next((d for d in hung if abs(d - load.distance) <= _SHORTEST * length), float(load.distance))
+        others, mass = hung.get(at, ("", 0.0))  # at one place they are one point
+        hung[at] = (f"{others}, {load.load}" if others else str(load.load), mass + float(load.mass))
+    (own,) = rope_nodes(run, np.array([length]), [np.array(list(hung))], nodes)
+    hung.update({float(at): (f"{name} {at:.4g} m", 0.0) for at in own})
+    station = [0.0, *sorted(hung), length]
+    names = [run.nodes[k].name, *(hung[at][0] for at in station[1:-1]), run.nodes[k + 1].name]
+    masses = [hung[at][1] for at in station[1:-1]]
     force, gravity = point.z[line.model.layouts[r].force[k] :][:3], float(point.p[0])
     strain = catenary.Strain(point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
     weight = point.p[p[f"{name}.mass_per_length"]] * gravity

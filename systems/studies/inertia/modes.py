@@ -11,6 +11,7 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.components.inertia import Inertia
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -103,8 +104,7 @@ def modes(eq: Equilibrium, nodes: int = 6, count: int = 10, *, damping: float = 
     eq : Equilibrium
         Of a line, a rig, a guyed spar, a net: of any system; or `result.at(t)`.
     nodes : int, default 6
-        About how many nodes each span's rope has besides its loads. Few suffice for loaded lines; the frequencies of a
-        bare rope change by less than 1 % with 6.
+        Rope nodes in each span besides its loads, spread over the pieces between them. Loaded lines need few.
     count : int, default 10
         Number of modes, from the lowest frequency on.
     damping : float, default 5e-4
@@ -129,14 +129,15 @@ def modes(eq: Equilibrium, nodes: int = 6, count: int = 10, *, damping: float = 
     >>> modes(rw.equilibrium(s), count=2).frame["frequency"].round(3).tolist()
     [0.3, 0.325]
     """
-    check.index(nodes, 1001, "modes", "nodes")
+    inertia = Inertia(nodes=nodes, damping=damping)
     check.index(count - 1, _MOST, "modes", "count - 1")
-    check.not_negative(damping, "modes", "damping", "s")
+    if eq.model.inertia is not None:
+        raise InputError("The line is in motion, in a run with inertia", "Give rw.equilibrium(...) of its system")
     line = still(eq)
     spans = sum(len(run.spans) for run in line.runs)
     check.count(spans * (nodes + 1) + len(line.loads), "modes", "points", _MOST)
     cut = material_points(line, nodes)
-    motion = linear_motion(cut, averaged=nodes > 0)
+    motion = linear_motion(cut, inertia)
     found = natural_modes(motion, count)
     points = _points(cut.spans)
     shapes = (motion.rows @ found.shape).T.reshape(len(found.frequency), len(points), 3)
