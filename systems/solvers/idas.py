@@ -59,6 +59,8 @@ class Idas:
         x = x0 + passed * x_rate + w * model.x.nominals
         z = z0 + passed * z_rate + zeta * model.z.nominals
         ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
+        if stretch is OSCILLATING and not model.external:
+            ode, alg = ca.cse([ode, alg])
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
         tight = strict(tolerance, stretch.share) * float(np.sqrt(max(nx, 1) / (nx + nz)))

@@ -8,7 +8,8 @@ import numpy as np
 
 from ropeway.components.inertia import Inertia
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.assembly import assembled
+from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.inertial_system import require_fitting, rope_nodes, with_inertia
 from ropeway.systems.modelling.rope_path import Loads, Run
@@ -74,8 +75,7 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     InputError where the inertia does not fit a rope."""
     for run in model.runs:
         require_fitting(run, inertia)
-    found = assemble(with_inertia(model.system, inertia), slots=[list(own) for own in slots])
-    return replace(found, inertia=inertia)
+    return assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
 
 
 def inertial_state(
@@ -88,7 +88,7 @@ def inertial_state(
     """
     quasi = _noded(state, inertia)
     model, old = quasi.model, quasi.point
-    moving = inertial_model(model, inertia, tuple(tuple(layout.slots.count.tolist()) for layout in model.layouts))
+    moving = inertial_model(model, inertia, tuple(_slots(quasi, r) for r in range(len(quasi.runs))))
     point = declared_point(moving)
     for kind in VECTORS:
         own, table = point.vector(kind), moving.tables[kind].index
@@ -118,6 +118,18 @@ def _share_mass(state: LineState, r: int) -> None:
         own = run.loads.mass[int(beyond[k + 1]) : int(beyond[k])]
         waves = len(own) > 0 and not own.any() and stand[k] and stand[k + 1]
         state.point.p[index[f"{span.name}.lumped"]] = 0.5 if waves else 0.0
+
+
+def _slots(state: LineState, r: int) -> tuple[int, ...]:
+    """Load slots of each span: for its present loads, and on a moving rope for all that fit between two supports. Each
+    has states: a span in which loads come together gets more when it needs them."""
+    run, beyond = state.runs[r], state.passed[r]
+    count = beyond[:-1] - beyond[1:]
+    gaps = np.diff(-run.loads.place)
+    if run.moves and np.any(gaps > _JOINED):
+        fit = np.ceil(1.02 * np.diff(state.rope(r)) / gaps[gaps > _JOINED].min()).astype(int)
+        count = np.maximum(count, np.minimum(fit, len(run.loads.place)))
+    return tuple(int(n) for n in count)
 
 
 def _noded(state: LineState, inertia: Inertia) -> LineState:

@@ -102,8 +102,7 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        grown = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts])
-        self.model = replace(grown, inertia=old.inertia)
+        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts], old.inertia)
         d = self.model.d.values.copy()
         if old.inertia is None:
             d[self.model.kept] = self.point.d[old.kept]
