@@ -39,9 +39,7 @@ class InertialStepper:
         self.line = InertialLine(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
-        self._ties = any(
-            tieable(state.model, r).any() and len(run.loads.place) > 0 for r, run in enumerate(state.runs)
-        )
+        self._ties = any(tieable(state.model, r).any() and len(run.loads.place) > 0 for r, run in enumerate(state.runs))
         self._motion: LineMotion | None = None
 
     @property

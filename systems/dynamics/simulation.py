@@ -210,7 +210,8 @@ def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia |
         known = [n for n, c in model.system.components.items() if isinstance(c, Carriage)]
     if name not in known:
         raise UnknownNameError(
-            f"{action!r} does not apply to {name!r}", f"It applies to {', '.join(known[:12]) or 'nothing in this system'}"
+            f"{action!r} does not apply to {name!r}",
+            f"It applies to {', '.join(known[:12]) or 'nothing in this system'}",
         )
 
 
@@ -399,9 +400,7 @@ class _Simulation:
         return True
 
 
-def _inertial(
-    state: LineState, signals: Sequence[Signal], inertia: Inertia
-) -> tuple[LineState, tuple[Signal, ...]]:
+def _inertial(state: LineState, signals: Sequence[Signal], inertia: Inertia) -> tuple[LineState, tuple[Signal, ...]]:
     """A line with inertia that starts as the quasi-static line moves, and the signals of its inputs."""
     line = LineStepper(state, signals, 1e-6)
     line.set_time(0.0)

@@ -78,9 +78,7 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     return assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
 
 
-def inertial_state(
-    state: LineState, inertia: Inertia, rates: tuple[np.ndarray, np.ndarray] | None = None
-) -> LineState:
+def inertial_state(state: LineState, inertia: Inertia, rates: tuple[np.ndarray, np.ndarray] | None = None) -> LineState:
     """The state of a line with inertia that moves as the quasi-static line does: with the rates (nx,) and (nz,) of its
     states and algebraic variables [per s], by default at rest.
 
@@ -190,7 +188,9 @@ def output_rates(state: LineState, x_rate: np.ndarray, z_rate: np.ndarray) -> np
     """Rates of all outputs [per s] as states and algebraic variables move at these rates."""
     point, y = state.point, outputs_of(state.model)
     ends = [
-        y(*Point(point.x + h * x_rate, point.z + h * z_rate, point.u, point.p, point.d, point.t + h).arguments)[0].copy()
+        y(*Point(point.x + h * x_rate, point.z + h * z_rate, point.u, point.p, point.d, point.t + h).arguments)[
+            0
+        ].copy()
         for h in (-_DIFFERENCE, _DIFFERENCE)
     ]
     return np.asarray((ends[1] - ends[0]) / (2.0 * _DIFFERENCE))
@@ -203,7 +203,12 @@ def tieable(model: Model, r: int) -> np.ndarray:
 
 def _start_slots(found: LineState, quasi: LineState, r: int, seen: tuple[np.ndarray, np.ndarray]) -> None:
     """Writes places, velocities and tensions of the slots of a run, and ties those that are near a support."""
-    run, layout, motion, inertia = found.runs[r], found.model.layouts[r], slot_motions(found.model)[r], found.model.inertia
+    run, layout, motion, inertia = (
+        found.runs[r],
+        found.model.layouts[r],
+        slot_motions(found.model)[r],
+        found.model.inertia,
+    )
     if inertia is None:
         return
     (y, rate), rope, point, beyond = seen, found.rope(r), found.point, found.passed[r]
@@ -243,6 +248,4 @@ def join(state: LineState, r: int, k: int) -> None:
 def slot_outputs(model: Model, r: int) -> np.ndarray:
     """Places of the slots' places in the outputs of a model: of the first slot of each span of a run, (3, spans)."""
     index = model.y.index
-    return np.array(
-        [[index.get(f"{span.name}.slot_{axis}[1]", 0) for span in model.runs[r].spans] for axis in AXES]
-    )
+    return np.array([[index.get(f"{span.name}.slot_{axis}[1]", 0) for span in model.runs[r].spans] for axis in AXES])

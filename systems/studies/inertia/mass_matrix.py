@@ -11,11 +11,11 @@ from scipy.sparse.linalg import LinearOperator, splu
 
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import EquilibriumError
-from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.studies.inertia.material_points import CutSpan, MaterialPoints
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -47,24 +47,23 @@ class _Free:
     strain: Mapping[str, float]
 
 
-def linear_motion(cut: MaterialPoints, inertia: Inertia) -> Motion:
+def linear_motion(cut: MaterialPoints) -> Motion:
     """Flexibility and mass of a cut equilibrium. Raises EquilibriumError where its equations are singular."""
     free = _free(cut)
     starts, stops = (_rope_ends(cut, free, k) for k in (0, 1))
     frames = np.array([_frame(span) for span in cut.spans for _ in span.pieces]).reshape(-1, 3, 3)
-    own, both = inertia.shares
     values, index = cut.point.p, cut.model.p.index
-    kilograms = diags(
-        [
-            values[index[f"{piece}.mass_per_length"]] * length
-            for span in cut.spans
-            for piece, length in zip(span.pieces, np.diff(span.station), strict=True)
-        ]
-    )
+    per_piece = [
+        (values[index[f"{piece}.mass_per_length"]] * length, span.lumped)
+        for span in cut.spans
+        for piece, length in zip(span.pieces, np.diff(span.station), strict=True)
+    ]
+    kilograms, lumped = np.array(per_piece).reshape(-1, 2).T
+    own, both = diags(kilograms * (2.0 + lumped) / 6.0), diags(kilograms * (1.0 - lumped) / 6.0)
     mass = []
     for u, v, w in zip(_turned(frames, starts), _turned(frames, stops), _nodes(cut, free), strict=True):
-        shared = u.T @ kilograms @ v
-        mass.append(own * (u.T @ kilograms @ u + v.T @ kilograms @ v) + both * (shared + shared.T) + w.T @ w)
+        shared = u.T @ both @ v
+        mass.append(u.T @ own @ u + v.T @ own @ v + shared + shared.T + w.T @ w)
     last = np.cumsum([len(span.pieces) for span in cut.spans])
     rows = [
         matrix
@@ -151,7 +150,7 @@ def _rope_ends(cut: MaterialPoints, free: _Free, end: int) -> csr_matrix:
             if f"{owner}.{axis}" in free.index:
                 entries.append((3 * i + j, free.index[f"{owner}.{axis}"], 1.0))
             if travel in free.index:
-                entries.append((3 * i + j, free.index[travel], (1.0 + free.strain[travel]) * tangent[j]))
+                entries.append((3 * i + j, free.index[travel], tangent[j]))
     row, column, value = zip(*entries, strict=True) if entries else ((), (), ())
     return coo_matrix((value, (row, column)), shape=(3 * len(pieces), len(free.index))).tocsr()
 

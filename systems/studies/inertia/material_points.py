@@ -52,6 +52,8 @@ class CutSpan:
     place : position of the points [m], (points, 3).
     pieces : names of the pieces, (points - 1,).
     force : tension vector at the start and at the end of each piece [N], (points - 1, 2, 3).
+    lumped : share of the mass of a piece that acts at its ends alone: a half with rope nodes, which is most accurate for
+        waves, none without, which is exact for straight pieces.
     """
 
     name: str
@@ -60,6 +62,7 @@ class CutSpan:
     place: np.ndarray
     pieces: tuple[str, ...]
     force: np.ndarray
+    lumped: float
 
 
 @dataclass(frozen=True)
@@ -132,6 +135,7 @@ def _cut(line: Equilibrium, r: int, k: int, nodes: int) -> tuple[CutSpan, list[f
         run.start(k, line.__getitem__) + reach,
         tuple(f"{name}.piece_{i + 1}" for i in range(len(stations))),
         np.stack([starts, ends], axis=1),
+        0.5 if len(own) else 0.0,
     ), masses
 
 

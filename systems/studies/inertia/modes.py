@@ -129,7 +129,7 @@ def modes(eq: Equilibrium, nodes: int = 6, count: int = 10, *, damping: float = 
     >>> modes(rw.equilibrium(s), count=2).frame["frequency"].round(3).tolist()
     [0.3, 0.325]
     """
-    inertia = Inertia(nodes=nodes, damping=damping)
+    Inertia(nodes=nodes, damping=damping)  # checks them
     check.index(count - 1, _MOST, "modes", "count - 1")
     if eq.model.inertia is not None:
         raise InputError("The line is in motion, in a run with inertia", "Give rw.equilibrium(...) of its system")
@@ -137,7 +137,7 @@ def modes(eq: Equilibrium, nodes: int = 6, count: int = 10, *, damping: float = 
     spans = sum(len(run.spans) for run in line.runs)
     check.count(spans * (nodes + 1) + len(line.loads), "modes", "points", _MOST)
     cut = material_points(line, nodes)
-    motion = linear_motion(cut, inertia)
+    motion = linear_motion(cut)
     found = natural_modes(motion, count)
     points = _points(cut.spans)
     shapes = (motion.rows @ found.shape).T.reshape(len(found.frequency), len(points), 3)
