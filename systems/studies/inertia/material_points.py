@@ -16,8 +16,8 @@ from ropeway.components.joint import Joint
 from ropeway.components.span import Span
 from ropeway.components.variable import Site
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.inertial_system import rope_nodes
 from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.inertial_system import rope_nodes
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.resting import same_values
@@ -52,8 +52,8 @@ class CutSpan:
     place : position of the points [m], (points, 3).
     pieces : names of the pieces, (points - 1,).
     force : tension vector at the start and at the end of each piece [N], (points - 1, 2, 3).
-    lumped : share of the mass of a piece that acts at its ends alone: a half with rope nodes, which is most accurate for
-        waves, none without, which is exact for straight pieces.
+    lumped : share of the mass of a piece that acts at its ends alone: a half with rope nodes, most accurate for waves;
+        none without, exact for straight pieces.
     """
 
     name: str
@@ -75,7 +75,7 @@ class MaterialPoints:
 
 
 def material_points(line: Equilibrium, nodes: int) -> MaterialPoints:
-    """The equilibrium with `nodes` rope nodes in each span, spread over the pieces between its loads. Raises InputError."""
+    """The equilibrium with `nodes` rope nodes in each span, spread over its load-free pieces. Raises InputError."""
     system = line.model.system.copy()
     system.hung, system.feeds = [], []
     cut: list[CutSpan] = []
