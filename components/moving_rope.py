@@ -10,6 +10,7 @@ The tension sees the geometry a short time, the damping, ahead: stiffness-propor
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import Any, NamedTuple
 
 from ropeway.components import catenary
@@ -44,6 +45,7 @@ def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
         Variable("tied_b", Kind.DISCRETE, "1", "1: the slot moves with the rope at end b", (1.0,) * n, 1.0, n),
         Variable("joined", Kind.DISCRETE, "1", "1: the slot moves with the slot before", zeros, 1.0, n),
         Variable("lost", Kind.DISCRETE, "1", "1: the load in the slot is lost", zeros, 1.0, n),
+        Variable("tautness", out, "1", "least horizontal tension over the weight of the rope"),
         Variable("kinetic_energy", out, "J", "kinetic energy of rope and loads", nominal=1e3),
         *each("slot_velocity", out, "m/s", "velocity of each slot"),
         *each("slot_acceleration", out, "m/s2", "acceleration of each slot"),
@@ -193,10 +195,13 @@ class MovingRope:
     def highest(self) -> Any:
         """Highest tension at an end of a piece [N]."""
         tensions = [catenary.norm(f) for piece in self.pieces for f in (piece.first, piece.last)]
-        highest = tensions[0]
-        for tension in tensions[1:]:
-            highest = catenary.namespace(highest).fmax(highest, tension)
-        return highest
+        return reduce(catenary.namespace(tensions[0]).fmax, tensions)
+
+    @property
+    def tautness(self) -> Any:
+        """Least horizontal tension over the weight of the rope."""
+        level = [catenary.norm((piece.first[0], piece.first[1], 0.0)) for piece in self.pieces]
+        return reduce(catenary.namespace(level[0]).fmin, level) / (self.weight * self.length)
 
 
 def _unit(force: Vector) -> Vector:

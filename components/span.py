@@ -208,6 +208,10 @@ class MovingSpan(Span):
     inertial: ClassVar[bool] = True
     inertia: Inertia = field(default_factory=Inertia)
 
+    def limits(self) -> tuple[Limit, ...]:
+        # A rope that pulls with less than a tenth of its own weight no longer carries loads.
+        return (*super().limits(), Limit("tautness", "slack rope", low=0.1))
+
     def structure(self, site: Site) -> Hashable:
         return self._constructional
 
@@ -251,6 +255,7 @@ class MovingSpan(Span):
                 "gravity_energy": gravity,
                 "kinetic_energy": rope.kinetic,
                 "utilisation": rope.highest / v.breaking_load,
+                "tautness": rope.tautness,
                 "slot_distance": rope.distance,
                 **each("slot", rope.places),
                 **each("slot_velocity", velocities[1:-1]),

@@ -19,6 +19,7 @@ from ropeway.systems.dynamics.inertial_stepper import stepper_of
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
+from ropeway.systems.results.dynamic_factor import dynamic_factor
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
@@ -119,6 +120,26 @@ class Result(RunData):
         DataFrame
         """
         return power(self)
+
+    def dynamic_factor(self) -> pd.DataFrame:
+        """How far inertia raises the tensions of ropes and the loads of supports.
+
+        The peaks of the run over those of the line in equilibrium at each time, with the rope that the drives have
+        moved until then and the loads that hang on it then. After a rope has gone slack (event "slack rope") tensions
+        are not counted: the snap of a rope that tightens again is not resolved.
+
+        Returns
+        -------
+        DataFrame
+            Index component: spans and supports; columns kind ("rope" or "support"), highest [N], at [s], quasi_static
+            [N], factor.
+
+        Raises
+        ------
+        InputError
+            The run is without inertia.
+        """
+        return dynamic_factor(self)
 
     def energy(self) -> pd.Series:
         """The energy balance of the run [J].

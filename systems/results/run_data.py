@@ -224,11 +224,13 @@ class RunData(Tabular):
         (value: the correction [m/s]), interventions, and limits exceeded (tension above SWL or MBL, lift-off; value:
         the output concerned). A line with a clearance also has below clearance (value: the height over the ground [m]).
         """
-        found = sorted([*self.noted, *self._limits_reached(), *self._below_clearance()], key=lambda e: e.time)
+        found = sorted([*self.noted, *self.limits_reached, *self._below_clearance()], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
         return frame.astype({"time": float, "value": float})
 
-    def _limits_reached(self) -> list[Event]:
+    @cached_property
+    def limits_reached(self) -> list[Event]:
+        """Limits of components that are exceeded, at the first record in which they are."""
         limits = self.model.limits
         exceeded = limits.broken(self.outputs)
         return [

@@ -78,7 +78,7 @@ def _span_row(frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name
 
 def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
     frame, time = result.full_frame, result.full_frame.index.to_numpy()
-    tension = frame[_ends_at(result.runs, node)].to_numpy()
+    tension = frame[ends_at(result.runs, node)].to_numpy()
     row: dict[str, object] = {
         "support": node.name,
         "kind": type(node).__name__,
@@ -100,7 +100,7 @@ def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
     return row
 
 
-def _ends_at(runs: Sequence[Run], node: Node) -> list[str]:
+def ends_at(runs: Sequence[Run], node: Node) -> list[str]:
     """Names of the outputs with rope tensions at a node."""
     found = []
     for run in runs:

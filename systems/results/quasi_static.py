@@ -1,0 +1,73 @@
+"""The equilibria that a line with inertia moves about: what its tensions would be without inertia."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ropeway.components.carriage import Carriage
+from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
+from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.inertial_system import without_inertia
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.results.run_data import RunData
+from ropeway.systems.statics.line_records import restored
+from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.resting import same_values
+from ropeway.systems.statics.settling import settle
+
+
+@kept_with_model
+def quasi_static_model(model: Model) -> Model:
+    """The model of the same line without inertia."""
+    return assemble(without_inertia(model.system))
+
+
+def equilibria(result: RunData, which: Sequence[int]) -> list[LineState | None]:
+    """The line in equilibrium at some records of a run with inertia: with the rope that its drives have moved until
+    then, and the loads that it still has. None where it has no equilibrium."""
+    found: list[LineState | None] = []
+    model, before = quasi_static_model(result.model), None
+    for i in which:
+        state = _start(result, i, model, before)
+        try:
+            settle(state)
+        except EquilibriumError:
+            found.append(None)
+            continue
+        found.append(state)
+        model, before = state.model, state
+    return found
+
+
+def _start(result: RunData, i: int, model: Model, before: LineState | None) -> LineState:
+    """Where the search begins: at the equilibrium before, or where the moving line is."""
+    moving = restored(result.model, result.runs, result.parameters, result.records[i])
+    point = same_values(moving.model, moving.point, model)
+    # A carriage's place is a state with inertia, and an unknown without.
+    values = dict(zip(moving.model.x.names, moving.point.x, strict=True))
+    unknown = point.vector(Kind.ALGEBRAIC)
+    unknown[:] = [values.get(name, value) for name, value in zip(model.z.names, unknown, strict=True)]
+    if before is not None:
+        unknown[:] = before.point.z
+    for name, component in model.system.components.items():
+        dropped = moving.model.d.index.get(f"{name}.dropped")
+        if isinstance(component, Carriage) and dropped is not None and moving.point.d[dropped] > 0.0:
+            point.p[model.p.index[f"{name}.payload"]] = 0.0
+    runs = [_kept_loads(moving, r, own) for r, own in enumerate(model.runs)]
+    state = LineState(model, replace(point, t=moving.point.t), runs, moving.passed if before is None else before.passed)
+    state.write_slots()
+    return state
+
+
+def _kept_loads(state: LineState, r: int, own: Run) -> Run:
+    """A run with its loads; those that are lost have no mass."""
+    run, beyond, index = state.runs[r], state.passed[r], state.model.d.index
+    mass = run.loads.mass.copy()
+    for k, span in enumerate(run.spans):
+        for j, load in enumerate(range(int(beyond[k]) - 1, int(beyond[k + 1]) - 1, -1)):
+            if state.point.d[index[f"{span.name}.lost[{j + 1}]"]] > 0.0:
+                mass[load] = 0.0
+    return replace(own, loads=replace(run.loads, mass=mass), feed=run.feed)
