@@ -159,6 +159,10 @@ class SkylineOptions:
         list[str] | None, typer.Option(help="Intermediate support as STATION:HEIGHT [m]; repeat the option for more.")
     ] = None
     kind: Annotated[str, typer.Option(help="Kind of rig: standing, live, gravity or running.")] = "standing"
+    start: Annotated[
+        str | None, typer.Option(help="Where the corridor begins on a raster, as EASTING,NORTHING in its system.")
+    ] = None
+    end: Annotated[str | None, typer.Option(help="Where the corridor ends on a raster.")] = None
     catalogue: Catalogue = None
 
 
@@ -181,12 +185,20 @@ def payload(
     corridor: Annotated[
         Path,
         typer.Argument(
-            help="Ground of the corridor: CSV or Excel with columns station,elevation [m]; or a project file of a rig."
+            help="Ground of the corridor: CSV or Excel with columns station,elevation [m]; a raster of elevations, "
+            "with --start and --end; or a project file of a rig."
         ),
     ],
     rig: SkylineOptions,
     limits: PayloadOptions,
-    report: Report = None,
+    report: Annotated[
+        list[Path] | None,
+        typer.Option(help="Write a report too, .html or .pdf; repeat the option for both. Needs the extra `report`."),
+    ] = None,
+    gis: Annotated[
+        list[Path] | None,
+        typer.Option(help="Write a map file too: .gpkg, .geojson, .dxf, .kml or .gpx; repeat the option for more."),
+    ] = None,
     out: Out = Path("ropeway-payload"),
 ) -> None:
     """Calculate the largest payload at stations along a skyline, and its limits.
@@ -204,8 +216,10 @@ def payload(
             paths = write_payload(study, out)
         else:
             study, paths = payload_command(_request(corridor, rig, limits), out)
-        if report is not None:
-            study.report(report)
+        for path in report or ():
+            study.report(path)
+        for path in gis or ():
+            rw.export_gis(study, path)
         frame = study.frame
         rows = [[f"{r.station:.0f}", at_most(float(r.payload)), str(r.limited_by)] for r in frame.itertuples()]
         print_table(f"Payload along {corridor.stem}", ["station [m]", "payload [kg]", "limited by"], rows)
@@ -235,6 +249,8 @@ def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions) -> Cor
         tail_height=rig.tail_height,
         supports=tuple(rig.support or ()),
         kind=rig.kind,
+        start=rig.start,
+        end=rig.end,
         **asdict(limits),
     )
 

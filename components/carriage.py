@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
@@ -15,10 +15,10 @@ from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
-from ropeway.components.moving_node import inertial_force, kinetic_energy, motion_rates, motion_variables
+from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
-from ropeway.components.variable import Energies, Equations, Kind, MovingMass, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 Holding = Literal["bisector", "horizontal"]
 
@@ -225,7 +225,7 @@ class MovingCarriage(Carriage):
         own = super().variables(site)
         places = {v.name: v for v in own if v.name in self._axes}
         dropped = Variable("dropped", Kind.DISCRETE, "1", "1: the payload has been dropped")
-        return (*(v for v in own if v.name not in places), *motion_variables(places), dropped)
+        return (*(v for v in own if v.name not in places), *motion_variables(places), dropped, *energy_outputs())
 
     def equations(self, v: Any) -> Equations:
         v.payload = v.payload * (1 - v.dropped)
@@ -235,7 +235,9 @@ class MovingCarriage(Carriage):
             f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, mass, seats)
             for axis in "xyz"
         }
-        return replace(found, rates=motion_rates(v, self._axes), residuals={**found.residuals, **balances})
-
-    def energies(self, read: Callable[[str], Any]) -> Energies:
-        return kinetic_energy(read, self.mass + self.payload, self._axes)
+        return replace(
+            found,
+            rates=motion_rates(v, self._axes),
+            residuals={**found.residuals, **balances},
+            outputs={**found.outputs, **energies(v, mass, self._axes)},
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -14,10 +14,11 @@ from ropeway.components.component import Component, Seat, remade
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
+from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import moving_seat, travel_variables
-from ropeway.components.variable import Energies, Equations, Kind, MovingMass, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -156,6 +157,7 @@ class MovingDrum(Drum):
             *travel_variables(),
             Variable("inertia", Kind.PARAMETER, "kg", "inertia of the drum", self.inertia, 100.0, range=NOT_NEGATIVE),
             work,
+            *energy_outputs(hangs=False),
         )
 
     def equations(self, v: Any) -> Equations:
@@ -174,10 +176,5 @@ class MovingDrum(Drum):
                 "work": -side * kept * v.rope_speed,
             },
             residuals={"tension_kept": inertia - side * (carried - kept)},
-            outputs=found.outputs,
+            outputs={**found.outputs, "kinetic_energy": v.inertia / 2 * v.rope_speed**2},
         )
-
-    def energies(self, read: Callable[[str], Any]) -> Energies:
-        if self.tension is None:
-            return Energies()
-        return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2)

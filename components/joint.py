@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -11,9 +11,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.inertia import Inertia
-from ropeway.components.moving_node import inertial_force, kinetic_energy, motion_rates, motion_variables
+from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
 from ropeway.components.node import Node
-from ropeway.components.variable import Energies, Equations, Kind, MovingMass, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -117,7 +117,7 @@ class MovingJoint(Joint):
     def variables(self, site: Site) -> tuple[Variable, ...]:
         own = super().variables(site)
         places = {v.name: v for v in own if v.name in "xyz"}
-        return (*(v for v in own if v.name not in places), *motion_variables(places))
+        return (*(v for v in own if v.name not in places), *motion_variables(places), *energy_outputs())
 
     def equations(self, v: Any) -> Equations:
         found, seats = super().equations(v), [seat.name for seat in self.seats]
@@ -125,7 +125,6 @@ class MovingJoint(Joint):
             f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, v.mass, seats)
             for axis in "xyz"
         }
-        return replace(found, rates=motion_rates(v, "xyz"), residuals=balances)
-
-    def energies(self, read: Callable[[str], Any]) -> Energies:
-        return kinetic_energy(read, self.mass, "xyz")
+        return replace(
+            found, rates=motion_rates(v, "xyz"), residuals=balances, outputs=energies(v, v.mass, "xyz")
+        )

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ropeway.components.variable import Energies, Kind, Variable
+from ropeway.components.variable import Kind, Variable
 
 AXES = "xyz"
 
@@ -34,6 +34,14 @@ def inertial_force(v: Any, axis: str, mass: Any, seats: Sequence[str]) -> Any:
     return rope + mass * getattr(v, f"acceleration_{axis}", 0.0)
 
 
-def kinetic_energy(read: Callable[[str], Any], mass: float, axes: Sequence[str]) -> Energies:
-    """Kinetic energy of a node over a run."""
-    return Energies(kinetic=mass / 2.0 * sum(read(f"velocity_{axis}") ** 2 for axis in axes))
+def energy_outputs(*, hangs: bool = True) -> tuple[Variable, ...]:
+    """Outputs of the energies of a node; hangs: it also has potential energy."""
+    kinetic = Variable("kinetic_energy", Kind.OUTPUT, "J", "kinetic energy", nominal=1e3)
+    gravity = Variable("gravity_energy", Kind.OUTPUT, "J", "potential energy relative to z = 0", nominal=1e6)
+    return (kinetic, gravity) if hangs else (kinetic,)
+
+
+def energies(v: Any, mass: Any, axes: Sequence[str]) -> dict[str, Any]:
+    """Values of `energy_outputs`."""
+    speed = sum(getattr(v, f"velocity_{axis}") ** 2 for axis in axes)
+    return {"kinetic_energy": mass / 2 * speed, "gravity_energy": mass * v.gravity * v.z}

@@ -38,7 +38,7 @@ def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
         *each("place", state, "m", "place of the load in each slot"),
         *each("velocity", state, "m/s", "velocity of the load in each slot"),
         *each("pull", alg, "N", "tension vector behind each slot", site.force),
-        *each("acceleration", alg, "m/s2", "acceleration of each slot"),
+        *each("acceleration", alg, "m/s2", "acceleration of each slot", 10.0),
         *each("hung", res, "m", "rope reaches each slot", length),
         *each("balance", res, "N", "forces on each slot", 0.01 * site.force),
         Variable("tied_a", Kind.DISCRETE, "1", "1: the slot moves with the rope at end a", zeros, 1.0, n),

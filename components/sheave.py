@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -14,9 +14,10 @@ from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.inertia import Inertia
+from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
-from ropeway.components.variable import Energies, Equations, Kind, Limit, MovingMass, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -224,6 +225,7 @@ class MovingSheave(Sheave):
             *travel_variables(),
             Variable("inertia", Kind.PARAMETER, "kg", "rotating inertia", self.inertia, 100.0, range=NOT_NEGATIVE),
             Variable("lost", Kind.STATE, "J", "energy lost in the bearing", nominal=1e3),
+            *energy_outputs(hangs=False),
         )
 
     def equations(self, v: Any) -> Equations:
@@ -237,11 +239,8 @@ class MovingSheave(Sheave):
         return Equations(
             rates={"travel": v.rope_speed, "rope_speed": v.rope_acceleration, "lost": lost * v.rope_speed},
             residuals={"tension_law": inertia - pull},
-            outputs=outputs,
+            outputs={**outputs, "kinetic_energy": v.inertia / 2 * v.rope_speed**2},
         )
-
-    def energies(self, read: Callable[[str], Any]) -> Energies:
-        return Energies(kinetic=self.inertia / 2.0 * read("rope_speed") ** 2)
 
 
 def moving_seat(seat: Seat) -> Seat:

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import typer
@@ -19,6 +20,7 @@ import ropeway as rw
 from ropeway.__main__ import app
 from ropeway.cli_options import errors_on_one_line
 from ropeway.components.errors import RopewayWarning
+from ropeway.examples.corridor_map import make_raster
 
 Command = Callable[..., Any]
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -108,6 +110,30 @@ def test_payload(tmp_path: Path, command: Command) -> None:
     wrong = command("payload", corridor, "--support", "260")
     assert wrong.exit_code == 1
     assert "STATION:HEIGHT" in wrong.stderr
+
+
+def test_a_corridor_of_a_raster_to_report_and_map(tmp_path: Path, command: Command) -> None:
+    import geopandas
+
+    make_raster(tmp_path / "dem.tif")
+    line = ("--start", "2600120,1200560", "--end", "2600450,1200130", "--head", "8", "--tail", "525")
+    files = ("--report", "c.html", "--gis", "c.gpkg", "--gis", "c.dxf")
+    done = command("payload", "dem.tif", *line, *files, "--support", "265:11", "--spacing", "80")
+    assert done.exit_code == 0, done.stderr
+    for name in ("c.html", "c.dxf"):
+        assert (tmp_path / name).stat().st_size > 50_000
+    spars = geopandas.read_file(tmp_path / "c.gpkg", layer="supports").set_index("name").geometry
+    # 8 m and 525 m along the line from its start: the azimuth is that of both map points.
+    east, north = (330.0, -430.0)
+    for name, station in (("head", 8.0), ("tail", 525.0)):
+        share = station / float(np.hypot(east, north))
+        assert (spars[name].x, spars[name].y) == pytest.approx(
+            (2600120 + share * east, 1200560 + share * north), abs=1e-3
+        )
+    half = command("payload", "dem.tif", "--start", "2600120,1200560")
+    assert half.exit_code == 1
+    assert "both --start and --end" in half.stderr
+    assert "EASTING,NORTHING" in command("payload", "dem.tif", "--start", "1", "--end", "1,2").stderr
 
 
 def test_optimise(tmp_path: Path, command: Command) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 from ropeway.components.errors import InputError
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.interface import Interface
+from ropeway.systems.dynamics.load_crossings import balances_of
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.statics.line_state import LineState
@@ -99,7 +100,8 @@ def _runs(tables: Tables, interface: Interface) -> None:
     tables.numbers("span_scale", state.span_scale)
     spans: dict[str, list[int]] = {"length_start": [], "slot_count": [], "slot_mass": [], "slot_at": []}
     spans |= {"slot_ride": [], "slot_empty": [], "force": []}
-    held: dict[str, list[int]] = {"held": [], "held_travel": []}
+    held: dict[str, list[int]] = {"held": [], "held_travel": [], "law": []}
+    laws = balances_of(m)
     reads: dict[str, list[int]] = {"vertical_b": [], "tension_in": [], "tension_out": []}
     y = m.y.index
     for run, layout in zip(state.runs, m.layouts, strict=True):
@@ -109,6 +111,7 @@ def _runs(tables: Tables, interface: Interface) -> None:
             cells += [*(int(c) for c in column), 0]  # the last support of a run has no span
         held["held"] += [int(c) for c in layout.held]
         held["held_travel"] += [int(c) for c in layout.held_travel]
+        held["law"] += [laws.get(int(c), -1) for c in layout.travel.algebraic]
         reads["vertical_b"] += [*(y.get(f"{span.name}.vertical_b", -1) for span in run.spans), -1]
         for name in ("tension_in", "tension_out"):
             reads[name] += [y.get(f"{node.name}.{name}", -1) for node in run.nodes]

@@ -17,6 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ropeway.systems.dynamics.chattering import FinalError
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.solvers.newton import residuals_of
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend
 from ropeway.systems.statics.stability import unstable
@@ -139,57 +141,72 @@ def overrun(state: LineState, just: set[tuple[int, int]]) -> list[Crossing]:
 
 
 def passes(state: LineState, crossing: Crossing) -> bool:
-    """Whether the load passes its support, rather than being pushed back onto it.
-
-    With f the tension vectors of the rope beside the load, P its weight: after the support the load hangs on the other
-    side, and the rope must continue to move: |f_out - P z| >= |f_in| forward (times the tension ratio of the sheave),
-    and the other way round backward."""
+    """Whether the load passes its support, rather than being pushed back onto it: after the support it hangs on the
+    other side, and the rope must continue to move."""
     run, layout = state.runs[crossing.r], state.model.layouts[crossing.r]
     k = crossing.k
     if layout.held[k] < 0 or not 0 < k < len(run.nodes) - 1:
         return True
-    forces = sides(state, crossing.r, k, crossing.load - run.loads.first)
-    enough = 1.0 - 1e-9  # a load without mass passes
-    if crossing.forward:
-        return forces.out_loaded >= enough * forces.ratio * forces.in_bare
-    return forces.ratio * forces.in_loaded >= enough * forces.out_bare
+    force = prevailing(state, crossing.r, k, crossing.load - run.loads.first)
+    return (force.forward if crossing.forward else force.backward) >= -1e-9 * force.size  # a load without mass passes
 
 
 @dataclass(frozen=True)
-class Sides:
-    """Tensions beside a sheave on which a load stands [N]: with the load on the rope of that side, and without;
-    `ratio`: tension out over tension in by the friction of the sheave."""
+class Prevailing:
+    """Forces by which each side of an idler draws a load on it away [N]: `forward` with the load on the rope out,
+    `backward` with it on the rope in; `size` is the tension they are compared with."""
 
-    in_bare: float
-    in_loaded: float
-    out_bare: float
-    out_loaded: float
-    ratio: float
+    forward: float
+    backward: float
+    size: float
 
 
-def sides(state: LineState, r: int, k: int, load: int) -> Sides:
-    """Tensions beside support k, on which a load stands: `load` is its place in the list of loads."""
+def prevailing(state: LineState, r: int, k: int, load: int) -> Prevailing:
+    """The forces on the load at support k: `load` is its place in the list of loads.
+
+    With f the tension vectors of the rope beside the load and P its weight, forward it is |f_out - P z| - |f_in|, and
+    backward |f_in + P z| - |f_out|, without friction; else the idler's own tension law.
+    """
     layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
     beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
-    weight = np.array([0.0, 0.0, mass[load] * gravity])
-    going = z[layout.force[k] : layout.force[k] + 3].copy()
+    weight = mass[load] * gravity
+    going = z[layout.force[k] : layout.force[k] + 3]
     coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
     rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
     carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
     coming[2] += carried * gravity
-    held = state.point.d[layout.held[k]] > 0.0
-    ratio = 1.0 if held else float(np.linalg.norm(going) / np.linalg.norm(coming))
-    if load >= beyond[k]:  # it hangs at the end of the span before
-        bare_in, bare_out = coming - weight, going
-    else:
-        bare_in, bare_out = coming, going + weight
-    return Sides(
-        float(np.linalg.norm(bare_in)),
-        float(np.linalg.norm(bare_in + weight)),
-        float(np.linalg.norm(bare_out)),
-        float(np.linalg.norm(bare_out - weight)),
-        ratio,
+    before = load >= beyond[k]  # it hangs at the end of the span before
+    # What the weight's side changes in both ropes' vertical forces.
+    ahead, behind = (-weight, 0.0) if before else (0.0, weight)
+    t_in, t_out = _length(coming, 0.0), _length(going, 0.0)
+    if state.point.d[layout.held[k]] > 0.0 or abs(t_out - t_in) > 1e-9 * t_in:
+        return Prevailing(_law(state, r, k, ahead), -_law(state, r, k, behind), t_in)
+    return Prevailing(
+        _length(going, ahead) - _length(coming, ahead), _length(coming, behind) - _length(going, behind), t_in
     )
+
+
+def _length(force: np.ndarray, lift: float) -> float:
+    """Magnitude of a force whose vertical part is larger by `lift`."""
+    return float(np.sqrt(force[0] ** 2 + force[1] ** 2 + (force[2] + lift) ** 2))
+
+
+def _law(state: LineState, r: int, k: int, lift: float) -> float:
+    """Residual of an idler's tension law [N], tension out less what the tension in balances, with the vertical forces
+    of both ropes larger by `lift`; no load holds the idler."""
+    layout, point = state.model.layouts[r], state.point
+    z, d = point.z.copy(), point.d.copy()
+    for span in (k - 1, k):
+        z[layout.force[span] + 2] += lift  # the force at the end follows that at the start
+    d[layout.held[k]] = 0.0
+    row = balances_of(state.model)[int(layout.travel.algebraic[k])]
+    return float(residuals_of(state.model)(*replace(point, z=z, d=d).arguments)[0][row])
+
+
+@kept_with_model
+def balances_of(model: Model) -> dict[int, int]:
+    """The residual that balances each algebraic travel."""
+    return {balance.travel: balance.residual for balance in model.balances}
 
 
 def apply(state: LineState, crossing: Crossing, *, passing: bool | None = None) -> str:
@@ -273,9 +290,9 @@ def pulls(state: LineState) -> list[tuple[Crossing, float]]:
     for r, k, travel in state.standing():
         place = state.model.layouts[r].start(state.point.p)[k] - travel
         load = int(np.argmin(np.abs(state.runs[r].loads.place - place)))
-        s, number = sides(state, r, k, load), load + state.runs[r].loads.first
-        found.append((Crossing(0.0, 0.0, r, k, number, True), s.out_loaded - s.in_bare))
-        found.append((Crossing(0.0, 0.0, r, k, number, False), s.in_loaded - s.out_bare))
+        force, number = prevailing(state, r, k, load), load + state.runs[r].loads.first
+        found.append((Crossing(0.0, 0.0, r, k, number, True), force.forward))
+        found.append((Crossing(0.0, 0.0, r, k, number, False), force.backward))
     return found
 
 

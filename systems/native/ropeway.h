@@ -106,6 +106,7 @@ void rw_point_arguments(rw_instance *m, const double *t, const double *x, const 
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
 void rw_input_rates(double t, double factor, double *du);
+int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_sample(rw_instance *m, int clock);
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);

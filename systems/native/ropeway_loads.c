@@ -35,35 +35,61 @@ int rw_next_crossing(const rw_instance *m, rw_crossing *found)
     return isfinite(found->time);
 }
 
+/* Forces by which each side of an idler draws a load on it away [N]: with the load on the rope out, and on the rope in;
+ * `size` is the tension they are compared with. */
 typedef struct {
-    double in_bare, in_loaded, out_bare, out_loaded, ratio;
-} sides;
+    double forward, backward, size;
+} prevailing;
 
 static double length_of(const double *v, double lift)
 {
     return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
 }
 
-/* Tensions on both sides of support k, on which a load stands: with the load on the rope of that side, and without. */
-static rw_status beside(rw_instance *m, int k, int load, sides *s)
+/* Residual of an idler's tension law with the vertical forces of both ropes larger by `lift`; no load holds it. */
+static rw_status law(rw_instance *m, int k, double lift, double *found)
+{
+    double in = m->s.now.z[rw_force[k - 1] + 2], out = m->s.now.z[rw_force[k] + 2], held = m->s.d[rw_held[k]];
+    int failed;
+    rw_inputs_at(m, m->s.now.t, m->us);
+    m->s.now.z[rw_force[k - 1] + 2] = in + lift; /* the force at the end follows that at the start */
+    m->s.now.z[rw_force[k] + 2] = out + lift;
+    m->s.d[rw_held[k]] = 0.0;
+    failed = rw_equations(m, m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->s.now.z[rw_force[k - 1] + 2] = in;
+    m->s.now.z[rw_force[k] + 2] = out;
+    m->s.d[rw_held[k]] = held;
+    if (failed) return rw_fail(m, "The tension law is not finite", m->s.now.t);
+    *found = m->g[rw_law[k]];
+    return RW_OK;
+}
+
+/* The forces on the load at support k. */
+static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
 {
     rw_status status = rw_show(m);
-    double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0];
-    double coming[3], going[3];
+    double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0], ahead = 0.0, behind = weight;
+    double coming[3], t_in, t_out;
+    const double *going = m->s.now.z + rw_force[k];
     if (status != RW_OK) return status;
     memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
-    memcpy(going, m->s.now.z + rw_force[k], sizeof going);
     coming[2] = m->s.y[rw_vertical_b[k - 1]];
-    if (load >= m->s.passed[k]) /* it hangs at the end of the span before the support */
-        coming[2] -= weight;
-    else
-        going[2] += weight;
-    s->in_bare = length_of(coming, 0.0);
-    s->in_loaded = length_of(coming, weight);
-    s->out_bare = length_of(going, 0.0);
-    s->out_loaded = length_of(going, -weight);
-    s->ratio = rw_is_held(m, k) ? 1.0 : m->s.y[rw_tension_out[k]] / m->s.y[rw_tension_in[k]];
-    return RW_OK;
+    if (load >= m->s.passed[k]) { /* it hangs at the end of the span before the support */
+        ahead = -weight;
+        behind = 0.0;
+    }
+    t_in = s->size = length_of(coming, 0.0);
+    t_out = length_of(going, 0.0);
+    if (!rw_is_held(m, k) && fabs(t_out - t_in) <= 1e-9 * t_in) {
+        s->forward = length_of(going, ahead) - length_of(coming, ahead);
+        s->backward = length_of(coming, behind) - length_of(going, behind);
+        return RW_OK;
+    }
+    status = law(m, k, ahead, &s->forward);
+    if (status != RW_OK) return status;
+    status = law(m, k, behind, &s->backward);
+    s->backward = -s->backward;
+    return status;
 }
 
 /* Moves the load across the support, or leaves it there. The line is not solved. */
@@ -72,11 +98,10 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
     int goes = 1;
     rw_status status;
     if (rw_held[k] >= 0 && !rw_is_last(k) && k > rw_run_first[rw_run_of[k]]) {
-        sides s;
+        prevailing s;
         status = beside(m, k, load, &s);
         if (status != RW_OK) return status;
-        const double enough = 1.0 - 1e-9; /* a massless load passes */
-        goes = forward ? s.out_loaded >= enough * s.ratio * s.in_bare : s.ratio * s.in_loaded >= enough * s.out_bare;
+        goes = (forward ? s.forward : s.backward) >= -1e-9 * s.size; /* a massless load passes */
     }
     if (goes) {
         m->s.passed[k] += forward ? 1 : -1;
@@ -188,17 +213,14 @@ static int load_on(const rw_instance *m, int k)
 /* Force that pushes the load on support k off it [N]: positive when it leaves, in the direction of `found`. */
 rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead)
 {
-    sides s;
-    double forward, backward;
+    prevailing s;
     rw_status status;
     found->k = k;
     found->load = load_on(m, k);
     status = beside(m, k, found->load, &s);
     if (status != RW_OK) return status;
-    forward = s.out_loaded - s.in_bare;
-    backward = s.in_loaded - s.out_bare;
-    found->forward = forward >= backward;
-    *ahead = fmax(forward, backward);
+    found->forward = s.forward >= s.backward;
+    *ahead = fmax(s.forward, s.backward);
     return RW_OK;
 }
 

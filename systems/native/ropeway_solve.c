@@ -55,7 +55,8 @@ void rw_input_rates(double t, double factor, double *du)
     }
 }
 
-static int functions(rw_instance *m, double t, const double *x, const double *z, const double *u)
+/* Rates and residuals at a point, in m->f and m->g; not 0 where they are not finite. */
+int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
     rw_point_arguments(m, &t, x, z, u);
     m->res[0] = m->f;
@@ -65,7 +66,7 @@ static int functions(rw_instance *m, double t, const double *x, const double *z,
 
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate)
 {
-    if (functions(m, t, x, z, u)) return 1;
+    if (rw_equations(m, t, x, z, u)) return 1;
     memcpy(rate, m->f, RW_NX * sizeof(double));
     return 0;
 }
@@ -85,7 +86,7 @@ static double residual(rw_instance *m, double t, const double *x, const double *
                        double hg)
 {
     double sum = 0.0;
-    if (functions(m, t, x, z, u)) return INFINITY;
+    if (rw_equations(m, t, x, z, u)) return INFINITY;
     for (int i = 0; i < RW_NX; i++) m->residual[i] = (x[i] - base[i] - hg * m->f[i]) / rw_x_nominal[i];
     for (int i = 0; i < RW_NZ; i++) m->residual[RW_NX + i] = m->g[i] / rw_r_nominal[i];
     for (int i = 0; i < RW_NW; i++) sum += m->residual[i] * m->residual[i];

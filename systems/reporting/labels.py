@@ -128,6 +128,12 @@ ENGLISH: Mapping[str, str] = {
     "deflection": "Deflection",
     "corridor_payload": "Largest payload that passes all stations: {payload}, limited at station {station} by {limit}.",
     "no_payload": "No payload passes all stations: at station {station} it is limited by {limit}.",
+    "not_hauled": "Not hauled at {failed} of {count} stations ({first} to {last}): the mainline would have to push; a "
+    "clamp on the carriage would hold it there",
+    "not_hauled_without": "Not hauled at {failed} of {count} stations ({first} to {last}): the mainline would have to "
+    "push; a haulback of {haulback} would do, or a clamp on the carriage would hold it there",
+    "bare_under_ground": "The bare rope is {height} under the ground at station {station}: give it more tension, "
+    "higher spars or a support there",
     "with_payload": "with {payload}",
     "tensions": "Tensions",
     "swl_of": "SWL {name}",

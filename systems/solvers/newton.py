@@ -299,6 +299,13 @@ def outputs_of(model: Model) -> Buffered:
     return dense(model, model.outputs)
 
 
+@kept_with_model
+def residuals_of(model: Model) -> Buffered:
+    """The algebraic equations of a model as a function of a point's arguments."""
+    arguments = model.dae.mx_in()
+    return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
+
+
 def _nominal(model: Model, slot: Slot) -> float:
     kind, k = slot
     return float(model.tables[kind].nominals[k])

@@ -11,15 +11,14 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import casadi as ca
 import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.newton import Buffered, Point, dense, outputs_of
+from ropeway.systems.solvers.newton import Point, outputs_of, residuals_of
 from ropeway.systems.statics.certificate_layout import CertificateLayout, SpanPlaces, layout_of
 from ropeway.systems.statics.certificate_spans import (
     LoadsInSpans,
@@ -394,18 +393,11 @@ def _law_checks(layout: CertificateLayout, values: np.ndarray, pull: np.ndarray)
 
 def _other_equations(model: Model, others: np.ndarray, points: Sequence[Point]) -> Check:
     """Residuals of numbers `others`, by their own values."""
-    residuals = _residuals_of(model)
+    residuals = residuals_of(model)
     nominal = model.r.nominals[others]
     found = np.array([residuals(*point.arguments)[0][others] for point in points])
     names = [component_of(model.r.names[i]) for i in others]
     return _worst(EQUATIONS, np.abs(found) / nominal, LAW, names)
-
-
-@kept_with_model
-def _residuals_of(model: Model) -> Buffered:
-    """The algebraic equations of a model as a function of a point's arguments."""
-    arguments = model.dae.mx_in()
-    return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
 
 
 def _given(

@@ -22,7 +22,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify
-from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, support_points
+from ropeway.systems.statics.line_state import find, load_outputs, support_points
 from ropeway.systems.statics.pending_events import Pending
 
 
@@ -106,19 +106,20 @@ class Equilibrium(Tabular):
 
     @cached_property
     def loads(self) -> pd.DataFrame:
-        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]."""
-        rows = []
+        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]; with inertia also
+        their velocities [m/s] and accelerations [m/s2]."""
+        rows, outputs = [], load_outputs(self.model)
         for run, beyond in zip(self.runs, self.passed, strict=True):
             for k, span in enumerate(run.spans):
                 for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
                     read = {
                         what: self.outputs[self.model.y.index[f"{span.name}.slot_{what}[{slot + 1}]"]]
-                        for what in LOAD_OUTPUTS
+                        for what in outputs
                     }
                     if run.loads.mass[i] == 0.0:  # a missing load
                         continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
-        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
+        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")])
 
     def points(self, r: int) -> np.ndarray:
         """Positions of the supports of a run.

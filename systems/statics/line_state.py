@@ -20,6 +20,13 @@ from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
+LOAD_MOTION = tuple(f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz")
+"""As `LOAD_OUTPUTS`, with inertia."""
+
+
+def load_outputs(model: Model) -> tuple[str, ...]:
+    """What the slots of a model say of their loads."""
+    return LOAD_OUTPUTS if model.inertia is None else (*LOAD_OUTPUTS, *LOAD_MOTION)
 
 
 class LineState:
@@ -252,7 +259,7 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             return kind, model.tables[kind].index[name]
     owner, _, quantity = name.rpartition(".")
     for run, beyond in zip(runs, passed, strict=True):
-        if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
+        if owner in run.loads.names and quantity in (*load_outputs(model), "mass"):
             # Loads of an endless rope are listed once for each round.
             load = run.loads.names.index(owner, int(beyond[-1]) if run.around else 0)
             k = int(np.searchsorted(-beyond, -load, side="left")) - 1

@@ -91,10 +91,10 @@ def corridor(make: Any = rw.standing_skyline, **how: Any) -> rw.SkylineRig:
     return rig
 
 
-def valley(speed: float, at: float) -> rw.System:
+def valley(speed: float, at: float, friction: float = 0.0) -> rw.System:
     """A hold-down sheave in a valley: a load is pushed back there from both sides."""
     s = rw.System("valley")
-    h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True), rw.Sheave("m", at=(200.0, 15.0))
+    h, m = rw.Sheave("h", at=(100.0, 0.0), hold_down=True, friction=friction), rw.Sheave("m", at=(200.0, 15.0))
     ends = rw.Drum("d0", at=(0.0, 20.0), speed=speed), rw.Drum("d1", at=(300.0, 0.0), tension=60e3)
     spans = s.string(ROPE, ends[0], h, m, ends[1], tension=60e3)
     s.hang(rw.Load("l1", mass=400.0), spans, at=at)

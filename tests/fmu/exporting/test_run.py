@@ -74,9 +74,9 @@ def test_a_skyline_hauls_its_carriage(tmp_path: Path, kind: str) -> None:
     assert [run[n][-1] for n in names] == pytest.approx([last[n] for n in names], rel=1e-9)
 
 
-@pytest.mark.parametrize(("speed", "at"), [(1.0, 80.0), (-1.0, 125.0)])
-def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float) -> None:
-    line = valley(speed, at)
+@pytest.mark.parametrize(("speed", "at", "friction"), [(1.0, 80.0, 0.0), (-1.0, 125.0, 0.03)])
+def test_a_load_held_at_a_hold_down(tmp_path: Path, speed: float, at: float, friction: float) -> None:
+    line = valley(speed, at, friction)
     result = rw.simulate(line, 40.0, every=EVERY)
     assert result.events["event"].str.contains("held").any()
     path = export(line, tmp_path / "valley.fmu")

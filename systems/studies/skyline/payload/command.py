@@ -25,7 +25,8 @@ from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
 class CorridorRequest:
     """A skyline over a corridor, described by a few numbers.
 
-    `corridor` is its table (station, elevation). `tension` is that of the bare skyline at the headspar [N]. `head` and
+    `corridor` is its table (station, elevation), or a raster of elevations with the corridor's `start` and `end` as
+    "EASTING,NORTHING". `tension` is that of the bare skyline at the headspar [N]. `head` and
     `tail` are stations of the spars [m], by default the ends of the profile; heights are in m. Each support is
     "STATION:HEIGHT" [m]. `carriage_mass` is in kg. `load_depth` is the distance from the skyline to the lowest point of
     the load [m]. `clearance` of the load and `spacing` of the stations are in m. `kind` is standing, live, gravity or
@@ -47,10 +48,20 @@ class CorridorRequest:
     clearance: float = 1.0
     spacing: float = 5.0
     kind: str = "standing"
+    start: str | None = None
+    end: str | None = None
+
+    def ground(self) -> Profile:
+        """The ground. Raises InputError."""
+        if self.start is None and self.end is None:
+            return Profile.from_csv(self.corridor)
+        if self.start is None or self.end is None:
+            raise InputError("A corridor over a raster has two ends", "Give both --start and --end")
+        return Profile.from_dem(self.corridor, _map_point(self.start), _map_point(self.end))
 
     def rig(self) -> SkylineRig:
         """The rig. Raises InputError, SlackRopeError."""
-        ground = Profile.from_csv(self.corridor)
+        ground = self.ground()
         head = ground.station[0] if self.head is None else self.head
         tail = ground.station[-1] if self.tail is None else self.tail
         parts: dict[str, Any] = {
@@ -101,3 +112,12 @@ def _support(text: str, number: int) -> IntermediateSupport:
     except ValueError as error:
         raise InputError(f"Support {text!r} is not STATION:HEIGHT", "Give for example 260:9, in metres") from error
     return IntermediateSupport(f"jack{number}", station=station, height=height)
+
+
+def _map_point(text: str) -> tuple[float, float]:
+    """A point of the map from "EASTING,NORTHING"."""
+    try:
+        east, north = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise InputError(f"Point {text!r} is not EASTING,NORTHING", "Give for example 2600120,1200560") from error
+    return east, north

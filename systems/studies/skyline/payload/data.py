@@ -11,6 +11,7 @@ import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.table_writer import Tabular
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.limits import is_lowered
 from ropeway.systems.studies.skyline.payload.remarks import (
@@ -57,7 +58,11 @@ class PayloadData(Tabular):
     @cached_property
     def remarks(self) -> list[str]:
         """Remarks on the payload: stations at which it is not hauled, a rope below the ground."""
-        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope)
+        return self.remarks_in(Style())
+
+    def remarks_in(self, style: Style) -> list[str]:
+        """The remarks in a report's words and units."""
+        return remarks(self.not_hauled, len(self.frame), self.haulback_needed, self.bare_rope, style)
 
     @cached_property
     def limiting(self) -> pd.Series[Any]:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.guyed_spar import GuyedSpar
-from ropeway.components.rounding import at_least
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.bare_skyline import bare_profile
 from ropeway.systems.rigs.rig_kind import STANDING
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -74,18 +74,18 @@ def haulback_that_hauls(rig: SkylineRig, stations: np.ndarray, payload: float) -
     return high
 
 
-def remarks(failed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None) -> list[str]:
-    """Sentences for the headline."""
+def remarks(failed: np.ndarray, count: int, haulback: float | None, bare: BareRope | None, style: Style) -> list[str]:
+    """Sentences for the headline, in a report's words and units."""
     found = []
     if len(failed):
-        cause = f"Not hauled at {len(failed)} of {count} stations ({failed.min():g} to {failed.max():g} m)"
-        remedy = "a clamp on the carriage would hold it there"
-        if haulback is not None:
-            remedy = f"a haulback of {at_least(haulback / 1e3, 1)} kN would do, or {remedy}"
-        found.append(f"{cause}: the mainline would have to push; {remedy}")
+        first, last = style.value(failed.min(), "length"), style.value(failed.max(), "length")
+        values = {"failed": len(failed), "count": count, "first": first, "last": last}
+        if haulback is None:
+            found.append(style.text("not_hauled", **values))
+        else:
+            values["haulback"] = style.value(haulback, "force", "up")
+            found.append(style.text("not_hauled_without", **values))
     if bare is not None and bare.height < 0.0:
-        found.append(
-            f"The bare rope is {at_least(-bare.height, 1)} m under the ground at station {bare.station:.0f} m: give it "
-            "more tension, higher spars or a support there"
-        )
+        height, station = style.value(-bare.height, "length", "up"), style.value(bare.station, "length")
+        found.append(style.text("bare_under_ground", height=height, station=station))
     return found

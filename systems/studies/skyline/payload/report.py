@@ -27,7 +27,7 @@ def sections_of(study: PayloadData, style: Style) -> list[Section]:
     given = [(style.text("clearance_asked"), clearance)]
     return [
         Section(style.text("payload"), (Text((_headline(study, style),)),)),
-        warnings_of(study.remarks, style),
+        warnings_of(study.remarks_in(style), style),
         rig_sections.inputs(rig, style, (study.safety_factor, study.mainline_safety_factor), given),
         Section(style.text("profile"), (_player(study, style),)),
         Section(style.text("payload_by_station"), (_payloads(study, style), tensions(study, style))),

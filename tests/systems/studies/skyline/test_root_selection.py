@@ -148,4 +148,4 @@ def test_a_bare_rope_under_the_ground_has_a_remark() -> None:
     assert bare is not None
     assert bare.station == pytest.approx(150.0, abs=1.0)
     assert bare.height == pytest.approx(-13.0, abs=0.2)
-    assert any("under the ground at station 150 m" in remark for remark in study.remarks)
+    assert any("under the ground at station 150.0 m" in remark for remark in study.remarks)
