@@ -124,6 +124,10 @@ from .systems.studies.handbook.payload_methods import (
     tension_for_payload as tension_for_payload,
 )
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.inertia.emergency_stop import (
+    EmergencyStops as EmergencyStops,
+    emergency_stop as emergency_stop,
+)
 from .systems.studies.inertia.modes import Modes as Modes, modes as modes
 from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities

@@ -209,8 +209,8 @@ class MovingSpan(Span):
     inertia: Inertia = field(default_factory=Inertia)
 
     def limits(self) -> tuple[Limit, ...]:
-        # A rope that pulls with less than a tenth of its own weight no longer carries loads.
-        return (*super().limits(), Limit("tautness", "slack rope", low=0.1))
+        # A rope that pulls with less than its own weight sags by more than an eighth of its span.
+        return (*super().limits(), Limit("tautness", "slack rope", low=1.0))
 
     def structure(self, site: Site) -> Hashable:
         return self._constructional

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,11 +17,13 @@ from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
 from ropeway.systems.dynamics.inertial_stepper import stepper_of
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
-from ropeway.systems.results.dynamic_factor import dynamic_factor
+from ropeway.systems.results.dynamic_factor import dynamic_factor, swing
 from ropeway.systems.results.energy_balance import energy, power
+from ropeway.systems.results.quasi_static import QuasiStatic
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -82,7 +85,7 @@ class Result(RunData):
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
         i = int(np.searchsorted(times, time, side="right")) - 1
-        state = self._state(i)
+        state = self.state(i)
         if times[i] != time:
             a, b = self.records[i], self.records[i + 1]
             signals = [
@@ -96,6 +99,8 @@ class Result(RunData):
     def summary(self) -> Summary:
         """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held.
 
+        Of a run with inertia also the dynamic factors. Its tensions count until a rope goes slack.
+
         Returns
         -------
         Summary
@@ -106,7 +111,7 @@ class Result(RunData):
             Without a rope.
         """
         self._require_rope()
-        return summary(self)
+        return summary(self, None if self.model.inertia is None else self.dynamic_factor())
 
     def _require_rope(self) -> None:
         if not self.runs:
@@ -139,7 +144,27 @@ class Result(RunData):
         InputError
             The run is without inertia.
         """
-        return dynamic_factor(self)
+        return dynamic_factor(self, self._quasi_static)
+
+    def swing(self) -> pd.DataFrame:
+        """How far loads swing in a run with inertia.
+
+        Returns
+        -------
+        DataFrame
+            Index load; columns swing: the largest distance from where it would hang in equilibrium [m], at [s].
+
+        Raises
+        ------
+        InputError
+            The run is without inertia.
+        """
+        return swing(self, self._quasi_static)
+
+    @cached_property
+    @interruptible
+    def _quasi_static(self) -> QuasiStatic:
+        return QuasiStatic.of(self)
 
     def energy(self) -> pd.Series:
         """The energy balance of the run [J].

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ropeway.components.component import Component
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.span import Span
@@ -58,19 +57,3 @@ def rope_nodes(run: Run, lengths: np.ndarray, distances: list[np.ndarray], count
             )
         )
     return found
-
-
-def without_inertia(system: System) -> System:
-    """A copy of a system with inertia that is in equilibrium at each time, as declared."""
-    found = system.copy()
-    found.components = {name: _at_rest(c) for name, c in system.components.items()}
-    found.hung, found.feeds = [], []
-    return found
-
-
-def _at_rest(component: Component) -> Component:
-    """The component that `with_inertia` has made this one of."""
-    if not component.inertial:
-        return component
-    kind = next(k for k in type(component).__mro__ if issubclass(k, Component) and not k.inertial)
-    return kind(**{f.name: getattr(component, f.name) for f in fields(kind)})

@@ -1,44 +1,36 @@
-"""How far inertia raises tensions: the peaks of a run over those of the same line in equilibrium at each time."""
+"""What inertia adds to a run: tensions over those in equilibrium, and how far loads swing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from ropeway.components.errors import InputError
-from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.results.quasi_static import equilibria
+from ropeway.systems.results.quasi_static import QuasiStatic
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import each_node, ends_at
-
-_STATES = 100
-"""Largest number of equilibria, evenly over the records of a run."""
-SLACK = "slack rope"
-"""The event after which tensions are not quoted: the snap of a rope that tightens is not resolved."""
+from ropeway.systems.statics.line_state import LineState
 
 
-@interruptible
-def dynamic_factor(result: RunData) -> pd.DataFrame:
-    """As `Result.dynamic_factor`. Raises InputError for a run without inertia."""
-    if result.model.inertia is None:
-        raise InputError(f"The run of {result.model.name!r} is without inertia", "Give simulate(..., inertia=rw.Inertia())")
-    until = slack_time(result)
-    times = result.times
+def dynamic_factor(result: RunData, still: QuasiStatic) -> pd.DataFrame:
+    """As `Result.dynamic_factor`."""
+    until, times = result.slack_time, result.times
     used = np.flatnonzero(times <= until)
-    which = np.unique(np.linspace(0, used[-1], min(len(used), _STATES)).round().astype(int))
     moving = _peaks(result.runs, lambda name: result.full_frame[name].to_numpy()[used])
-    lines = [state for state in equilibria(result, which.tolist()) if state is not None]
-    outputs = [dict(zip(state.model.y.names, state.outputs(), strict=True)) for state in lines]
-    still = _peaks(result.runs, lambda name: np.array([own[name] for own in outputs]))
+    outputs = [
+        dict(zip(line.model.y.names, line.outputs(), strict=True))
+        for i, line in zip(still.records, still.lines, strict=True)
+        if times[i] <= until
+    ]
+    resting = _peaks(result.runs, lambda name: np.array([own[name] for own in outputs])) if outputs else {}
     rows = {
         name: {
             "kind": kind,
             "highest": float(values.max()),
             "at": float(times[used[int(values.argmax())]]),
-            "quasi_static": float(still[name][1].max()) if lines else np.nan,
+            "quasi_static": float(resting[name][1].max()) if resting else np.nan,
         }
         for name, (kind, values) in moving.items()
     }
@@ -48,12 +40,7 @@ def dynamic_factor(result: RunData) -> pd.DataFrame:
     return table
 
 
-def slack_time(result: RunData) -> float:
-    """Time of the first slack rope of a run [s]; inf without one."""
-    return min((event.time for event in result.limits_reached if event.event == SLACK), default=np.inf)
-
-
-def _peaks(runs: tuple[Run, ...], read: Callable[[str], np.ndarray]) -> dict[str, tuple[str, np.ndarray]]:
+def _peaks(runs: Sequence[Run], read: Callable[[str], np.ndarray]) -> dict[str, tuple[str, np.ndarray]]:
     """Of each span its highest tension, and of each support its bearing load or the tension of its rope, in time."""
     found: dict[str, tuple[str, np.ndarray]] = {}
     for run in runs:
@@ -65,4 +52,30 @@ def _peaks(runs: tuple[Run, ...], read: Callable[[str], np.ndarray]) -> dict[str
         except KeyError:
             value = np.max([read(name) for name in ends_at(runs, node)], axis=0)
         found[node.name] = ("support", value)
+    return found
+
+
+def swing(result: RunData, still: QuasiStatic) -> pd.DataFrame:
+    """As `Result.swing`."""
+    largest: dict[str, tuple[float, float]] = {}
+    for i, line in zip(still.records.tolist(), still.lines, strict=True):
+        resting = _places(line)
+        for name, place in _places(result.state(i)).items():
+            if name in resting:
+                away = float(np.linalg.norm(place - resting[name]))
+                largest[name] = max(largest.get(name, (0.0, 0.0)), (away, float(result.times[i])))
+    frame = pd.DataFrame.from_dict(largest, "index", columns=["swing", "at"]).rename_axis("load")
+    frame.attrs["units"] = {"swing": "m", "at": "s"}
+    return frame
+
+
+def _places(line: LineState) -> dict[str, np.ndarray]:
+    """Where the loads of a line are [m]."""
+    outputs, index, found = line.outputs(), line.model.y.index, dict[str, np.ndarray]()
+    for run, beyond in zip(line.runs, line.passed, strict=True):
+        for k, span in enumerate(run.spans):
+            for j, load in enumerate(range(int(beyond[k]) - 1, int(beyond[k + 1]) - 1, -1)):
+                if run.loads.mass[load] > 0.0:
+                    place = [outputs[index[f"{span.name}.slot_{axis}[{j + 1}]"]] for axis in "xyz"]
+                    found[run.loads.names[load]] = np.array(place)
     return found

@@ -1,16 +1,18 @@
-"""The equilibria that a line with inertia moves about: what its tensions would be without inertia."""
+"""The equilibria that a line with inertia moves about: where it would be without inertia."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
 
 from ropeway.components.carriage import Carriage
-from ropeway.components.errors import EquilibriumError
+from ropeway.components.component import Component
+from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.modelling.inertial_system import without_inertia
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.statics.line_records import restored
@@ -18,18 +20,52 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.resting import same_values
 from ropeway.systems.statics.settling import settle
 
+_STATES = 200
+"""Largest number of equilibria, evenly over the records of a run."""
+
+
+@dataclass(frozen=True, eq=False)
+class QuasiStatic:
+    """The line in equilibrium at some records of a run with inertia: with the rope that its drives have moved until
+    then, and the loads that still hang on it. Records without an equilibrium are left out."""
+
+    records: np.ndarray
+    lines: tuple[LineState, ...]
+
+    @classmethod
+    def of(cls, result: RunData) -> QuasiStatic:
+        """Raises InputError for a run without inertia."""
+        if result.model.inertia is None:
+            cause = f"The run of {result.model.name!r} is without inertia"
+            raise InputError(cause, "Give simulate(..., inertia=rw.Inertia())")
+        last = len(result.records) - 1
+        which = np.unique(np.linspace(0, last, min(last + 1, _STATES)).round().astype(int))
+        found = _equilibria(result, which.tolist())
+        known = [i for i, line in enumerate(found) if line is not None]
+        return cls(which[known], tuple(line for line in found if line is not None))
+
 
 @kept_with_model
-def quasi_static_model(model: Model) -> Model:
+def _quasi_static_model(model: Model) -> Model:
     """The model of the same line without inertia."""
-    return assemble(without_inertia(model.system))
+    system = model.system.copy()
+    system.components = {name: _without_inertia(c) for name, c in system.components.items()}
+    system.hung, system.feeds = [], []  # a state has its loads
+    return assemble(system)
 
 
-def equilibria(result: RunData, which: Sequence[int]) -> list[LineState | None]:
-    """The line in equilibrium at some records of a run with inertia: with the rope that its drives have moved until
-    then, and the loads that it still has. None where it has no equilibrium."""
+def _without_inertia(component: Component) -> Component:
+    """The component that `with_inertia` has made this one of."""
+    if not component.inertial:
+        return component
+    kind = next(k for k in type(component).__mro__ if issubclass(k, Component) and not k.inertial)
+    return kind(**{f.name: getattr(component, f.name) for f in fields(kind)})
+
+
+def _equilibria(result: RunData, which: Sequence[int]) -> list[LineState | None]:
+    """The line in equilibrium at records of a run; None where it has none."""
     found: list[LineState | None] = []
-    model, before = quasi_static_model(result.model), None
+    model, before = _quasi_static_model(result.model), None
     for i in which:
         state = _start(result, i, model, before)
         try:

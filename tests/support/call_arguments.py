@@ -67,6 +67,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Disturbance": lambda: rw.Disturbance("heavy", mass=1.1),
         "Drum": lambda: rw.Drum("drum", speed=0.5, **at),
         "Elastic": rw.Elastic,
+        "EmergencyStops": lambda: rw.EmergencyStops(pd.DataFrame({"x": [1.0]}), ()),
         "Equilibrium": rest,
         "GuyedSpar": guyed,
         "Guyline": lambda: guyed().guylines[0],
@@ -138,6 +139,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "rope": ROPE, "supports": endless_supports(), "tension": 22e3, "speed": 0.9, "load_mass": 90.0,
             "load_spacing": 40.0, "take_up": None, "drive": None, "name": "ring", "gravity": 9.8,
             "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
+        },
+        "emergency_stop": lambda: {
+            "line": line(), "decelerations": [2.0], "settle": 0.5, "every": 0.1, "start": None,
+            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "tolerance": 1e-4, "progress": False,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
