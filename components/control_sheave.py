@@ -219,7 +219,11 @@ class MovingControlSheave(ControlSheave):
 
     def _loaded(self, v: Any) -> SimpleNamespace:
         """What the drive sees: the force on the rope's travel on both sides, with the inertia of the rope."""
-        seen = {**self.wheel_equations(v), "tension_in": v.a.carried + v.a.along, "tension_out": v.b.carried - v.b.along}
+        seen = {
+            **self.wheel_equations(v),
+            "tension_in": v.a.carried + v.a.along,
+            "tension_out": v.b.carried - v.b.along,
+        }
         return _seen_by_drive(v, seen)
 
     def demand(self, v: Any) -> Mapping[str, Any]:

@@ -119,7 +119,9 @@ class Equilibrium(Tabular):
                     if run.loads.mass[i] == 0.0:  # a missing load
                         continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
-        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")])
+        return pd.DataFrame(
+            rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")]
+        )
 
     def points(self, r: int) -> np.ndarray:
         """Positions of the supports of a run.

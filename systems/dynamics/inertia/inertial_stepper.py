@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, SimulationError
-from ropeway.systems.dynamics import support_zones as zones
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
 from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.dynamics.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia import support_zones as zones
+from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia.inertial_state import tieable
 from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.statics.inertial_state import tieable
 from ropeway.systems.statics.line_state import LineState
 
 _LONGEST = 0.5
@@ -39,9 +39,7 @@ class InertialStepper:
         self.line = InertialLine(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
-        self._ties = any(
-            tieable(state.model, r).any() and len(run.loads.place) > 0 for r, run in enumerate(state.runs)
-        )
+        self._ties = any(tieable(state.model, r).any() and len(run.loads.place) > 0 for r, run in enumerate(state.runs))
         self._motion: LineMotion | None = None
 
     @property

@@ -41,9 +41,7 @@ class InertialLine(LineStepper):
         """Advances the state by `h` seconds. Raises EquilibriumError, SimulationError."""
         return self.integrate_along(h, 1, motion, stop)[1]
 
-    def integrate_along(
-        self, h: float, count: int, motion: LineMotion, stop: float
-    ) -> tuple[list[Point], LineMotion]:
+    def integrate_along(self, h: float, count: int, motion: LineMotion, stop: float) -> tuple[list[Point], LineMotion]:
         """As `integrate`, without a restart; also returns the solved points at `count` equal parts of the stretch."""
         start = self.state.point
         integrator = oscillating_idas_of(self.state.model, self.tolerance, count)

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ropeway.systems.dynamics.inertia.inertial_state import join, output_rates, slot_motions, slot_outputs, tieable
 from ropeway.systems.dynamics.load_crossings import Crossing, passing_event
-from ropeway.systems.statics.inertial_state import join, output_rates, slot_motions, slot_outputs, tieable
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend
 
@@ -136,7 +136,9 @@ def due(events: Sequence[ZoneEvent]) -> list[ZoneEvent]:
     return list(found.values())
 
 
-def apply(state: LineState, events: Sequence[ZoneEvent], rates: tuple[np.ndarray, np.ndarray]) -> list[tuple[Crossing, str]]:
+def apply(
+    state: LineState, events: Sequence[ZoneEvent], rates: tuple[np.ndarray, np.ndarray]
+) -> list[tuple[Crossing, str]]:
     """Applies events in place, with the rates of states and algebraic variables before them; the line is not solved.
     Returns the crossings with what they are called."""
     leaving = [e for e in events if e.what == LEAVE]
@@ -279,7 +281,6 @@ def _lighten(state: LineState, r: int, ends: Sequence[int], known: dict[int, dic
         gone = known[k].get(int(state.passed[r][k]))
         if gone is not None:
             state.point.z[layout.force[k] + np.arange(3)] = gone.pull
-
 
 
 def lose(state: LineState, name: str) -> bool:

@@ -8,10 +8,10 @@ import numpy as np
 
 from ropeway.components.inertia import Inertia
 from ropeway.components.variable import Kind
+from ropeway.systems.dynamics.inertia.inertial_system import require_fitting, rope_nodes, with_inertia
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.modelling.inertial_system import require_fitting, rope_nodes, with_inertia
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.solvers.newton import VECTORS, Point, newton_of, outputs_of
 from ropeway.systems.statics.line_state import LineState, declared_point
@@ -30,8 +30,8 @@ AXES = "xyz"
 class SlotMotion:
     """Places of the slots' motion in the vectors of a model with inertia: of the first slot of each span of a run.
     `place`, `velocity` (3, spans) in the states; `pull`, `acceleration` (3, spans) in the algebraic variables; `tied`
-    (2, spans), to ends a and b, `joined` and `lost` (spans,) in the discrete ones; `seen` (3, spans) of the places in the outputs. A span without
-    slots has places that are not used."""
+    (2, spans), to ends a and b, `joined` and `lost` (spans,) in the discrete ones. A span without slots has places that
+    are not used."""
 
     place: np.ndarray
     velocity: np.ndarray
@@ -40,7 +40,6 @@ class SlotMotion:
     tied: np.ndarray
     joined: np.ndarray
     lost: np.ndarray
-    seen: np.ndarray
 
 
 @kept_with_model
@@ -63,7 +62,6 @@ def slot_motions(model: Model) -> tuple[SlotMotion, ...]:
             places(run, Kind.DISCRETE, "tied", "ab"),
             np.array(first(run, Kind.DISCRETE, "joined")),
             np.array(first(run, Kind.DISCRETE, "lost")),
-            places(run, Kind.OUTPUT, "slot"),
         )
         for run in model.runs
     )
@@ -78,9 +76,7 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     return assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
 
 
-def inertial_state(
-    state: LineState, inertia: Inertia, rates: tuple[np.ndarray, np.ndarray] | None = None
-) -> LineState:
+def inertial_state(state: LineState, inertia: Inertia, rates: tuple[np.ndarray, np.ndarray] | None = None) -> LineState:
     """The state of a line with inertia that moves as the quasi-static line does: with the rates (nx,) and (nz,) of its
     states and algebraic variables [per s], by default at rest.
 
@@ -190,7 +186,9 @@ def output_rates(state: LineState, x_rate: np.ndarray, z_rate: np.ndarray) -> np
     """Rates of all outputs [per s] as states and algebraic variables move at these rates."""
     point, y = state.point, outputs_of(state.model)
     ends = [
-        y(*Point(point.x + h * x_rate, point.z + h * z_rate, point.u, point.p, point.d, point.t + h).arguments)[0].copy()
+        y(*Point(point.x + h * x_rate, point.z + h * z_rate, point.u, point.p, point.d, point.t + h).arguments)[
+            0
+        ].copy()
         for h in (-_DIFFERENCE, _DIFFERENCE)
     ]
     return np.asarray((ends[1] - ends[0]) / (2.0 * _DIFFERENCE))
@@ -203,7 +201,12 @@ def tieable(model: Model, r: int) -> np.ndarray:
 
 def _start_slots(found: LineState, quasi: LineState, r: int, seen: tuple[np.ndarray, np.ndarray]) -> None:
     """Writes places, velocities and tensions of the slots of a run, and ties those that are near a support."""
-    run, layout, motion, inertia = found.runs[r], found.model.layouts[r], slot_motions(found.model)[r], found.model.inertia
+    run, layout, motion, inertia = (
+        found.runs[r],
+        found.model.layouts[r],
+        slot_motions(found.model)[r],
+        found.model.inertia,
+    )
     if inertia is None:
         return
     (y, rate), rope, point, beyond = seen, found.rope(r), found.point, found.passed[r]
@@ -217,7 +220,7 @@ def _start_slots(found: LineState, quasi: LineState, r: int, seen: tuple[np.ndar
             load = int(beyond[k]) - 1 - j
             at = run.loads.place[load] - rope[k] if full else rope[k + 1] - rope[k]
             carried = run.loads.mass[beyond[k] - 1 - np.arange(min(j + 1, there))].sum() * point.p[0]
-            point.z[motion.pull[:, k] + j] = force + [0.0, 0.0, weight * at + carried]
+            point.z[motion.pull[:, k] + j] = force + np.array([0.0, 0.0, weight * at + carried])
             if not full:
                 continue
             point.x[motion.place[:, k] + j] = y[stations[:, k] + j]
@@ -243,6 +246,4 @@ def join(state: LineState, r: int, k: int) -> None:
 def slot_outputs(model: Model, r: int) -> np.ndarray:
     """Places of the slots' places in the outputs of a model: of the first slot of each span of a run, (3, spans)."""
     index = model.y.index
-    return np.array(
-        [[index.get(f"{span.name}.slot_{axis}[1]", 0) for span in model.runs[r].spans] for axis in AXES]
-    )
+    return np.array([[index.get(f"{span.name}.slot_{axis}[1]", 0) for span in model.runs[r].spans] for axis in AXES])
