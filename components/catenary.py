@@ -194,6 +194,19 @@ def profile(
     starts = np.array([(0.0, 0.0, 0.0), *(n.reach for n in nodes[:-1])])
     forces = np.array([force, *(n.force for n in nodes[:-1])])
     forces[1:, 2] += np.asarray(loads, dtype=float)
+    return through(starts, forces, weight, strain, distances, stations)
+
+
+def through(
+    starts: np.ndarray,
+    forces: np.ndarray,
+    weight: float,
+    strain: Strain,
+    distances: Sequence[float],
+    stations: np.ndarray,
+) -> SpanCurve:
+    """As `profile`, of pieces that begin at `starts` (pieces, 3) with tension vectors `forces` (pieces, 3): the first
+    at the span's start, the others at `distances`."""
     cuts = np.array([0.0, *distances])
     station = np.asarray(stations, dtype=float)
     piece = np.maximum(np.searchsorted(cuts, station, side="left") - 1, 0)

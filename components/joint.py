@@ -125,6 +125,4 @@ class MovingJoint(Joint):
             f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, v.mass, seats)
             for axis in "xyz"
         }
-        return replace(
-            found, rates=motion_rates(v, "xyz"), residuals=balances, outputs=energies(v, v.mass, "xyz")
-        )
+        return replace(found, rates=motion_rates(v, "xyz"), residuals=balances, outputs=energies(v, v.mass, "xyz"))

@@ -3,7 +3,8 @@
 Behind each load slot the tension vector is an unknown, as at end a. A free slot is where its load is, so that the
 catenaries on both sides end there; the difference of their tensions and of the load's weight accelerates the load. A
 tied slot hangs in balance, as without inertia, and moves with the rope at its support, which carries its inertia; an
-empty slot is tied to end b. A joined slot moves with the slot before it, where two loads hang together. The mass of each piece of rope acts at its two ends.
+empty slot is tied to end b. A joined slot moves with the slot before it, where two loads hang together. The mass of
+each piece of rope acts at its two ends.
 
 The tension sees the geometry a short time, the damping, ahead: stiffness-proportional damping, without effect at rest.
 """

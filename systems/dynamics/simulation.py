@@ -14,11 +14,12 @@ from ropeway.components.errors import CompiledError, InputError, RopewayError, S
 from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
+from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
-from ropeway.systems.dynamics.support_zones import lose
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
@@ -31,7 +32,6 @@ from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-from ropeway.systems.statics.inertial_state import inertial_state
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending

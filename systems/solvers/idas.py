@@ -34,7 +34,7 @@ class Stretch(NamedTuple):
     first: float
 
 
-SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(1.0, 0.1)
+SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(0.1, 0.1)
 
 
 class Idas:

@@ -119,7 +119,9 @@ class Equilibrium(Tabular):
                     if run.loads.mass[i] == 0.0:  # a missing load
                         continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
-        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")])
+        return pd.DataFrame(
+            rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")]
+        )
 
     def points(self, r: int) -> np.ndarray:
         """Positions of the supports of a run.
@@ -244,5 +246,15 @@ class Equilibrium(Tabular):
         strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
         tension = self.point.z[force : force + 3]
         weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
-        curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
-        return curve, run.start(k, self.__getitem__) + curve.reach
+        start = run.start(k, self.__getitem__)
+        if self.model.inertia is not None:
+            starts, forces = [np.zeros(3)], [tension]
+            for j in range(count):
+                slot = [f"{name}.slot_{axis}[{j + 1}]" for axis in "xyz"]
+                starts.append(read[[self.model.y.index[place] for place in slot]] - start)
+                pull = [f"{name}.pull_{axis}[{j + 1}]" for axis in "xyz"]
+                forces.append(self.point.z[[self.model.z.index[force] for force in pull]])
+            curve = catenary.through(np.array(starts), np.array(forces), weight, strain, at, spread)
+        else:
+            curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
+        return curve, start + curve.reach

@@ -15,9 +15,9 @@ from ropeway.components.errors import InputError
 from ropeway.components.joint import Joint
 from ropeway.components.span import Span
 from ropeway.components.variable import Site
+from ropeway.systems.dynamics.inertia.inertial_system import rope_nodes
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
-from ropeway.systems.modelling.inertial_system import rope_nodes
 from ropeway.systems.solvers.newton import Point, newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.resting import same_values

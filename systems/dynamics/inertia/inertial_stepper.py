@@ -7,13 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, SimulationError
-from ropeway.systems.dynamics import support_zones as zones
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
 from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.dynamics.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia import support_zones as zones
+from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia.inertial_state import tieable
 from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.statics.inertial_state import tieable
 from ropeway.systems.statics.line_state import LineState
 
 _LONGEST = 0.5

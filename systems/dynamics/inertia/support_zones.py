@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ropeway.systems.dynamics.inertia.inertial_state import join, output_rates, slot_motions, slot_outputs, tieable
 from ropeway.systems.dynamics.load_crossings import Crossing, passing_event
-from ropeway.systems.statics.inertial_state import join, output_rates, slot_motions, slot_outputs, tieable
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from ropeway.components.inertia import Inertia
 from ropeway.components.variable import Kind
+from ropeway.systems.dynamics.inertia.inertial_system import require_fitting, rope_nodes, with_inertia
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.modelling.inertial_system import require_fitting, rope_nodes, with_inertia
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.solvers.newton import VECTORS, Point, newton_of, outputs_of
 from ropeway.systems.statics.line_state import LineState, declared_point
@@ -30,8 +30,8 @@ AXES = "xyz"
 class SlotMotion:
     """Places of the slots' motion in the vectors of a model with inertia: of the first slot of each span of a run.
     `place`, `velocity` (3, spans) in the states; `pull`, `acceleration` (3, spans) in the algebraic variables; `tied`
-    (2, spans), to ends a and b, `joined` and `lost` (spans,) in the discrete ones; `seen` (3, spans) of the places in the outputs. A span without
-    slots has places that are not used."""
+    (2, spans), to ends a and b, `joined` and `lost` (spans,) in the discrete ones. A span without slots has places that
+    are not used."""
 
     place: np.ndarray
     velocity: np.ndarray
@@ -40,7 +40,6 @@ class SlotMotion:
     tied: np.ndarray
     joined: np.ndarray
     lost: np.ndarray
-    seen: np.ndarray
 
 
 @kept_with_model
@@ -63,7 +62,6 @@ def slot_motions(model: Model) -> tuple[SlotMotion, ...]:
             places(run, Kind.DISCRETE, "tied", "ab"),
             np.array(first(run, Kind.DISCRETE, "joined")),
             np.array(first(run, Kind.DISCRETE, "lost")),
-            places(run, Kind.OUTPUT, "slot"),
         )
         for run in model.runs
     )
@@ -222,7 +220,7 @@ def _start_slots(found: LineState, quasi: LineState, r: int, seen: tuple[np.ndar
             load = int(beyond[k]) - 1 - j
             at = run.loads.place[load] - rope[k] if full else rope[k + 1] - rope[k]
             carried = run.loads.mass[beyond[k] - 1 - np.arange(min(j + 1, there))].sum() * point.p[0]
-            point.z[motion.pull[:, k] + j] = force + [0.0, 0.0, weight * at + carried]
+            point.z[motion.pull[:, k] + j] = force + np.array([0.0, 0.0, weight * at + carried])
             if not full:
                 continue
             point.x[motion.place[:, k] + j] = y[stations[:, k] + j]
