@@ -139,8 +139,8 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
         )
     if np.isfinite(result.slack_time):
         lines.append(
-            f"A rope goes slack at {result.slack_time:.2f} s. Tensions count until then: the snap of a rope that tightens "
-            "again is not resolved"
+            f"A rope goes slack at {result.slack_time:.2f} s. Tensions count until then: the snap of a rope that "
+            "tightens again is not resolved"
         )
     for column, sign, words in (
         ("least_support_force", -1.0, "Supports where the rope lifts off (least support force [N])"),
