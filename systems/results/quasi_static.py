@@ -10,10 +10,12 @@ import numpy as np
 from ropeway.components.carriage import Carriage
 from ropeway.components.component import Component
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.span import Span
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.modelling.system import System
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.statics.line_records import restored
 from ropeway.systems.statics.line_state import LineState
@@ -48,14 +50,20 @@ class QuasiStatic:
 @kept_with_model
 def _quasi_static_model(model: Model) -> Model:
     """The model of the same line without inertia."""
-    system = model.system.copy()
-    system.components = {name: _without_inertia(c) for name, c in system.components.items()}
-    system.hung, system.feeds = [], []  # a state has its loads
-    return assemble(system)
+    return assemble(without_inertia(model.system))
 
 
-def _without_inertia(component: Component) -> Component:
-    """The component that `with_inertia` has made this one of."""
+def without_inertia(system: System) -> System:
+    """The declarations of which `with_inertia` has made a system."""
+    found = system.copy()
+    found.components = {name: _at_rest(c) for name, c in system.components.items()}
+    spans = {name: c for name, c in found.components.items() if isinstance(c, Span)}
+    found.hung = [replace(h, spans=tuple(spans[s.name] for s in h.spans)) for h in system.hung]
+    found.feeds = [replace(f, spans=tuple(spans[s.name] for s in f.spans)) for f in system.feeds]
+    return found
+
+
+def _at_rest(component: Component) -> Component:
     if not component.inertial:
         return component
     kind = next(k for k in type(component).__mro__ if issubclass(k, Component) and not k.inertial)
