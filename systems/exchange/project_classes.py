@@ -34,9 +34,9 @@ from ropeway.systems.rigs.turn import Turn
 CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
-        Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum, Elastic,
-        Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, Inertia,
-        IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope, Sheave, Span,
-        SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
+        Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum,
+        Elastic, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, Inertia,
+        IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope,
+        Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
     )
 }  # fmt: skip
