@@ -14,6 +14,7 @@ from ropeway.components.errors import CompiledError, InputError, RopewayError, S
 from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
+from ropeway.components.span import Span
 from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
 from ropeway.systems.dynamics.inertia.support_zones import lose
@@ -207,7 +208,8 @@ def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia |
     if action == LOAD_LOST:
         known = [load for run in model.runs for load in run.loads.names]
     else:
-        known = [n for n, c in model.system.components.items() if isinstance(c, Carriage)]
+        kind = Carriage if action == "payload dropped" else Span
+        known = [n for n, c in model.system.components.items() if isinstance(c, kind)]
     if name not in known:
         raise UnknownNameError(
             f"{action!r} does not apply to {name!r}",
