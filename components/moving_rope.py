@@ -125,8 +125,8 @@ class MovingRope:
 
     @property
     def closure(self) -> Vector:
-        """By how much the rope misses its end b [m]; of a rope that is cut, by how much its tension at end a differs from
-        the weight of half the rope."""
+        """By how much the rope misses its end b [m]; if it is cut, by how much its tension at end a differs from the
+        weight of half the rope."""
         v = self.v
         miss = _minus(self.end, _moved(v.b.position, v.b.velocity, v.damping))
         hanging = (v.force_x - _LEAST, v.force_y, v.force_z + self.weight * self.length / 2)

@@ -95,7 +95,10 @@ def _with_inertia(result: RunData) -> pd.Series:
         own = "drives" if _drives(node) else "ends"
         if f"{node.name}.work" in frame:
             _add(parts, {own: np.diff(frame[f"{node.name}.work"])})
-        _add(parts, _own_work(result, node))
+        work = _own_work(result, node)
+        # The ropes of a node with inertia take part in its motion: only what comes from outside is counted.
+        moving = f"{node.name}.velocity_z" in frame
+        _add(parts, {"take_up": work["take_up"]} if moving else work)
     for r, run in enumerate(result.runs):
         _add(parts, {"loads": _load_work(result, r) + _load_speed(result, r), "ends": _rope_let_in(result, r)})
         for k, node in enumerate(run.nodes):
