@@ -5,8 +5,8 @@
 A level span of 240 m carries 2950 kg at its middle and loses 1000 kg. Rows have equal numbers of pieces on each side of
 the load: exact catenaries in ropeway, springs in MoorDyn (explicit, without damping, as here). Errors are those of the
 rest position, of the rebound's highest point and of the least tension at an end; the reference is a chain of 400
-springs, integrated in NumPy from a rest position by Newton's method. Times are seconds for a second of the run, after the first
-call of each.
+springs, integrated in NumPy from a rest position by Newton's method. Times are seconds for a
+second of the run, after the first call of each.
 """
 
 from __future__ import annotations

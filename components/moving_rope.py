@@ -21,6 +21,8 @@ from ropeway.components.variable import Kind, Site, Variable
 AXES = "xyz"
 _PER_METRE, _TYPICAL_MASS = 1e3, 100.0
 """Scales of residuals with two meanings: one newton is a millimetre, one newton accelerates 0.01 m/s2."""
+_LEAST = 1.0
+"""Horizontal tension of a rope that is cut [N]: a rope that hangs straight down has no direction."""
 
 
 def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
@@ -46,6 +48,7 @@ def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
         Variable("tied_b", Kind.DISCRETE, "1", "1: the slot moves with the rope at end b", (1.0,) * n, 1.0, n),
         Variable("joined", Kind.DISCRETE, "1", "1: the slot moves with the slot before", zeros, 1.0, n),
         Variable("lost", Kind.DISCRETE, "1", "1: the load in the slot is lost", zeros, 1.0, n),
+        Variable("broken", Kind.DISCRETE, "1", "1: the rope is cut, and its parts hang from their supports"),
         Variable("tautness", out, "1", "least horizontal tension over the weight of the rope"),
         Variable("kinetic_energy", out, "J", "kinetic energy of rope and loads", nominal=1e3),
         *each("slot_velocity", out, "m/s", "velocity of each slot"),
@@ -124,8 +127,12 @@ class MovingRope:
 
     @property
     def closure(self) -> Vector:
-        """By how much the rope misses its end b [m]."""
-        return _minus(self.end, _moved(self.v.b.position, self.v.b.velocity, self.v.damping))
+        """By how much the rope misses its end b [m]; if it is cut, by how much its tension at end a differs from the
+        weight of half the rope."""
+        v = self.v
+        miss = _minus(self.end, _moved(v.b.position, v.b.velocity, v.damping))
+        hanging = (v.force_x - _LEAST, v.force_y, v.force_z + self.weight * self.length / 2)
+        return _chosen(1 - v.broken, miss, _times(1 / _PER_METRE, hanging))
 
     def _ends(self, node: str, rope: str) -> tuple[Vector, Vector]:
         """A rate of the rope at both ends: that of the node, and that of the rope that runs over it."""
@@ -176,7 +183,11 @@ class MovingRope:
             bound = _times(_TYPICAL_MASS, _minus(each[j + 1], self._bound(j, a, b, each[j])))
             balances.append(_chosen(self.free[j], _minus(own, slot.force), bound))
             in_balance = _minus(slot.force, _times(v.joined[j], own))
-            hung.append(_chosen(self.free[j], slot.miss, _times(1 / _PER_METRE, in_balance)))
+            # Of a rope that is cut the loads fall: only their weight accelerates them.
+            fallen = v.broken * self.free[j]
+            falling = (slot.force[0], slot.force[1], slot.force[2] + fallen * self.mass[j] * v.gravity)
+            held = _chosen(fallen, falling, in_balance)
+            hung.append(_chosen(self.free[j] * (1 - v.broken), slot.miss, _times(1 / _PER_METRE, held)))
             at_a, at_b = _plus(at_a, _times(v.tied_a[j], own)), _plus(at_b, _times(v.tied_b[j], own))
         return hung, balances, at_a, at_b
 

@@ -14,8 +14,10 @@ from ropeway.components.errors import CompiledError, InputError, RopewayError, S
 from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
+from ropeway.components.span import Span
 from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.inertial_system import with_inertia
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -125,14 +127,11 @@ def simulate(
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
         compiled_line(model)
-    if start is None:
-        rest = equilibrium(model, compiled=compiled)
-    else:
-        rest = start if declared_alike(start, model.system) else carried_over(start, model)
+    rest = equilibrium(model, compiled=compiled) if start is None else _start(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    settings = _Settings(signals, interventions, tolerance, stops, compiled, inertia)
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
     run = _Simulation(replace(rest, pending=pending), settings)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
@@ -145,6 +144,17 @@ def simulate(
     result = run.result()
     result.require_certified()
     return result
+
+
+def _start(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equilibrium:
+    """Where a run starts, from an equilibrium or a state of another run. Raises InputError."""
+    if start.model.inertia is None:
+        return start if declared_alike(start, model.system) else carried_over(start, model)
+    if start.model.inertia != inertia:
+        raise InputError(f"start is of a run with {start.model.inertia}", "Give the same inertia=")
+    if not declared_alike(start, with_inertia(model.system, inertia)):
+        raise InputError(f"start is of another system than {model.name!r}", "Continue a run with inertia as it is")
+    return start
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
@@ -207,7 +217,8 @@ def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia |
     if action == LOAD_LOST:
         known = [load for run in model.runs for load in run.loads.names]
     else:
-        known = [n for n, c in model.system.components.items() if isinstance(c, Carriage)]
+        kind = Carriage if action == "payload dropped" else Span
+        known = [n for n, c in model.system.components.items() if isinstance(c, kind)]
     if name not in known:
         raise UnknownNameError(
             f"{action!r} does not apply to {name!r}",
@@ -217,8 +228,9 @@ def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia |
 
 @dataclass(frozen=True)
 class _Settings:
-    """What a run is asked for: a signal for each input, interventions, tolerance, and events at which it stops."""
+    """What a run is asked for: a signal for each of the inputs, interventions, tolerance, events at which it stops."""
 
+    inputs: Sequence[str]
     signals: Sequence[Signal]
     interventions: Sequence[Intervention]
     tolerance: float
@@ -234,8 +246,12 @@ class _Simulation:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         signals = settings.signals
-        if settings.inertia is not None and state.model.inertia is None:
-            state, signals = _inertial(state, signals, settings.inertia)
+        if settings.inertia is not None:
+            known = dict(zip(settings.inputs, signals, strict=True))
+            if state.model.inertia is None:
+                state = _inertial(state, signals, settings.inertia)
+            # Rates of inputs follow from these: their own signals are not read.
+            signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
         self.recorder = Recorder()
         self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
@@ -400,15 +416,12 @@ class _Simulation:
         return True
 
 
-def _inertial(state: LineState, signals: Sequence[Signal], inertia: Inertia) -> tuple[LineState, tuple[Signal, ...]]:
-    """A line with inertia that starts as the quasi-static line moves, and the signals of its inputs."""
+def _inertial(state: LineState, signals: Sequence[Signal], inertia: Inertia) -> LineState:
+    """A line with inertia that starts as the quasi-static line moves."""
     line = LineStepper(state, signals, 1e-6)
     line.set_time(0.0)
     motion = line.solve(float(min(line.breaks[line.breaks > 0.0], default=1.0)))
-    given = dict(zip(state.model.u.names, signals, strict=True))
-    found = inertial_state(line.state, inertia, (motion.x, motion.z))
-    # Rates of inputs follow from these: their own signals are not read.
-    return found, tuple(given.get(name, 0.0) for name in found.model.u.names)
+    return inertial_state(line.state, inertia, (motion.x, motion.z))
 
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:

@@ -160,7 +160,7 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
         offsets = np.cumsum([0, *(var.size for var in owned)])
         vector = sym(kind.value, int(offsets[-1]))
         for var, start in zip(owned, offsets[:-1].tolist(), strict=True):
-            setattr(v, var.name, vector[start : start + var.size])
+            setattr(v, var.name, vector[start : start + var.size, 0])
         vectors.append(vector)
     ports = []
     for port in component.ports:

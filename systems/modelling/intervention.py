@@ -15,7 +15,7 @@ SWITCHED = {
     "pressure back": ("pressure_lost", 0.0),
 }
 """Discrete variable of a component that each action sets, and its value."""
-INERTIAL = {"payload dropped": ("dropped", 1.0)}
+INERTIAL = {"payload dropped": ("dropped", 1.0), "rope breaks": ("broken", 1.0)}
 """As `SWITCHED`, of components with inertia."""
 LOAD_LOST = "load lost"
 ACTIONS = (*SWITCHED, "emergency stop", *INERTIAL, LOAD_LOST)
@@ -30,13 +30,14 @@ class Intervention:
     ----------
     time : float
         Time [s].
-    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop", "load lost", "payload dropped"}
+    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop", "load lost", "payload dropped", \
+"rope breaks"}
         "brake" applies the brake of a control sheave, "release" releases it. "pressure lost" removes the force of its
         hydraulic drive, "pressure back" restores it. "emergency stop" decelerates all drives of the line to rest and
         stops all responses. With inertia, "load lost" takes a load off its rope, "payload dropped" takes the payload
-        off a carriage.
+        off a carriage, "rope breaks" cuts the rope of a span.
     component : str, optional
-        Name of the control sheave, load or carriage; None for an emergency stop.
+        Name of the control sheave, load, carriage or span; None for an emergency stop.
     deceleration : float, default 1
         Deceleration of an emergency stop [m/s2].
 

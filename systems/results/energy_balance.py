@@ -95,9 +95,12 @@ def _with_inertia(result: RunData) -> pd.Series:
         own = "drives" if _drives(node) else "ends"
         if f"{node.name}.work" in frame:
             _add(parts, {own: np.diff(frame[f"{node.name}.work"])})
-        _add(parts, _own_work(result, node))
+        work = _own_work(result, node)
+        # The ropes of a node with inertia take part in its motion: only what comes from outside is counted.
+        moving = f"{node.name}.velocity_z" in frame
+        _add(parts, {"take_up": work["take_up"]} if moving else work)
     for r, run in enumerate(result.runs):
-        _add(parts, {"loads": _load_work(result, r), "ends": _rope_let_in(result, r)})
+        _add(parts, {"loads": _load_work(result, r) + _load_speed(result, r), "ends": _rope_let_in(result, r)})
         for k, node in enumerate(run.nodes):
             if f"{node.name}.velocity_z" not in frame:
                 _add(parts, {"ends": _shift_work(result, r, k) + zeros})
@@ -119,6 +122,23 @@ def _with_inertia(result: RunData) -> pd.Series:
         },
         name="energy [J]",
     )
+
+
+def _load_speed(result: RunData, r: int) -> np.ndarray:
+    """Kinetic energy of loads that are put on and taken off at the speed of the rope, in each interval."""
+    run, frame, work = result.runs[r], result.full_frame, np.zeros(len(result.times) - 1)
+    for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
+        speed = f"{run.nodes[k].name}.{run.seats[k].speed}"
+        if speed in frame and not run.closed:
+            work += sign * _mass_passed(result, r, k) * _mean(frame[speed].to_numpy() ** 2) / 2.0
+    return work
+
+
+def _mass_passed(result: RunData, r: int, k: int) -> np.ndarray:
+    """Mass of the loads that pass support k in each interval."""
+    loads = result.runs[r].loads
+    passed = np.array([record.passed[r][k] - loads.first for record in result.records])
+    return np.diff(np.concatenate([[0.0], np.cumsum(loads.mass)])[passed])
 
 
 def _rope_let_in(result: RunData, r: int) -> np.ndarray:
@@ -227,10 +247,7 @@ def _load_work(result: RunData, r: int) -> np.ndarray:
     work, run = np.zeros(len(result.times) - 1), result.runs[r]
     if run.closed:
         return work
-    loads, gravity = run.loads, result.parameters[0]
     for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
-        passed = np.array([record.passed[r][k] - loads.first for record in result.records])
-        total = np.concatenate([[0.0], np.cumsum(loads.mass)])
         height = _coordinate(result, run.nodes[k], "z") + np.zeros(len(result.times))
-        work += sign * np.diff(total[passed]) * gravity * _mean(height)
+        work += sign * _mass_passed(result, r, k) * result.parameters[0] * _mean(height)
     return work

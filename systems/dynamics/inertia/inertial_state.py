@@ -6,9 +6,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.variable import Kind
-from ropeway.systems.dynamics.inertia.inertial_system import require_fitting, rope_nodes, with_inertia
+from ropeway.systems.dynamics.inertia.inertial_system import (
+    carries_loads,
+    require_fitting,
+    rope_nodes,
+    with_inertia,
+)
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
@@ -73,7 +79,16 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     InputError where the inertia does not fit a rope."""
     for run in model.runs:
         require_fitting(run, inertia)
-    return assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
+    found = assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
+    for run, layout in zip(found.runs, found.layouts, strict=True):
+        still = np.flatnonzero((layout.travel.algebraic >= 0) & carries_loads(run))
+        if len(still):
+            node = run.nodes[int(still[0])]
+            raise InputError(
+                f"Loads run over {node.described}, whose rope has no inertia there",
+                "With inertia loads run over Sheave, ControlSheave, TensionedReturn and Drum",
+            )
+    return found
 
 
 def inertial_state(state: LineState, inertia: Inertia, rates: tuple[np.ndarray, np.ndarray] | None = None) -> LineState:

@@ -23,9 +23,14 @@ def with_inertia(system: System, inertia: Inertia) -> System:
     return found
 
 
+def carries_loads(run: Run) -> bool:
+    """Whether a rope moves and carries loads over its supports."""
+    return run.moves and bool(len(run.loads.place) or run.feed)
+
+
 def require_fitting(run: Run, inertia: Inertia) -> None:
     """Raises InputError where a rope that carries loads over supports does not fit the inertia asked for."""
-    if not (run.moves and (len(run.loads.place) or run.feed)):
+    if not carries_loads(run):
         return
     if inertia.nodes:
         raise InputError(
