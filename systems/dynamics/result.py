@@ -130,8 +130,8 @@ class Result(RunData):
         """How far inertia raises the tensions of ropes and the loads of supports.
 
         The peaks of the run over those of the line in equilibrium at each time, with the rope that the drives have
-        moved until then and the loads that hang on it then. After a rope has gone slack (event "slack rope") tensions
-        are not counted: the snap of a rope that tightens again is not resolved.
+        moved until then and the loads that hang on it then; until a rope breaks. After a rope has gone slack (event
+        "slack rope") tensions are not counted: the snap of a rope that tightens again is not resolved.
 
         Returns
         -------

@@ -75,7 +75,11 @@ def _equilibria(result: RunData, which: Sequence[int]) -> list[LineState | None]
     found: list[LineState | None] = []
     model, before = _quasi_static_model(result.model), None
     for i in which:
-        state = _start(result, i, model, before)
+        moving = restored(result.model, result.runs, result.parameters, result.records[i])
+        if _is_cut(moving):
+            found.append(None)
+            continue
+        state = _start(moving, model, before)
         try:
             settle(state)
         except EquilibriumError:
@@ -86,9 +90,14 @@ def _equilibria(result: RunData, which: Sequence[int]) -> list[LineState | None]
     return found
 
 
-def _start(result: RunData, i: int, model: Model, before: LineState | None) -> LineState:
+def _is_cut(moving: LineState) -> bool:
+    """Whether a rope is broken."""
+    cuts = [moving.model.d.index[f"{span.name}.broken"] for run in moving.runs for span in run.spans]
+    return bool(np.any(moving.point.d[cuts] > 0.0))
+
+
+def _start(moving: LineState, model: Model, before: LineState | None) -> LineState:
     """Where the search begins: at the equilibrium before, or where the moving line is."""
-    moving = restored(result.model, result.runs, result.parameters, result.records[i])
     point = same_values(moving.model, moving.point, model)
     # A carriage's place is a state with inertia, and an unknown without.
     values = dict(zip(moving.model.x.names, moving.point.x, strict=True))
