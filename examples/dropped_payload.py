@@ -1,7 +1,7 @@
 """A clamped carriage drops its payload in the middle of a skyline: how high it jumps, and how the tension swings.
 
-Without inertia the carriage is at once where it hangs empty. With inertia it jumps above that place and swings about it;
-the skyline's tension falls below that of the empty line, and rises above it when the carriage comes back.
+Without inertia the carriage is at once where it hangs empty. With inertia it jumps above that place and swings about
+it; the skyline's tension falls below that of the empty line, and rises above it when the carriage comes back.
 """
 
 from __future__ import annotations
