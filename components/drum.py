@@ -17,7 +17,7 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.components.sheave import moving_seat, travel_variables
+from ropeway.components.sheave import inertial_law, moving_seat, travel_variables
 from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
@@ -153,7 +153,7 @@ class MovingDrum(Drum):
         if self.tension is None:
             return (*own, Variable("speed_rate", Kind.INPUT, "m/s2", "rate of the speed", rate_of="speed"), work)
         return (
-            *(v for v in own if v.name != "travel"),
+            *inertial_law(own),
             *travel_variables(),
             Variable("inertia", Kind.PARAMETER, "kg", "inertia of the drum", self.inertia, 100.0, range=NOT_NEGATIVE),
             work,

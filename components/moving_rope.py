@@ -19,14 +19,22 @@ from ropeway.components.catenary import Strain, Vector
 from ropeway.components.variable import Kind, Site, Variable
 
 AXES = "xyz"
-_PER_METRE, _TYPICAL_MASS = 1e3, 100.0
-"""Scales of residuals with two meanings: one newton is a millimetre, one newton accelerates 0.01 m/s2."""
+_TYPICAL_MASS = 100.0
+"""Scale of the residual of a given acceleration [kg]."""
+_LEAST_STRAIN = 1e-4
+"""Least typical strain of a rope, for the scale of residuals of length."""
 _LEAST = 1.0
 """Horizontal tension of a rope that is cut [N]: a rope that hangs straight down has no direction."""
 
 
-def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
-    """What a span has with inertia, besides the variables that it has without."""
+def typical_stretch(site: Site, strain: Strain) -> float:
+    """Typical stretch of a span, the scale of its residuals of length: forces and accelerations that correct them are
+    typical ones [m]."""
+    return site.length * max(site.force * float(strain.c1), _LEAST_STRAIN)
+
+
+def slot_variables(site: Site, damping: float, stretch: float) -> tuple[Variable, ...]:
+    """What a span has with inertia, besides the variables that it has without; `stretch`: the typical one."""
     n, zeros = site.slots, (0.0,) * site.slots
 
     def each(name: str, kind: Kind, unit: str, description: str, nominal: float = 1.0) -> tuple[Variable, ...]:
@@ -34,7 +42,7 @@ def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
             Variable(f"{name}_{a}", kind, unit, f"{description}, {a}", zeros, nominal, n, hidden=True) for a in AXES
         )
 
-    state, alg, res, out, length = Kind.STATE, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT, site.length
+    state, alg, res, out = Kind.STATE, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT
     return (
         Variable("damping", Kind.PARAMETER, "s", "stiffness-proportional damping", damping, 1e-3),
         Variable("lumped", Kind.PARAMETER, "1", "share of the rope's mass that acts at the ends of its pieces alone"),
@@ -42,7 +50,7 @@ def slot_variables(site: Site, damping: float) -> tuple[Variable, ...]:
         *each("velocity", state, "m/s", "velocity of the load in each slot"),
         *each("pull", alg, "N", "tension vector behind each slot", site.force),
         *each("acceleration", alg, "m/s2", "acceleration of each slot", 10.0),
-        *each("hung", res, "m", "rope reaches each slot", length),
+        *each("hung", res, "m", "rope reaches each slot", stretch),
         *each("balance", res, "N", "forces on each slot", 0.01 * site.force),
         Variable("tied_a", Kind.DISCRETE, "1", "1: the slot moves with the rope at end a", zeros, 1.0, n),
         Variable("tied_b", Kind.DISCRETE, "1", "1: the slot moves with the rope at end b", (1.0,) * n, 1.0, n),
@@ -86,6 +94,7 @@ class MovingRope:
         self.distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * self.length
         self.free = 1 - v.tied_a - v.tied_b - v.joined
         self.mass = v.slot_mass * (1 - v.lost)
+        self.yields = (v.compliance + _LEAST_STRAIN * 1e-5) * v.length_start  # metres of stretch for each newton
         self.pieces: list[Piece] = []
         self.slots: list[Slot] = []
         self.end = self._chain()
@@ -132,7 +141,7 @@ class MovingRope:
         v = self.v
         miss = _minus(self.end, _moved(v.b.position, v.b.velocity, v.damping))
         hanging = (v.force_x - _LEAST, v.force_y, v.force_z + self.weight * self.length / 2)
-        return _chosen(1 - v.broken, miss, _times(1 / _PER_METRE, hanging))
+        return _chosen(1 - v.broken, miss, _times(self.yields, hanging))
 
     def _ends(self, node: str, rope: str) -> tuple[Vector, Vector]:
         """A rate of the rope at both ends: that of the node, and that of the rope that runs over it."""
@@ -187,7 +196,7 @@ class MovingRope:
             fallen = v.broken * self.free[j]
             falling = (slot.force[0], slot.force[1], slot.force[2] + fallen * self.mass[j] * v.gravity)
             held = _chosen(fallen, falling, in_balance)
-            hung.append(_chosen(self.free[j] * (1 - v.broken), slot.miss, _times(1 / _PER_METRE, held)))
+            hung.append(_chosen(self.free[j] * (1 - v.broken), slot.miss, _times(self.yields, held)))
             at_a, at_b = _plus(at_a, _times(v.tied_a[j], own)), _plus(at_b, _times(v.tied_b[j], own))
         return hung, balances, at_a, at_b
 

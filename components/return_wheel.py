@@ -19,6 +19,7 @@ from ropeway.components.sheave import (
     Wheel,
     free_or_held,
     held_variables,
+    inertial_law,
     moving_seat,
     tension_law,
     travel_variables,
@@ -176,9 +177,8 @@ class MovingReturn(TensionedReturn):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, state, alg, res = Kind.PARAMETER, Kind.STATE, Kind.ALGEBRAIC, Kind.RESIDUAL
-        moved = ("travel", "held", "held_travel", "slide")
         return (
-            *(v for v in super().variables(site) if v.name not in moved),
+            *(v for v in inertial_law(super().variables(site)) if v.name != "slide"),
             *travel_variables(),
             Variable("mass", par, "kg", "mass of wheel and slide", self.mass, 100.0, range=NOT_NEGATIVE),
             Variable("inertia", par, "kg", "rotating inertia", self.inertia, 100.0, range=NOT_NEGATIVE),

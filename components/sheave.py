@@ -219,9 +219,8 @@ class MovingSheave(Sheave):
         return self.friction > 0.0
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
-        kept = [v for v in super().variables(site) if v.name not in ("travel", "held", "held_travel")]
         return (
-            *kept,
+            *inertial_law(super().variables(site)),
             *travel_variables(),
             Variable("inertia", Kind.PARAMETER, "kg", "rotating inertia", self.inertia, 100.0, range=NOT_NEGATIVE),
             Variable("lost", Kind.STATE, "J", "energy lost in the bearing", nominal=1e3),
@@ -246,6 +245,14 @@ class MovingSheave(Sheave):
 def moving_seat(seat: Seat) -> Seat:
     """A seat over which the rope moves as `travel_variables` say."""
     return replace(seat, speed="rope_speed", acceleration="rope_acceleration")
+
+
+def inertial_law(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
+    """Variables of a wheel without inertia that it has with inertia too; forces are scaled like those on loads."""
+    moved = ("travel", "held", "held_travel")
+    law = ("tension_law", "tension_kept")
+    kept = (v for v in variables if v.name not in moved)
+    return tuple(replace(v, nominal=0.01 * v.nominal) if v.name in law else v for v in kept)
 
 
 def travel_variables() -> tuple[Variable, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from ropeway.components import catenary, check
@@ -11,7 +11,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.inertia import Inertia
-from ropeway.components.moving_rope import MovingRope, slot_variables
+from ropeway.components.moving_rope import MovingRope, slot_variables, typical_stretch
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 
@@ -216,7 +216,9 @@ class MovingSpan(Span):
         return self._constructional
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
-        return (*super().variables(site), *slot_variables(site, self.inertia.damping))
+        stretch = typical_stretch(site, self.rope.strain)
+        own = [replace(v, nominal=stretch) if v.name.startswith("closure_") else v for v in super().variables(site)]
+        return (*own, *slot_variables(site, self.inertia.damping, stretch))
 
     def equations(self, v: Any) -> Equations:
         strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)

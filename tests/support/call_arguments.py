@@ -78,6 +78,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Inhaul": lambda: rw.Inhaul(rig(), pd.DataFrame({"x": [1.0]}), pd.DataFrame({"x": [1.0]})),
         "IntermediateSupport": lambda: rw.IntermediateSupport("jack", station=125.0, height=8.0),
         "Intervention": lambda: rw.Intervention(1.0, "brake", "c"),
+        "Inertia": lambda: rw.Inertia(nodes=2, damping=1e-3, zone=0.4),
         "Joint": lambda: rw.Joint("knot", mass=40.0, **at),
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
