@@ -45,7 +45,8 @@ class EmergencyStops(Tabular):
     Parameters
     ----------
     frame : DataFrame
-        Index deceleration [m/s2]; columns stopping_time [s] and stopping_distance [m] of the fastest drive,
+        Index deceleration [m/s2]; columns stopping_time (over which the fastest drive is ramped down) [s],
+        stopping_distance (the largest of a drive, which can lag behind its command) [m],
         highest_tension [N], in_span, at [s], share_of_SWL, dynamic_factor (the largest of a rope), support_factor (the
         largest of a support), at_support, lowest_tension [N], brake_force (the largest force of a drive on its rope)
         [N], swing (the largest of a load, from where it hangs in equilibrium) [m], slack (whether a rope goes slack:
