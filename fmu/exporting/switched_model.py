@@ -14,6 +14,7 @@ import numpy as np
 from ropeway.components.check import ANY
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Limits, Model, VariableTable
+from ropeway.systems.modelling.structure import Structure
 from ropeway.systems.solvers.newton import VECTORS, Point
 
 Read = Callable[[str], ca.SX]
@@ -78,8 +79,10 @@ class SwitchedModel:
         self.model = replace(
             first,
             tables=self._tables,
-            dae=ca.Function("dae", self.symbols, [rates, residuals(*self.symbols)], names, ["ode", "alg"]),
-            outputs=ca.Function("outputs", self.symbols, [outputs(*self.symbols)], names, ["y"]),
+            structure=Structure(
+                ca.Function("dae", self.symbols, [rates, residuals(*self.symbols)], names, ["ode", "alg"]),
+                ca.Function("outputs", self.symbols, [outputs(*self.symbols)], names, ["y"]),
+            ),
             runs=(),
             layouts=(),
             balances=(),

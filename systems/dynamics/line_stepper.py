@@ -10,7 +10,7 @@ import numpy as np
 
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.load_crossings import Crossing
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, kept_with_structure
 from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.idas import Idas
 from ropeway.systems.solvers.newton import Buffered, dense, newton_of
@@ -171,7 +171,7 @@ def idas_of(model: Model, tolerance: float) -> Idas:
     return Idas(model, tolerance)
 
 
-@kept_with_model
+@kept_with_structure
 def rates_of(model: Model) -> Buffered:
     """Rates of the states as a function of a point."""
     return dense(model, model.dae)

@@ -14,7 +14,7 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
-from ropeway.systems.modelling.component_functions import ComponentFunctions
+from ropeway.systems.modelling.connections.signals import with_links, with_residuals
 from ropeway.systems.modelling.dae_model import (
     Balance,
     Limits,
@@ -29,7 +29,7 @@ from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
 from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
 from ropeway.systems.modelling.sampled_control import clocks, responses_of
-from ropeway.systems.modelling.signal_connections import with_links, with_residuals
+from ropeway.systems.modelling.structure import KNOWN, Structure, key_of
 from ropeway.systems.modelling.system import System
 
 
@@ -63,17 +63,13 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     --------
     >>> rw.assemble(system).z.names
     """
-    return assembled(system, ComponentFunctions(), slots)
+    return assembled(system, slots)
 
 
-def assembled(
-    system: System,
-    functions: ComponentFunctions,
-    slots: Sequence[Sequence[int]] | None = None,
-    inertia: Inertia | None = None,
-) -> Model:
-    """As `assemble`, with functions that systems with the same kinds of components can share. Components with `inertia`
-    have no more slots than asked for: each has states."""
+def assembled(system: System, slots: Sequence[Sequence[int]] | None = None, inertia: Inertia | None = None) -> Model:
+    """As `assemble`, for declarations that are known to be sound. Components with `inertia` have no more slots than
+    asked for: each has states."""
+    functions = KNOWN.functions
     system.require_complete()
     runs = find_runs(system)
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
@@ -84,12 +80,19 @@ def assembled(
     variables = with_links(system, own)
     rows = with_residuals(system, variables)
     tables = {kind: _table(kind, rows, system) for kind in Kind}
-    dae, outputs = EquationGraph(system, runs, sites, variables, tables, functions).functions()
+    layouts, balances = tuple(_layout(run, tables) for run in runs), _balances(system, runs, tables)
+
+    def build() -> Structure:
+        return Structure(*EquationGraph(system, runs, sites, variables, tables, functions).functions())
+
+    indices = {kind: table.index for kind, table in tables.items()}
+    positions = (balances, tuple(layout.key for layout in layouts))
+    key, size = key_of(system, runs, sites, variables, positions), sum(map(len, tables.values()))
+    structure = build() if key is None else KNOWN.get(key, size, build)
     model = Model(
         system=system.copy(),
         tables=tables,
-        dae=dae,
-        outputs=outputs,
+        structure=structure,
         signals=tuple(
             system.components[name].driver(v.name)
             for name, owned in variables.items()
@@ -98,13 +101,11 @@ def assembled(
             for _ in range(v.size)
         ),
         runs=runs,
-        layouts=tuple(_layout(run, tables) for run in runs),
-        balances=_balances(system, runs, tables),
+        layouts=layouts,
+        balances=balances,
         swaps={f"{c}.{v.name}": f"{c}.{v.freed_by}" for c, owned in variables.items() for v in owned if v.freed_by},
         limits=_limits(system, tables[Kind.OUTPUT]),
-        clocks=clocks(
-            responses_of(runs), system.precedence_of, outputs, {kind: table.index for kind, table in tables.items()}
-        ),
+        clocks=clocks(responses_of(runs), system.precedence_of, structure.outputs, indices),
         kept=np.array(tables[Kind.DISCRETE].shown, dtype=int),
         free_states=tuple(
             f"{name}.{v.name}"

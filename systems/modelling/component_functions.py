@@ -21,6 +21,9 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 """Kinds of variables in equations, in the order of the model's arguments."""
 
 
+MOST = 2_000
+"""Functions that are kept: a class that shares none has one for each of its constants."""
+
 FORCE = 4
 """Entries of what a rope gives to a seat: the force and the energy carried."""
 
@@ -33,7 +36,7 @@ def port_size(*, rope: bool, inertial: bool) -> int:
 
 
 class ComponentFunctions:
-    """Component functions of one assembly, or of several with the same kinds of components; one for each kind."""
+    """Component functions of all assemblies of a thread; one for each kind of component."""
 
     def __init__(self) -> None:
         self._functions: dict[Any, ca.Function] = {}
@@ -43,6 +46,8 @@ class ComponentFunctions:
         """A component's variables. Raises InputError for a broken rule; each form is checked once."""
         variables, form = component.variables(site), component.form(site)
         if form not in self._declared:
+            if len(self._declared) > MOST:
+                self._declared.clear()
             component_rules.require_declared(component, variables)
             self._declared.add(form)
         return variables
@@ -68,6 +73,8 @@ class ComponentFunctions:
         stop_if_interrupted()
         key = _form(component, site, variables)
         if key not in self._functions:
+            if len(self._functions) > MOST:
+                self._functions.clear()
             self._functions[key] = component_function(component, variables)
         return self._functions[key]
 

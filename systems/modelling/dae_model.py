@@ -19,6 +19,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.sampled_control import Clock
+from ropeway.systems.modelling.structure import Structure
 from ropeway.systems.modelling.system import System
 
 
@@ -151,6 +152,11 @@ class RunLayout:
         p[self.length_start].cumsum(out=found[1:])
         return found
 
+    @property
+    def key(self) -> Hashable:
+        """The positions that equations of solvers depend on."""
+        return tuple(a.tobytes() for a in (self.length_start, self.slots.count, self.slots.at, self.slots.ride))
+
     @cached_property
     def holding(self) -> np.ndarray:
         """The supports whose idlers can hold a load."""
@@ -209,6 +215,23 @@ def kept_with_model(
     return kept
 
 
+def kept_with_structure(
+    make: Callable[Concatenate[Model, _Arguments], _Made],
+) -> Callable[Concatenate[Model, _Arguments], _Made]:
+    """As `kept_with_model`, for what depends on the positions in a model's equations alone, not on names or values:
+    models of equal structure share it."""
+
+    @wraps(make)
+    def kept(model: Model, /, *args: _Arguments.args, **kwargs: _Arguments.kwargs) -> _Made:
+        derived, key = model.structure.derived, (make, args, *kwargs.values())
+        if key not in derived:
+            derived.setdefault(key, make(model, *args, **kwargs))
+        found: _Made = derived[key]
+        return found
+
+    return kept
+
+
 @checked
 @dataclass(frozen=True, eq=False)
 class Model:
@@ -220,10 +243,8 @@ class Model:
         A copy of the declarations.
     tables : dict of Kind to VariableTable
         Names, units, descriptions, values, nominals and ranges of the variables of each kind.
-    dae : casadi.Function
-        (t, x, z, u, p, d) -> (ode, alg), in SI units, unscaled.
-    outputs : casadi.Function
-        (t, x, z, u, p, d) -> y, in SI units, unscaled.
+    structure : Structure
+        The equations `dae` and `outputs`, which models of equal structure share.
     signals : tuple of float, Schedule or None
         Value of each input; None: an open input.
     runs : tuple of Run
@@ -250,8 +271,7 @@ class Model:
 
     system: System
     tables: dict[Kind, VariableTable]
-    dae: ca.Function
-    outputs: ca.Function
+    structure: Structure
     signals: tuple[float | Schedule | None, ...]
     runs: tuple[Run, ...]
     layouts: tuple[RunLayout, ...]
@@ -280,6 +300,16 @@ class Model:
     def name(self) -> str:
         """The system's name."""
         return self.system.name
+
+    @property
+    def dae(self) -> ca.Function:
+        """(t, x, z, u, p, d) -> (ode, alg), in SI units, unscaled."""
+        return self.structure.dae
+
+    @property
+    def outputs(self) -> ca.Function:
+        """(t, x, z, u, p, d) -> y, in SI units, unscaled."""
+        return self.structure.outputs
 
     @cached_property
     def external(self) -> bool:
@@ -330,9 +360,7 @@ class Model:
     @cached_property
     def determined(self) -> np.ndarray:
         """The algebraic variable matched with each residual, shape (nz,); -1 without a match."""
-        pattern = self.dae.jac_sparsity(1, 2)
-        graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
-        return np.asarray(maximum_bipartite_matching(graph, perm_type="column"))
+        return _determined(self)
 
     def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
         """Travels of the supports of each run [m]."""
@@ -351,3 +379,10 @@ def nearest(name: str, names: Sequence[str]) -> str:
     same = [n for n in names if n.startswith(component_of(name) + ".")]
     found = same[:12] or difflib.get_close_matches(name, names, n=5, cutoff=0.5)
     return f"Did you mean {', '.join(found)}?" if found else "See the frame for all names"
+
+
+@kept_with_structure
+def _determined(model: Model) -> np.ndarray:
+    pattern = model.dae.jac_sparsity(1, 2)
+    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
+    return np.asarray(maximum_bipartite_matching(graph, perm_type="column"))

@@ -13,9 +13,9 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.component_functions import FORCE, SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.connections.signals import differences
 from ropeway.systems.modelling.dae_model import VariableTable
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
-from ropeway.systems.modelling.signal_connections import differences
 from ropeway.systems.modelling.system import System
 
 _RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3

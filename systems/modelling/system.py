@@ -19,10 +19,10 @@ from ropeway.components.response import check_precedence
 from ropeway.components.rope import Rope, hanging_limit
 from ropeway.components.span import Span
 from ropeway.components.terrain import Profile
+from ropeway.systems.modelling.connections.ports import connect
+from ropeway.systems.modelling.connections.subsystem import Subsystem, include
 from ropeway.systems.modelling.declarations import Declarations, Feed, Hung
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
-from ropeway.systems.modelling.port_connections import connect
-from ropeway.systems.modelling.subsystem import Subsystem, include
 from ropeway.systems.modelling.user_code import caller
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mck
 
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, kept_with_structure
 from ropeway.systems.solvers.damped_newton import damped
 
 Slot = tuple[Kind, int]
@@ -100,7 +100,8 @@ class Buffered:
 
 class NewtonInputs(NamedTuple):
     """Inputs of a residual and its Jacobian: the scaled `unknowns`, the point's other vectors, the `target` of given
-    values, the `damping` of the idlers' travels with their start `anchor`, and the `slope` of the inputs [per s]."""
+    values, the `damping` of the idlers' travels with their start `anchor`, the `slope` of the inputs [per s], the
+    nominals of the unknowns, and one over those of the residuals."""
 
     unknowns: Any
     t: Any
@@ -112,6 +113,64 @@ class NewtonInputs(NamedTuple):
     damping: Any
     anchor: Any
     slope: Any
+    scale: Any
+    weight: Any
+
+
+class NewtonFunctions:
+    """The scaled residuals of a structure, their Jacobian and Newton's step, for `freed` and `given` entries."""
+
+    def __init__(self, model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> None:
+        sym, count = model.sym, len(model.z) + len(freed)
+        v, scale, weight = sym("v", count), sym("scale", count), sym("weight", len(model.r) + len(given))
+        time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
+        full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * scale[: len(model.z)]}
+        for i, (kind, k) in enumerate(freed, len(model.z)):
+            entries = ca.vertsplit(full[kind])
+            entries[k] = v[i] * scale[i]
+            full[kind] = ca.vertcat(*entries)
+            if kind is Kind.PARAMETER:
+                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
+        arguments = [time, *(full[kind] for kind in VECTORS)]
+        ode, alg = expanded(model)(*arguments)
+        target, damping = sym("target", len(given)), sym("damping")
+        anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
+        residual = alg * weight[: len(model.r)] - damping * _drag(model, v, anchor)
+        if given:
+            y = scalar(model, model.outputs)(*arguments)
+            chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
+            residual = ca.vertcat(residual, (chosen - target) * weight[len(model.r) :])
+        known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
+        nominals = {"scale": scale, "weight": weight}
+        inputs = NewtonInputs(v, time, **known, target=target, damping=damping, anchor=anchor, slope=slope, **nominals)
+        names = list(NewtonInputs._fields)
+        self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
+        matrix = ca.jacobian(residual, v)
+        stop_if_interrupted()
+        self.jacobian = ca.Function("jacobian", inputs, [matrix], names, ["jacobian"])
+        self.value, self.matrix = Buffered(self.residual), Buffered(self.jacobian)
+        pattern = self.jacobian.sparsity_out(0)
+        self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
+        self.step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
+        self._symbols = (inputs, residual, matrix)
+        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
+
+    def sparse(self, entries: np.ndarray) -> csc_matrix:
+        """The entries of a Jacobian as a matrix."""
+        return csc_matrix((entries, self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    @cached_property
+    def step_and_rates(self) -> Buffered:
+        """As `step`, with the rates: made only where rates are asked for."""
+        inputs, residual, matrix = self._symbols
+        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
+        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
+
+
+@kept_with_structure
+def newton_functions(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> NewtonFunctions:
+    """The functions of a structure, made once."""
+    return NewtonFunctions(model, freed, given)
 
 
 class Newton:
@@ -121,50 +180,12 @@ class Newton:
     def __init__(self, model: Model, freed: Sequence[Slot] = (), given: Sequence[Slot] = ()) -> None:
         self.model = model
         self.freed = tuple(freed)
+        self.functions = newton_functions(model, self.freed, tuple(given))
         self.scale = np.concatenate([model.z.nominals, [_nominal(model, slot) for slot in freed]])
-        sym = model.sym
-        v = sym("v", len(self.scale))
-        time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * model.z.nominals}
-        for i, (kind, k) in enumerate(freed, len(model.z)):
-            entries = ca.vertsplit(full[kind])
-            entries[k] = v[i] * self.scale[i]
-            full[kind] = ca.vertcat(*entries)
-            if kind is Kind.PARAMETER:
-                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
-        arguments = [time, *(full[kind] for kind in VECTORS)]
-        ode, alg = expanded(model)(*arguments)
-        target, damping = sym("target", len(given)), sym("damping")
-        anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
-        residual = alg / model.r.nominals - damping * _drag(model, v, anchor)
-        if given:
-            y = scalar(model, model.outputs)(*arguments)
-            chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
-            residual = ca.vertcat(residual, (chosen - target) / [_nominal(model, slot) for slot in given])
-        known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
-        inputs = NewtonInputs(unknowns=v, t=time, **known, target=target, damping=damping, anchor=anchor, slope=slope)
-        names = list(NewtonInputs._fields)
-        self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
-        matrix = ca.jacobian(residual, v)
-        stop_if_interrupted()
-        self.jacobian = ca.Function("jacobian", inputs, [matrix], names, ["jacobian"])
-        self._value, self._matrix = Buffered(self.residual), Buffered(self.jacobian)
-        pattern = self.jacobian.sparsity_out(0)
-        self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
-        self._step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
-        self._symbols = (inputs, residual, matrix)
-        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
-
-    @cached_property
-    def _step_and_rates(self) -> Buffered:
-        """As `_step`, with the rates: made only where rates are asked for."""
-        inputs, residual, matrix = self._symbols
-        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
-        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
+        self._weight = 1.0 / np.concatenate([model.r.nominals, [_nominal(model, slot) for slot in given]])
 
     def arguments(self, point: Point) -> NewtonInputs:
         """Inputs of the residual and the Jacobian at a point, without target and damping."""
-        zero = np.zeros(1)
         return NewtonInputs(
             unknowns=self._start(point),
             t=np.array([point.t]),
@@ -172,24 +193,25 @@ class Newton:
             u=point.u,
             p=point.p,
             d=point.d,
-            target=zero[:0],
-            damping=zero,
+            target=np.zeros(len(self._weight) - len(self.model.r)),
+            damping=np.zeros(1),
             anchor=point.z / self.model.z.nominals,
             slope=np.zeros(len(point.u)),
+            scale=self.scale,
+            weight=self._weight,
         )
 
     def matrix(self, point: Point) -> csc_matrix:
         """The Jacobian of the scaled residuals by the scaled unknowns at a point."""
-        return csc_matrix((self.jacobian_values(point), self._rows, self._columns), shape=self.jacobian.size_out(0))
+        return self.functions.sparse(self.jacobian_values(point))
 
     def jacobian_values(self, point: Point) -> np.ndarray:
         """The entries of `matrix` in the order of its pattern."""
-        return self._matrix(*self.arguments(point))[0].copy()
+        return self.functions.matrix(*self.arguments(point))[0].copy()
 
     def matrix_places(self) -> csc_matrix:
         """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
-        numbers = np.arange(1, len(self._rows) + 1)
-        return csc_matrix((numbers, self._rows, self._columns), shape=self.jacobian.size_out(0))
+        return self.functions.sparse(np.arange(1, self.functions.jacobian.nnz_out(0) + 1))
 
     def solve(
         self,
@@ -217,15 +239,16 @@ class Newton:
         if slope is not None:
             inputs = inputs._replace(slope=slope)
         known = inputs[1:]
-        function = self._step if slope is None else self._step_and_rates
+        function = self.functions.step if slope is None else self.functions.step_and_rates
 
         def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             value, sides = function(v, *known)
             return value.copy(), sides.copy()
 
-        v, sides = damped(
-            inputs.unknowns, step, lambda v: self._value(v, *known)[0], self.model.r.names, iterations, shortest
-        )
+        def value(v: np.ndarray) -> np.ndarray:
+            return self.functions.value(v, *known)[0]
+
+        v, sides = damped(inputs.unknowns, step, value, self.model.r.names, iterations, shortest)
         self._put(v, point)
         return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
 
@@ -274,7 +297,7 @@ def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any,
     return ca.Function(name, symbols, [value, solve_sparse(system, right)])
 
 
-@kept_with_model
+@kept_with_structure
 def expanded(model: Model) -> ca.Function:
     """The model's equations for numerical work."""
     return scalar(model, model.dae)
@@ -293,13 +316,13 @@ def dense(model: Model, function: ca.Function) -> Buffered:
     return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
 
 
-@kept_with_model
+@kept_with_structure
 def outputs_of(model: Model) -> Buffered:
     """The model's outputs as a function of a point's arguments, as arrays."""
     return dense(model, model.outputs)
 
 
-@kept_with_model
+@kept_with_structure
 def residuals_of(model: Model) -> Buffered:
     """The algebraic equations of a model as a function of a point's arguments."""
     arguments = model.dae.mx_in()

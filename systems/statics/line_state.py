@@ -12,7 +12,6 @@ from ropeway.components.errors import EquilibriumError, InputError, UnknownNameE
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
@@ -42,7 +41,6 @@ class LineState:
         self.resting: dict[tuple[int, int], tuple[int, float]] = {}
         """For the end (run, support) of a run the number of a load that rests on its drum, and the travel [m] that the
         rope still makes without it. Determined anew where it is missing."""
-        self._functions = ComponentFunctions()  # of models with more and more slots
 
     @classmethod
     def declared(cls, model: Model) -> LineState:
@@ -62,7 +60,6 @@ class LineState:
         """With arrays of its own."""
         copied = LineState(self.model, self.point.copy(), self.runs, self.passed)
         copied.resting = dict(self.resting)
-        copied._functions = self._functions
         return copied
 
     def restart(self) -> None:
@@ -109,7 +106,7 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, self._functions, [[int(n) for n in c] for c in counts], old.inertia)
+        self.model = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
         d = self.model.d.values.copy()
         if old.inertia is None:
             d[self.model.kept] = self.point.d[old.kept]

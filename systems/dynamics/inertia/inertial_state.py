@@ -16,7 +16,6 @@ from ropeway.systems.dynamics.inertia.inertial_system import (
     with_inertia,
 )
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.solvers.newton import VECTORS, Point, newton_of, outputs_of
@@ -79,7 +78,7 @@ def inertial_model(model: Model, inertia: Inertia, slots: tuple[tuple[int, ...],
     InputError where the inertia does not fit a rope."""
     for run in model.runs:
         require_fitting(run, inertia)
-    found = assembled(with_inertia(model.system, inertia), ComponentFunctions(), slots, inertia)
+    found = assembled(with_inertia(model.system, inertia), slots, inertia)
     for run, layout in zip(found.runs, found.layouts, strict=True):
         still = np.flatnonzero((layout.travel.algebraic >= 0) & carries_loads(run))
         if len(still):

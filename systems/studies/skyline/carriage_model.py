@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -15,7 +14,6 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -48,12 +46,10 @@ class SpanModel:
     """A rig's model with the carriage at a place. `by_height`: the yarder also sets the carriage's height. `check`
     rejects non-physical roots."""
 
-    def __init__(
-        self, rig: SkylineRig, place: Place, functions: ComponentFunctions, *, by_height: bool = False
-    ) -> None:
+    def __init__(self, rig: SkylineRig, place: Place, *, by_height: bool = False) -> None:
         self.rig, self.place, self.by_height = rig, place, by_height
         self.span, self.on = place.span, place.on
-        self.model: Model = assembled(rig.system(place.span, on=place.on, rollers=place.rollers), functions)
+        self.model: Model = assembled(rig.system(place.span, on=place.on, rollers=place.rollers))
         m, name = self.model, rig.carriage.name
         self.log = None if rig.turn is None else rig.turn.log.name
         self._mass = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
@@ -217,16 +213,7 @@ def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: 
 
 @lru_cache(maxsize=256)
 def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool) -> SpanModel:
-    return SpanModel(
-        clamped_twin(rig) if clamped else rig, place, _functions_of(rig, threading.get_ident()), by_height=by_height
-    )
-
-
-@lru_cache(maxsize=64)
-def _functions_of(rig: SkylineRig, thread: int) -> ComponentFunctions:
-    """The component functions shared by all models of a rig in one thread. CasADi counts references to its functions
-    without a lock."""
-    return ComponentFunctions()
+    return SpanModel(clamped_twin(rig) if clamped else rig, place, by_height=by_height)
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,7 @@ from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Buffered, Newton, Point, outputs_of
+from ropeway.systems.solvers.newton import Newton, Point, outputs_of
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness, places_of
 from ropeway.systems.studies.skyline.log_check import LogCheck
 
@@ -61,7 +61,7 @@ class RigCheck:
         self._along, self._on = along, on
         self._beside: dict[int, CondensedStiffness] = {}
         self._x = model.z.index.get(f"{rig.carriage.name}.x")
-        self._outputs, self._jacobian = outputs_of(model), Buffered(newton.jacobian)
+        self._outputs = outputs_of(model)
 
     def require(self, point: Point) -> bool:
         """Raises EquilibriumError for a non-physical or unstable root. Returns whether the root is unique: all
@@ -137,8 +137,7 @@ class RigCheck:
 
     def _jacobian_at(self, point: Point) -> np.ndarray:
         """The entries of the Jacobian of the scaled residuals by the scaled unknowns."""
-        arguments = self.newton.arguments(point)
-        return self._jacobian(*arguments._replace(target=np.zeros(self.newton.jacobian.size1_in("target"))))[0]
+        return self.newton.jacobian_values(point)
 
     def _tops(self) -> dict[str, list[Balance]]:
         """The balances of the top of each guyed spar."""

@@ -12,13 +12,13 @@ from dataclasses import replace
 import casadi as ca
 
 from ropeway.components.variable import Kind, Variable
-from ropeway.systems.modelling.system import System
+from ropeway.systems.modelling.declarations import Declarations
 
 Owned = Mapping[str, tuple[Variable, ...]]
 """Variables of each component."""
 
 
-def with_links(system: System, variables: Owned) -> dict[str, tuple[Variable, ...]]:
+def with_links(system: Declarations, variables: Owned) -> dict[str, tuple[Variable, ...]]:
     """The variables, with each driven input as an algebraic variable behind all others of its component.
 
     Its nominal is at least that of its source.
@@ -37,7 +37,7 @@ def with_links(system: System, variables: Owned) -> dict[str, tuple[Variable, ..
     }
 
 
-def with_residuals(system: System, variables: Owned) -> dict[str, tuple[Variable, ...]]:
+def with_residuals(system: Declarations, variables: Owned) -> dict[str, tuple[Variable, ...]]:
     """The variables of `with_links`, with the residual of each driven input behind all others of its component."""
     return {
         name: (*owned, *(replace(v, kind=Kind.RESIDUAL) for v in owned if (name, v.name) in system.links))
@@ -46,7 +46,7 @@ def with_residuals(system: System, variables: Owned) -> dict[str, tuple[Variable
 
 
 def differences(
-    system: System, component: str, owned: Sequence[Variable], quantity: Callable[[str, str], ca.MX]
+    system: Declarations, component: str, owned: Sequence[Variable], quantity: Callable[[str, str], ca.MX]
 ) -> list[ca.MX]:
     """Each driven input of a component minus its source; `quantity(component, name)`: a variable or an output."""
     return [
