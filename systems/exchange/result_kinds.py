@@ -15,7 +15,6 @@ from ropeway.systems.dynamics.result import Result
 from ropeway.systems.exchange.project_text import Json, Keys
 from ropeway.systems.exchange.project_values import Decoder, Encoder, FileKind
 from ropeway.systems.modelling.assembly import assemble, assembled
-from ropeway.systems.modelling.component_functions import ComponentFunctions
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.results.quasi_static import without_inertia
@@ -56,7 +55,7 @@ def _read_model(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Model
     if "inertia" not in data:
         return assemble(system, slots=data["slots"])
     inertia = decoder.part(data["inertia"], (*keys, "inertia"))
-    return assembled(with_inertia(system, inertia), ComponentFunctions(), data["slots"], inertia)
+    return assembled(with_inertia(system, inertia), data["slots"], inertia)
 
 
 def _loads(runs: Sequence[Run]) -> list[Json]:

@@ -155,7 +155,7 @@ def _point(line: Equilibrium, model: Model, cut: Sequence[CutSpan]) -> Point:
                 if f"{name}.{value}" in model.p.index:
                     point.p[model.p.index[f"{name}.{value}"]] = line.point.p[line.model.p.index[f"{span.name}.{value}"]]
     newton = newton_of(model)
-    missed = np.abs(newton.residual(*newton.arguments(point)).full().ravel())
+    missed = np.abs(newton.functions.residual(*newton.arguments(point)).full().ravel())
     if not missed.max(initial=0.0) < _EXACT:
         name = component_of(model.r.names[int(missed.argmax())])
         raise InputError(
