@@ -101,7 +101,7 @@ def export(
     EquilibriumError
         The system has no equilibrium.
     FmuExportError
-        The compiler failed, or a component is an FMU itself.
+        The compiler failed, a component is an FMU itself, or the line has inertia.
     WriteError
         The file could not be written.
     Interrupted
@@ -130,6 +130,11 @@ def export(
         raise FmuExportError(
             f"A component of {rest.model.name!r} is an FMU itself",
             "Export the system without it, and couple both by CoSimulation",
+        )
+    if rest.model.inertia is not None:
+        raise FmuExportError(
+            f"{rest.model.name!r} is a line with inertia, which an FMU does not have",
+            "Export the system, or an equilibrium of it",
         )
     interface = Interface(equations, inputs, outputs, parameters)
     with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well

@@ -117,6 +117,8 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
     model = system if isinstance(system, Model) else assemble(system)
+    if model.inertia is not None:
+        raise InputError(f"{model.name!r} is a model with inertia", "Give the system and inertia=")
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)

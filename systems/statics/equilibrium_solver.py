@@ -94,6 +94,8 @@ def equilibrium(
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = system if isinstance(system, Model) else assemble(system)
+    if model.inertia is not None:
+        raise InputError(f"{model.name!r} is a model with inertia", "Give the system, or `assemble` of it")
     if compiled:
         require_compiled(model, wanted)
     freed = [model.swaps.get(name, name) for name in freed]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -242,3 +243,14 @@ def test_what_is_not_there_cannot_be_lost() -> None:
         rw.simulate(level_span([900.0]), 5.0, inertia=rw.Inertia(), interventions=lost)
     with pytest.raises(rw.CompiledError, match="inertia"):
         rw.simulate(level_span([900.0]), 5.0, inertia=rw.Inertia(), compiled=True)
+
+
+def test_a_model_with_inertia_is_not_used_where_it_does_not_fit(tmp_path: Path) -> None:
+    result = rw.simulate(level_span([900.0]), 1.0, inertia=rw.Inertia())
+    for call in (lambda: rw.equilibrium(result.model), lambda: rw.simulate(result.model, 1.0)):
+        with pytest.raises(rw.InputError, match="model with inertia"):
+            call()
+    with pytest.raises(rw.fmu.FmuExportError, match="inertia"):
+        rw.fmu.export(result.at(1.0), tmp_path / "line.fmu", platforms=())
+    with pytest.raises(rw.InputError, match="Inertia"):
+        rw.simulate(level_span([900.0]), 1.0, start=result.at(1.0))
