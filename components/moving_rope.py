@@ -15,7 +15,7 @@ from functools import reduce
 from typing import Any, NamedTuple
 
 from ropeway.components import catenary
-from ropeway.components.catenary import Strain, Vector
+from ropeway.components.catenary import Strain, Uniform, Vector, Weight
 from ropeway.components.variable import Kind, Site, Variable
 
 AXES = "xyz"
@@ -74,22 +74,24 @@ class Piece(NamedTuple):
 
 
 class Slot(NamedTuple):
-    """A slot: its place as the rope sees it, by how much the rope misses it if it is free [m], and the force that
-    accelerates it [N]."""
+    """A slot: its place as the rope sees it, by how much the rope misses it if it is free [m], the force that
+    accelerates it [N], and what its load adds to the tension vector of a rope in balance [N]."""
 
     place: Vector
     miss: Vector
     force: Vector
+    load: Vector
 
 
 class MovingRope:
     """The pieces of a span with inertia, and its slots, on the symbols of its variables and ports."""
 
-    def __init__(self, v: Any, strain: Strain) -> None:
-        self.v, self.strain = v, strain
+    def __init__(self, v: Any, weight: Weight, strain: Strain, loads: list[Any]) -> None:
+        """`weight`, `strain` and `loads` as `catenary.loaded` takes them."""
+        self.v, self.weight, self.strain, self.loads = v, weight, strain, loads
         self.shares = (2 + v.lumped) / 6, (1 - v.lumped) / 6  # of a piece's mass: at the same end, and across
         self.n = v.slot_at.numel()
-        self.weight = v.mass_per_length * v.gravity
+        self.force = weight.force if isinstance(weight, Uniform) else (0.0, 0.0, -weight)  # on each metre of rope
         self.length = v.length_start + v.a.travel - v.b.travel
         self.distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * self.length
         self.free = 1 - v.tied_a - v.tied_b - v.joined
@@ -110,10 +112,9 @@ class MovingRope:
         for j in range(self.n):
             piece, there = self._piece(place, force, to[j] - at)
             own = _moved(self.of("place", j), self.of("velocity", j), ahead)
-            pull, free, load = self.of("pull", j), self.free[j], self.mass[j] * v.gravity
-            jump = (pull[0] - piece[0], pull[1] - piece[1], pull[2] - piece[2] - load)
+            pull, free, behind = self.of("pull", j), self.free[j], catenary.after(piece, self.loads[j])
             place = _chosen(free, own, there)
-            self.slots.append(Slot(place, _minus(there, own), jump))
+            self.slots.append(Slot(place, _minus(there, own), _minus(pull, behind), _minus(behind, piece)))
             force, at = pull, to[j]
         return self._piece(place, force, self.length + ahead * shift - at)[1]
 
@@ -140,7 +141,8 @@ class MovingRope:
         weight of half the rope."""
         v = self.v
         miss = _minus(self.end, _moved(v.b.position, v.b.velocity, v.damping))
-        hanging = (v.force_x - _LEAST, v.force_y, v.force_z + self.weight * self.length / 2)
+        half = _times(self.length / 2, self.force)
+        hanging = (v.force_x - half[0] - _LEAST, v.force_y - half[1], v.force_z - half[2])
         return _chosen(1 - v.broken, miss, _times(self.yields, hanging))
 
     def _ends(self, node: str, rope: str) -> tuple[Vector, Vector]:
@@ -186,6 +188,7 @@ class MovingRope:
             mass = v.mass_per_length * piece.length
             at[k] = _plus(at[k], _times(mass, _plus(_times(near, each[k]), _times(across, each[k + 1]))))
             at[k + 1] = _plus(at[k + 1], _times(mass, _plus(_times(across, each[k]), _times(near, each[k + 1]))))
+        at = [_minus(own, air) for own, air in zip(at, self._air(), strict=True)]
         hung, balances, at_a, at_b = [], [], at[0], at[-1]
         for j, slot in enumerate(self.slots):
             own = at[j + 1]
@@ -194,22 +197,38 @@ class MovingRope:
             in_balance = _minus(slot.force, _times(v.joined[j], own))
             # Of a rope that is cut the loads fall: only their weight accelerates them.
             fallen = v.broken * self.free[j]
-            falling = (slot.force[0], slot.force[1], slot.force[2] + fallen * self.mass[j] * v.gravity)
-            held = _chosen(fallen, falling, in_balance)
+            held = _chosen(fallen, _plus(slot.force, slot.load), in_balance)
             hung.append(_chosen(self.free[j] * (1 - v.broken), slot.miss, _times(self.yields, held)))
             at_a, at_b = _plus(at_a, _times(v.tied_a[j], own)), _plus(at_b, _times(v.tied_b[j], own))
         return hung, balances, at_a, at_b
+
+    def _air(self) -> list[Vector]:
+        """By how much the wind on moving loads and rope differs from that on resting ones, at end a, all slots and end
+        b [N]; none without weather. It is quadratic in the relative velocity, and across the rope."""
+        v, weather, speeds = self.v, self.v.weather, self.velocities
+        found: list[Vector] = [(0.0, 0.0, 0.0)] * len(speeds)
+        if weather is None:
+            return found
+        for j in range(self.n):
+            found[j + 1] = _times(v.slot_drag[j] * (1 - v.lost[j]), weather.relative(speeds[j + 1]))
+        width = v.drag_coefficient * (v.diameter + 2 * weather.ice_thickness)
+        for k, piece in enumerate(self.pieces):
+            mean = _times(0.5, _plus(speeds[k], speeds[k + 1]))
+            half = _times(width * piece.length / 2, weather.relative(mean, _unit(piece.first)))
+            found[k], found[k + 1] = _plus(found[k], half), _plus(found[k + 1], half)
+        return found
 
     @property
     def stored(self) -> tuple[Any, Any]:
         """Elastic energy, and potential energy relative to z = 0 [J]."""
         elastic, gravity = 0, 0
         for piece in self.pieces:
-            own = catenary.energy(piece.first, self.weight, piece.length, self.v.compliance)
+            own = catenary.energy(piece.first, self.weight, piece.length, self.strain)
             elastic, gravity = elastic + own.elastic, gravity + own.gravity
-            gravity = gravity + self.weight * piece.length * piece.start[2]
-        for j, place in enumerate(self.places):
-            gravity = gravity + self.mass[j] * self.v.gravity * place[2]
+            gravity = gravity - piece.length * _dot(self.force, piece.start)
+        for slot, place in zip(self.slots, self.places, strict=True):
+            # A load adds to the tension vector what pulls it, against its own direction.
+            gravity = gravity + _dot(slot.load, place)
         return elastic, gravity
 
     @property

@@ -14,6 +14,7 @@ from ropeway.components.catenary import norm
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
 from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 
@@ -24,15 +25,22 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 MOST = 2_000
 """Functions that are kept: a class that shares none has one for each of its constants."""
 
-FORCE = 4
-"""Entries of what a rope gives to a seat: the force and the energy carried."""
+
+def rope_size(*, weather: bool) -> int:
+    """Number of entries of what a rope gives to a seat: the force, the energy carried; with weather its expansion."""
+    return 5 if weather else 4
 
 
-def port_size(*, rope: bool, inertial: bool) -> int:
-    """Number of entries of a port: of a rope's end its position and travel, of a seat `FORCE` and the rope's speed."""
+INERTIA = 5
+"""Number of entries that a rope with inertia gives to a seat besides."""
+
+
+def port_size(*, rope: bool, weather: bool, inertial: bool) -> int:
+    """Number of entries of a port: of a rope's end its position and travel, of a seat `rope_size` and the rope's
+    speed; inertial: and what these need for inertia."""
     if rope:
         return 12 if inertial else 4
-    return 10 if inertial else 5
+    return rope_size(weather=weather) + 1 + (INERTIA if inertial else 0)
 
 
 class ComponentFunctions:
@@ -59,7 +67,7 @@ class ComponentFunctions:
         equations. Raises InputError unless it has exactly these names."""
         key = ("demand", sums, *_form(component, site, variables))
         if key not in self._functions:
-            v, inputs = _symbols(component, variables)
+            v, inputs = _symbols(component, variables, weather=site.weather)
             demands = component.demand(v)
             if set(demands) != set(sums):
                 named, supplied = ", ".join(demands) or "nothing", ", ".join(sums)
@@ -75,7 +83,7 @@ class ComponentFunctions:
         if key not in self._functions:
             if len(self._functions) > MOST:
                 self._functions.clear()
-            self._functions[key] = component_function(component, variables)
+            self._functions[key] = component_function(component, variables, weather=site.weather)
         return self._functions[key]
 
 
@@ -111,12 +119,16 @@ def check_component(component: Component) -> None:
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
     kind."""
-    return (component.form(site), tuple(v.kind for v in variables))
+    return (component.form(site), site.weather, tuple(v.kind for v in variables))
 
 
-def component_function(component: Component, variables: tuple[Variable, ...]) -> ca.Function:
-    """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
-    v, inputs = _symbols(component, variables)
+def component_function(component: Component, variables: tuple[Variable, ...], *, weather: bool = False) -> ca.Function:
+    """(t, shared, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...).
+
+    `shared`: gravity, with weather also the values of `Weather`; a rope end's force is followed by the energy that the
+    rope carries, with weather also by its expansion.
+    """
+    v, inputs = _symbols(component, variables, weather=weather)
     eq = component_rules.evaluated(component, v)
     component_rules.require_complete(component, variables, eq)
 
@@ -128,6 +140,7 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
         ca.vertcat(
             *(-f for f in eq.forces[port.name]),
             eq.carried[port.name],
+            *((eq.expansion,) if weather else ()),
             *(_inertia_at(eq, port.name) if component.inertial else ()),
         )
         for port in component.ports
@@ -156,11 +169,14 @@ def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:
     return (*inertia, along, side)
 
 
-def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
+def _symbols(
+    component: Component, variables: tuple[Variable, ...], *, weather: bool
+) -> tuple[SimpleNamespace, list[Any]]:
     """Symbols of a component's equations, as attributes and as inputs of its function."""
     sym = ca.MX.sym if component.external else ca.SX.sym
-    time, gravity = sym("t"), sym("gravity")
-    v = SimpleNamespace(time=time, gravity=gravity)
+    time, shared = sym("t"), sym("shared", 1 + (len(Weather._fields) if weather else 0))
+    gravity, *values = (shared[i] for i in range(shared.numel()))
+    v = SimpleNamespace(time=time, gravity=gravity, weather=Weather(*values) if weather else None)
     vectors = []
     for kind in SYMBOLS:
         owned = [var for var in variables if var.kind is kind]
@@ -172,7 +188,7 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
     ports = []
     for port in component.ports:
         rope, more = isinstance(port, RopeEnd), component.inertial
-        symbol = sym(port.name, port_size(rope=rope, inertial=more))
+        symbol = sym(port.name, port_size(rope=rope, weather=weather, inertial=more))
         vector_3d = (symbol[0], symbol[1], symbol[2])
         if rope:
             seen = SimpleNamespace(position=vector_3d, travel=symbol[3])
@@ -180,14 +196,16 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
                 seen.velocity, seen.acceleration = (symbol[4], symbol[5], symbol[6]), (symbol[7], symbol[8], symbol[9])
                 seen.speed, seen.rope_acceleration = symbol[10], symbol[11]
         else:
-            seen = SimpleNamespace(force=vector_3d, carried=symbol[3], speed=symbol[4])
+            force, rest = rope_size(weather=weather), rope_size(weather=weather) + 1
+            expansion = symbol[4] if weather else 1.0
+            seen = SimpleNamespace(force=vector_3d, carried=symbol[3], expansion=expansion, speed=symbol[force])
             if more:
-                seen.inertia = (symbol[5], symbol[6], symbol[7])
-                seen.along, seen.side = symbol[8], symbol[9]
+                seen.inertia = (symbol[rest], symbol[rest + 1], symbol[rest + 2])
+                seen.along, seen.side = symbol[rest + 3], symbol[rest + 4]
         setattr(v, port.name, seen)
         ports.append(symbol)
     names = (*component.sums, *component.shares)
     signals = sym("signals", len(names))
     for i, name in enumerate(names):
         setattr(v, name, signals[i])
-    return v, [time, gravity, *vectors, signals, *ports]
+    return v, [time, shared, *vectors, signals, *ports]

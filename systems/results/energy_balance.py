@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.systems.results.summary import each_node
 
@@ -52,8 +53,13 @@ def energy(result: RunData) -> pd.Series:
 
     With inertia kinetic energy is also that of ropes, loads and idlers, and crossings is the energy lost as loads come
     near supports and leave them. What the damping of the rope takes is `damping`, with the integration error in it; a
-    run with a damping of zero has it in the residual.
+    run with a damping of zero has it in the residual. Raises InputError for a run in weather.
     """
+    if result.model.weather:
+        raise InputError(
+            f"The energy balance of {result.model.name!r} does not count wind, ice and temperature",
+            "Simulate it without environment",
+        )
     if result.model.inertia is not None:
         return _with_inertia(result)
     frame, times = result.full_frame, result.times

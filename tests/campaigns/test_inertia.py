@@ -92,8 +92,8 @@ def test_random_lines_with_inertia(campaign: Any) -> None:
             require_loads(result)
             energy = result.energy()
             work = result.full_frame.filter(regex="work$").diff().abs().sum().sum()
-            assert abs(energy["residual"]) < 1e-4 * work
-            assert energy["damping"] > -1e-4 * work
+            assert abs(energy["residual"]) < 1e-3 * work
+            assert energy["damping"] > -1e-3 * work
         except Exception as error:
             error.add_note(f"seed {seed}")
             raise

@@ -175,17 +175,19 @@ def _noded(state: LineState, inertia: Inertia) -> LineState:
 def _with_nodes(run: Run, places: list[np.ndarray], passed: np.ndarray) -> tuple[Loads, np.ndarray]:
     """The loads of a run and nodes at `places` in each span, foremost first, and how many have passed each support."""
     loads, count = run.loads, np.zeros_like(passed)
-    names, mass, place = list[str](), list[float](), list[float]()
+    names, mass, place, drag = list[str](), list[float](), list[float](), list[float]()
     for k in reversed(range(len(run.spans))):
         own = slice(int(passed[k + 1]), int(passed[k]))
         labels = [f"{run.spans[k].name} node {i + 1}" for i in range(len(places[k]))]
-        there = [*zip(loads.place[own], loads.mass[own], loads.names[own], strict=True)]
-        there += [*zip(places[k], np.zeros(len(labels)), labels, strict=True)]
-        for at, heavy, name in sorted(there, key=lambda item: -item[0]):
-            names, mass, place = [*names, name], [*mass, float(heavy)], [*place, float(at)]
+        there = [*zip(loads.place[own], loads.mass[own], loads.names[own], loads.drag[own], strict=True)]
+        there += [(at, 0.0, label, 0.0) for at, label in zip(places[k], labels, strict=True)]
+        for at, heavy, name, area in sorted(there, key=lambda item: -item[0]):
+            names, mass = [*names, name], [*mass, float(heavy)]
+            place, drag = [*place, float(at)], [*drag, float(area)]
         count[k] = len(names)
-    none = np.full(len(names), -1)
-    return Loads(tuple(names), np.array(mass), np.array(place), none, np.zeros(len(names)), loads.first), count
+    none, zeros = np.full(len(names), -1), np.zeros(len(names))
+    found = Loads(tuple(names), np.array(mass), np.array(place), none, zeros, loads.first, np.array(drag))
+    return found, count
 
 
 def _set_rates(found: LineState, model: Model, rates: dict[Kind, np.ndarray]) -> None:

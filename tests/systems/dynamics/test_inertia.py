@@ -17,6 +17,9 @@ from scipy.special import ellipk
 
 import ropeway as rw
 from ropeway.systems.dynamics.result import Result
+from support.drives import hydraulic_drive
+
+LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3)
 UNDAMPED = rw.Inertia(damping=0.0)
@@ -254,3 +257,43 @@ def test_a_model_with_inertia_is_not_used_where_it_does_not_fit(tmp_path: Path) 
         rw.fmu.export(result.at(1.0), tmp_path / "line.fmu", platforms=())
     with pytest.raises(rw.InputError, match="Inertia"):
         rw.simulate(level_span([900.0]), 1.0, start=result.at(1.0))
+
+
+def test_a_gust_lets_a_load_swing_and_the_air_damps_it() -> None:
+    rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3, diameter=0.0254)
+    s = rw.System("windy")
+    (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(240.0, 0.0)), length=240.55)
+    s.hang(rw.Load("turn", mass=500.0, drag_area=4.0), span, at=120.0)
+    steady = rw.equilibrium(s, environment=rw.Environment("wind", wind_pressure=300.0, wind_from=0.0))
+    gust = rw.Environment(
+        "gust", wind_pressure=rw.Schedule((0.0, 2.0, 2.5, 60.0), (300.0, 300.0, 0.0, 0.0)), wind_from=0.0
+    )
+    result = rw.simulate(s, 40.0, every=0.5, environment=gust, inertia=UNDAMPED)
+    aside = np.array([result.record(int(i))["turn.y"] for i in np.flatnonzero(result.on_grid)])
+    assert aside[:5] == pytest.approx(steady["turn.y"], abs=1e-9)
+    assert aside[6:20].max() == pytest.approx(-steady["turn.y"], rel=0.3)
+    assert np.abs(aside[-12:]).max() < 0.97 * np.abs(aside[6:18]).max()
+
+
+def test_hydraulic_drives_and_responses_work_with_inertia() -> None:
+    drive = hydraulic_drive(friction=0.01)
+    line = rw.monocable(
+        ROPE,
+        LINE,
+        tension=45e3,
+        speed=1.0,
+        load_mass=300.0,
+        load_spacing=50.0,
+        drive=drive,
+        response=rw.ProportionalResponse(gain=1e-5, limit=0.1),
+    )
+    stop = [rw.Intervention(2.0, "emergency stop", deceleration=1.0)]
+    result = rw.simulate(line, 4.0, every=1.0, inertia=UNDAMPED, interventions=stop, tolerance=1e-4)
+    quasi = rw.simulate(line, 4.0, every=1.0, interventions=stop)
+    assert "response" in set(result.events["event"])
+    away = (result.frame - quasi.frame).filter(regex="tension_[ab]$").abs().max(axis=1)
+    assert away.loc[1.0] < 100.0  # at its speed the line is quasi-static
+    assert away.loc[3.0] > 500.0  # while it stops, its loads push on
+    energy = result.energy()
+    assert energy["friction"] > 0.0
+    assert abs(energy["residual"]) < 1e-3 * (abs(energy["drives"]) + abs(energy["ends"]) + energy["friction"])
