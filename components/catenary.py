@@ -276,6 +276,19 @@ def profile(
     nodes = loaded(force, weight, strain, length, distances, loads)
     starts = np.array([(0.0, 0.0, 0.0), *(n.reach for n in nodes[:-1])])
     forces = np.array([force, *(after(n.force, load) for n, load in zip(nodes[:-1], loads, strict=True))])
+    return through(starts, forces, weight, strain, distances, stations)
+
+
+def through(
+    starts: np.ndarray,
+    forces: np.ndarray,
+    weight: Weight,
+    strain: Strain,
+    distances: Sequence[float],
+    stations: np.ndarray,
+) -> SpanCurve:
+    """As `profile`, of pieces that begin at `starts` (pieces, 3) with tension vectors `forces` (pieces, 3): the first
+    at the span's start, the others at `distances`."""
     cuts = np.array([0.0, *distances])
     station = np.asarray(stations, dtype=float)
     piece = np.maximum(np.searchsorted(cuts, station, side="left") - 1, 0)

@@ -28,6 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/index.md",
         "docs/uncertainty.md",
         "docs/errors.md",
+        "docs/modes.md",
+        "docs/emergency_stop.md",
         "docs/faq.md",
         "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),

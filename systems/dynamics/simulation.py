@@ -9,18 +9,24 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.carriage import Carriage
 from ropeway.components.environment import Environment
 from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.dynamics.line_stepper import Signal
+from ropeway.components.span import Span
+from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
+from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.inertial_system import with_inertia
+from ropeway.systems.dynamics.inertia.support_zones import lose
+from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
-from ropeway.systems.modelling.intervention import Intervention
+from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
@@ -53,6 +59,7 @@ def simulate(
     progress: bool | None = None,
     compiled: bool = False,
     environment: Environment | None = None,
+    inertia: Inertia | None = None,
 ) -> Result:
     """Simulate a system in time.
 
@@ -84,6 +91,9 @@ def simulate(
         compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
+    inertia : Inertia, optional
+        The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
+        starts in equilibrium, with the line at its speed. Not compiled.
 
     Returns
     -------
@@ -113,22 +123,24 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
     model = in_weather(system, environment, inputs or ())
+    if model.inertia is not None:
+        raise InputError(f"{model.name!r} is a model with inertia", "Give the system and inertia=")
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
-    _check_interventions(model, interventions)
+    _check_interventions(model, interventions, inertia)
+    if compiled and inertia is not None:
+        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
         _require_compiled(model)
-    if start is None:
-        rest = equilibrium(model, compiled=compiled)
-    else:
-        rest = start if declared_alike(start, model.system) else carried_over(start, model)
+    rest = equilibrium(model, compiled=compiled) if start is None else _start(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops, compiled))
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
+    run = _Simulation(replace(rest, pending=pending), settings)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -147,6 +159,17 @@ def _require_compiled(model: Model) -> None:
     if model.weather:
         raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
     compiled_line(model)
+
+
+def _start(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equilibrium:
+    """Where a run starts, from an equilibrium or a state of another run. Raises InputError."""
+    if start.model.inertia is None:
+        return start if declared_alike(start, model.system) else carried_over(start, model)
+    if start.model.inertia != inertia:
+        raise InputError(f"start is of a run with {start.model.inertia}", "Give the same inertia=")
+    if not declared_alike(start, with_inertia(model.system, inertia)):
+        raise InputError(f"start is of another system than {model.name!r}", "Continue a run with inertia as it is")
+    return start
 
 
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
@@ -175,8 +198,12 @@ def _is_speed(system: System, component: str, quantity: str) -> bool:
     return quantity == "speed" and isinstance(system.components[component], Node)
 
 
-def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
+def _check_interventions(model: Model, interventions: Sequence[Intervention], inertia: Inertia | None) -> None:
     """Raises InputError, UnknownNameError for an intervention that the system does not allow."""
+    for intervention in interventions:
+        if intervention.inertial:
+            _check_inertial(model, intervention, inertia)
+    interventions = [i for i in interventions if not i.inertial]
     driven = [target for target in model.system.links if _is_speed(model.system, *target)]
     for intervention in interventions:
         if intervention.action == "emergency stop" and driven:
@@ -196,15 +223,34 @@ def _check_interventions(model: Model, interventions: Sequence[Intervention]) ->
             )
 
 
+def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia | None) -> None:
+    """Raises InputError, UnknownNameError for an intervention that takes mass off the line."""
+    action, name = intervention.action, str(intervention.component)
+    if inertia is None:
+        raise InputError(f"{action!r} needs inertia", "Give simulate(..., inertia=rw.Inertia())")
+    if action == LOAD_LOST:
+        known = [load for run in model.runs for load in run.loads.names]
+    else:
+        kind = Carriage if action == "payload dropped" else Span
+        known = [n for n, c in model.system.components.items() if isinstance(c, kind)]
+    if name not in known:
+        raise UnknownNameError(
+            f"{action!r} does not apply to {name!r}",
+            f"It applies to {', '.join(known[:12]) or 'nothing in this system'}",
+        )
+
+
 @dataclass(frozen=True)
 class _Settings:
-    """What a run is asked for: a signal for each input, interventions, tolerance, and events at which it stops."""
+    """What a run is asked for: a signal for each of the inputs, interventions, tolerance, events at which it stops."""
 
+    inputs: Sequence[str]
     signals: Sequence[Signal]
     interventions: Sequence[Intervention]
     tolerance: float
     stop_at: tuple[str, ...]
     compiled: bool
+    inertia: Inertia | None
 
 
 class _Simulation:
@@ -213,10 +259,15 @@ class _Simulation:
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
+        signals = settings.signals
+        if settings.inertia is not None:
+            known = dict(zip(settings.inputs, signals, strict=True))
+            if state.model.inertia is None:
+                state = _inertial(state, signals, settings.inertia)
+            # Rates of inputs follow from these: their own signals are not read.
+            signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
         self.recorder = Recorder()
-        self.stepper = EventStepper(
-            state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
-        )
+        self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
         self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
@@ -260,7 +311,7 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if self.settings.compiled and not self.stop_at:
+            if (self.settings.compiled or self.settings.inertia) and not self.stop_at:
                 stops = _grid(count, every, until, quiet)
                 if done := self.stepper.run_along(stops):
                     advance(stops[done - 1])
@@ -302,7 +353,7 @@ class _Simulation:
         due = [
             c for c in self.state.model.clocks if abs(pending.ticks.get((c.period, c.phase), np.inf) - point.t) <= 1e-9
         ]
-        d, changes, events = self.sampled(due)
+        (d, changes, events), lost = self.sampled(due), list[str]()
         while self.interventions and self.interventions[0].time <= point.t + 1e-9:
             intervention = self.interventions.pop(0)
             events.append(Event(point.t, intervention.component or self.state.model.name, intervention.action, np.nan))
@@ -310,6 +361,8 @@ class _Simulation:
                 ended, stopping = self.emergency_stop(intervention.deceleration)
                 changes.update(ended)
                 pending = replace(pending, stopping=stopping)
+            elif intervention.action == LOAD_LOST:
+                lost.append(str(intervention.component))
             else:
                 name, value = intervention.entry
                 changes[self.state.model.d.index[name]] = value
@@ -318,6 +371,8 @@ class _Simulation:
         for entry, value in changes.items():
             d[entry] = value
         point.d[:] = d
+        for name in lost:
+            lose(self.state, name)
         for clock in due:
             self.ticks[self.state.model.clocks.index(clock)] += 1
         self.recorder.pending = self.ticking(pending)
@@ -373,6 +428,14 @@ class _Simulation:
             return False
         self.record()
         return True
+
+
+def _inertial(state: LineState, signals: Sequence[Signal], inertia: Inertia) -> LineState:
+    """A line with inertia that starts as the quasi-static line moves."""
+    line = LineStepper(state, signals, 1e-6)
+    line.set_time(0.0)
+    motion = line.solve(float(min(line.breaks[line.breaks > 0.0], default=1.0)))
+    return inertial_state(line.state, inertia, (motion.x, motion.z))
 
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:
