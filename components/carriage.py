@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -58,6 +58,8 @@ class Carriage(Node):
     InputError
         A negative mass, payload, depth or area, or a clamped carriage with a holding force.
     """
+
+    hangs: ClassVar[bool] = True
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
     mass: float

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -59,6 +59,8 @@ class CarriageOnShoe(Carriage):
         The support has no radius, or friction; or invalid values of a `Carriage`.
     """
 
+    hangs: ClassVar[bool] = False
+
     support: IntermediateSupport
     mainline_on_roller: bool = False
 
@@ -109,6 +111,10 @@ class CarriageOnShoe(Carriage):
             Variable("balance", res, "N", "forces on the carriage along the shoe", 0.0, 0.01 * force),
             *(v for side in self._sides for v in shoe.side_variables(side)),
             Variable("shoe_force", out, "N", "force of the shoe on the carriage", nominal=force),
+            *(
+                Variable(f"pull_{axis}", out, "N", f"force of carriage and ropes on the support, {axis}", nominal=force)
+                for axis in "xyz"
+            ),
             *self.support.wheel_outputs(site),
         )
 
@@ -137,6 +143,7 @@ class CarriageOnShoe(Carriage):
         # Load on the shoe: the carriage, and the rope that lies on it.
         on = [v.a.force[i] - acting["a"][i] + v.b.force[i] - acting["b"][i] for i in range(3)]
         load = (on[0] - pressed * normal[0], on[1], on[2] - pressed * normal[1])
+        roller = [v.mainline.force[i] - acting["mainline"][i] for i in range(3)]
         wheel = IntermediateSupport.wheel_equations(v)
         return Equations(
             residuals=residuals,
@@ -144,6 +151,7 @@ class CarriageOnShoe(Carriage):
                 **self.line_outputs(v),
                 **wheel,
                 "shoe_force": pressed,
+                **{f"pull_{axis}": load[i] + roller[i] for i, axis in enumerate("xyz")},
                 "bearing_load": norm(load),
                 "support_force": -load[2],
             },

@@ -127,3 +127,6 @@ class Environment:
             False also where a value changes over time.
         """
         return self.temperature in (None, strung) and self.pressure == 0.0 and self.ice_thickness == 0.0
+
+
+CALM = Environment("calm")

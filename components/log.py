@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -71,6 +71,8 @@ class Log(Node):
     InputError
         A value out of its range.
     """
+
+    hangs: ClassVar[bool] = True
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
     mass: float

@@ -106,7 +106,7 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
 
     indices = {kind: table.index for kind, table in tables.items()}
     positions = (balances, tuple(layout.key for layout in layouts))
-    key, size = key_of(system, runs, sites, variables, positions), sum(map(len, tables.values()))
+    key, size = key_of(system, runs, sites, {**variables, "": shared}, positions), sum(map(len, tables.values()))
     structure = build() if key is None else KNOWN.get(key, size, build)
     model = Model(
         system=system.copy(),

@@ -101,7 +101,7 @@ def check_component(component: Component) -> None:
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
     kind."""
-    return (component.form(site), tuple(v.kind for v in variables))
+    return (component.form(site), site.weather, tuple(v.kind for v in variables))
 
 
 def component_function(component: Component, variables: tuple[Variable, ...], *, weather: bool = False) -> ca.Function:

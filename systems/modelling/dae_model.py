@@ -306,11 +306,6 @@ class Model:
         return self.system.name
 
     @property
-    def weather(self) -> bool:
-        """Whether temperature, ice and wind are among its inputs and parameters."""
-        return self.system.environment is not None
-
-    @property
     def dae(self) -> ca.Function:
         """(t, x, z, u, p, d) -> (ode, alg), in SI units, unscaled."""
         return self.structure.dae
@@ -319,6 +314,11 @@ class Model:
     def outputs(self) -> ca.Function:
         """(t, x, z, u, p, d) -> y, in SI units, unscaled."""
         return self.structure.outputs
+
+    @property
+    def weather(self) -> bool:
+        """Whether temperature, ice and wind are among its inputs and parameters."""
+        return self.system.environment is not None
 
     @cached_property
     def external(self) -> bool:

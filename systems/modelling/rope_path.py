@@ -251,7 +251,7 @@ def fed(feed: Feed, length: float) -> Loads:
     """
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     foremost = np.array([(on_line - 0.5) * feed.spacing])
-    mass, drag = np.array([feed.masses[0]]), np.array([feed.drag_area])
+    mass, drag = np.array([feed.masses[0]]), np.array([feed.drag_area if feed.masses[0] else 0.0])
     first = Loads((f"{feed.prefix}l1",), mass, foremost, np.array([-1]), np.zeros(1), drag=drag)
     return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
@@ -267,7 +267,7 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
         np.concatenate([loads.pinned, np.full(more, -1)]),
         np.concatenate([loads.at, np.zeros(more)]),
         loads.first,
-        np.concatenate([loads.drag, np.full(more, feed.drag_area)]),
+        np.concatenate([loads.drag, np.where(masses > 0.0, feed.drag_area, 0.0)]),  # missing loads bear no wind
     )
 
 

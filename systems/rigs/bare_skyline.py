@@ -22,7 +22,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 def bare_equilibrium(rig: RigParts) -> tuple[Equilibrium, tuple[Span, ...]]:
     """The bare skyline at rest, and its spans between headspar and tailspar. Raises SlackRopeError,
     EquilibriumError."""
-    bare, spans = _bare_system(rig)
+    bare, spans = bare_system(rig)
     return equilibrium(bare), spans[: rig.spans]
 
 
@@ -41,7 +41,7 @@ def bare_profile(rig: RigParts) -> np.ndarray:
 def length_over_shoes(rig: RigParts, tension: float) -> float:
     """Unstretched length [m] for a tension at the headspar as it is strung [N]. The rig's length is the initial guess.
     Raises EquilibriumError."""
-    bare, spans = _bare_system(replace(rig, environment=None))
+    bare, spans = bare_system(replace(rig, environment=None))
     freed = f"{spans[-1].name}.length_start"
     solution = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
     return float(sum(solution[f"{span.name}.length_start"] for span in spans))
@@ -76,7 +76,8 @@ def _span_names(count: int) -> list[str]:
     return [f"skyline {k + 1}" for k in range(count)]
 
 
-def _bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
+def bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
+    """The bare skyline over its supports, and its spans."""
     bare = rig.empty_system()
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]

@@ -273,7 +273,7 @@ def _checks(
         if places.names:
             spans = read_spans(places, values, gravity)
             loads = hung(places, values, spans, runs, passed, masses, weather=layout.weather is not None)
-            found, ends = _shape(layout, values, spans, loads, gravity)
+            found, ends = shape_of(layout, values, spans, loads, gravity)
             checks += _span_checks(layout, values, spans, loads, found, rope)
             pull = pulls(spans, found, ends)
         else:
@@ -291,7 +291,7 @@ def _checks(
     return checks + _stability(model, layout, points, quick, held)
 
 
-def _shape(
+def shape_of(
     layout: CertificateLayout, values: np.ndarray, spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray
 ) -> tuple[Shape, np.ndarray | None]:
     """The catenaries, and in weather the tension vectors at their ends (records, 3, spans)."""

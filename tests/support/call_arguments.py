@@ -20,6 +20,7 @@ from support.call_objects import (
     STATIONS,
     TAIL,
     THIN,
+    cases,
     drive,
     endless_supports,
     exported,
@@ -81,6 +82,8 @@ def instances() -> dict[str, Callable[[], Any]]:
         "IntermediateSupport": lambda: rw.IntermediateSupport("jack", station=125.0, height=8.0),
         "Intervention": lambda: rw.Intervention(1.0, "brake", "c"),
         "Joint": lambda: rw.Joint("knot", mass=40.0, **at),
+        "LoadCase": lambda: rw.LoadCase("cold", rw.Environment("cold", temperature=-20.0), "empty", 2.5),
+        "LoadCases": cases,
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
         "Log": log,
@@ -161,6 +164,17 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "standing_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "running_skyline": lambda: {"terrain": GROUND, **ends, "haulback": ROPE, "tension": 60e3},
         "load_path": lambda: {**payload, "stations": STATIONS, "height": None, **cold},
+        "load_cases": lambda: {
+            "of": one_span(), "cases": [rw.Environment("calm")], "loadings": ["full"], "safety_factor": 2.5,
+            "payload": None, "stations": None,
+        },
+        "support_table": lambda: {
+            "of": one_span(), "cases": [rw.Environment("calm")], "rollers": {"a": 2}, "payload": None, "stations": None,
+        },
+        "stringing_table": lambda: {
+            "of": ROPE, "temperatures": [-20.0, 15.0], "span": 120.0, "rise": 4.0, "tension": 30e3, "length": None,
+            "strung": 10.0, "gravity": 9.8,
+        },
         "load": lambda: {"path": rw.save(one_span(), folder() / "one.json"), "components": []},
         "load_path_report": lambda: {
             "rig": rig(), "payload": 900.0, "frame": rw.load_path(rig(), 900.0, stations=[70.0]),
@@ -195,7 +209,8 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         },
         "payload": lambda: {
             "rig": rig(), "safety_factor": 3.0, "clearance": 0.5, "rope_clearance": 0.0, "stations": [150.0],
-            "mainline_safety_factor": 3.0, "lift_off": True, **cold,
+            "mainline_safety_factor": 3.0, "lift_off": True, **cold, "saddle_angle": (-0.2, 1.2), "roller_force": 60e3,
+            "rollers": {"jack": 2},
         },
         "payload_for_tension": lambda: {
             "method": METHODS["rigid link"], "line": LOADED["line"], "rope": ROPE, "tension": 150e3,

@@ -13,6 +13,7 @@ from support.call_objects import (
     MAP,
     ROPE,
     THIN,
+    cases,
     corridor,
     exported,
     exported_line,
@@ -134,6 +135,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Inhaul.report": lambda: Call(
             rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0).report, {"path": folder() / "inhaul.html"}
         ),
+        "LoadCases.report": lambda: Call(cases().report, {"path": folder() / "cases.html"}),
         "PayloadStudy.report": lambda: Call(
             rw.payload(rig(), stations=[150.0]).report, {"path": folder() / "payload.html"}
         ),

@@ -59,7 +59,8 @@ def load_path(
           at its drum, mainline_highest; haulback_pull, haulback_tension, haulback_highest likewise
         - clearance of the load over the ground (of a log's lower end, or of its front while the rear drags),
           rope_clearance of the skyline; on a terrain mainline_clearance and haulback_clearance
-        - `NAME_force` of each support, upward on the rope, negative where it lifts off
+        - `NAME_force` of each support, upward on the rope, negative where it lifts off; `NAME_break_angle` by which the
+          skyline bends down over it [rad]
         - held_by: mainline, clamp (beyond the rest point the carriage is clamped to the skyline) or holding
         - for a guyed headspar spar_compression and spar_lean, for a guyed tailspar tailspar_compression and
           tailspar_lean, for each guyline `NAME_tension` at the top
