@@ -118,7 +118,7 @@ def simulate(
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
     if compiled:
-        _require_compiled(model)
+        _require_compiled(model, signals)
     if start is None:
         rest = equilibrium(model, compiled=compiled)
     else:
@@ -140,10 +140,10 @@ def simulate(
     return result
 
 
-def _require_compiled(model: Model) -> None:
+def _require_compiled(model: Model, signals: Sequence[Signal]) -> None:
     """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if model.weather:
-        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
+    if any(isinstance(signal, Schedule) for signal in signals[: model.u.shared]):
+        raise CompiledError("The compiled core cannot simulate weather that changes", "Leave out compiled=True")
     compiled_line(model)
 
 

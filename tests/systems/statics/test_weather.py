@@ -260,8 +260,13 @@ def test_compiled_lines_and_sweeps() -> None:
         assert frame["c.tension_in"].iloc[i] == pytest.approx(
             rw.equilibrium(mono(load_mass=None, load_spacing=None), environment=env)["c.tension_in"]
         )
-    with pytest.raises(rw.CompiledError, match="cannot simulate in weather"):
-        rw.simulate(mono(), 2.0, environment=GUST, compiled=True)
+    plain, compiled = (rw.simulate(mono(), 30.0, environment=GUST, compiled=c) for c in (False, True))
+    assert len(compiled.events) == len(plain.events) > 0
+    scale = plain.frame.abs().max() + 1.0
+    assert ((compiled.frame - plain.frame).abs() / scale).max().max() < 1e-7
+    until = rw.Environment("gust", wind_pressure=rw.Schedule([0.0, 5.0], [0.0, 300.0]))
+    with pytest.raises(rw.CompiledError, match="weather that changes"):
+        rw.simulate(mono(), 2.0, environment=until, compiled=True)
 
 
 def test_sensitivities_to_the_weather() -> None:
