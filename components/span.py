@@ -37,6 +37,11 @@ class Span(Component):
     ------
     InputError
         A length that is not positive, or an invalid name.
+
+    Examples
+    --------
+    >>> rw.Span("a_b", rope=rope, length=90.0).length
+    90.0
     """
 
     rope: Rope

@@ -64,7 +64,9 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
 
     Examples
     --------
-    >>> rw.assemble(system).z.names
+    >>> model = rw.assemble(line)
+    >>> model.y.units[model.y.index["c1.tension_in"]]
+    'N'
     """
     return assembled(system, slots)
 

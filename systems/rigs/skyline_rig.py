@@ -78,7 +78,6 @@ class SkylineRig(RigParts):
 
     Examples
     --------
-    >>> import ropeway as rw
     >>> rig = rw.standing_skyline(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 0.0)), tailspar=rw.TailSpar("tail", at=(200.0, -20.0)),
     ...     skyline="RHOL-IWRC 29", length=207.0, carriage=rw.Carriage("carriage", mass=400.0),

@@ -42,6 +42,12 @@ class RecedingHorizon:
         Speeds as driven, by control sheave.
     result : Result
         The simulation under them.
+
+    Examples
+    --------
+    >>> moving = rw.receding_horizon(line, 4.0, horizon=6.0, every=2.0, intervals=3, settle=1.0)
+    >>> list(moving.schedules)
+    ['c1', 'c2']
     """
 
     plans: tuple[SchedulePlan, ...]
@@ -121,7 +127,9 @@ def receding_horizon(
 
     Examples
     --------
-    >>> rw.receding_horizon(line, 600.0, horizon=60.0, every=20.0).result.summary()
+    >>> moving = rw.receding_horizon(line, 4.0, horizon=6.0, every=2.0, intervals=3, settle=1.0)
+    >>> len(moving.plans)
+    2
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")

@@ -79,7 +79,7 @@ def load_path(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> load_path(rig, 2000.0, [100.0, 200.0])[["deflection", "highest_tension"]].round(1)
+    >>> rw.load_path(rig, 2000.0, [100.0, 200.0])[["deflection", "highest_tension"]].round(1)
        deflection  highest_tension
     0         4.0         163591.9
     1         4.0         163797.7

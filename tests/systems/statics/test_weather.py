@@ -320,11 +320,11 @@ def test_rigs_in_weather() -> None:
 
 
 def test_refused_weather() -> None:
-    with pytest.raises(rw.InputError, match="ice_thickness is -0.01"):
+    with pytest.raises(rw.InputError, match=r"ice_thickness is -0\.01"):
         rw.Environment("iced", ice_thickness=-0.01)
     with pytest.raises(rw.InputError, match="wind_pressure and wind_speed"):
         rw.Environment("windy", wind_pressure=300.0, wind_speed=20.0)
-    with pytest.raises(rw.InputError, match="above -273.15"):
+    with pytest.raises(rw.InputError, match=r"above -273\.15"):
         rw.System("cold", temperature=-300.0)
     thin = rw.System("thin")
     own = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)

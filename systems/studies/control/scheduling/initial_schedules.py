@@ -43,8 +43,9 @@ def balanced(line: System) -> Equilibrium:
 
     Examples
     --------
-    >>> start = rw.balanced(line)  # doctest: +SKIP
-    >>> plan = rw.optimise_schedule(line, 120.0, start=start)  # doctest: +SKIP
+    >>> start = rw.balanced(line)
+    >>> print(f"{start['c1.tension_in'] - start['c1.tension_out']:.0f} N")
+    1171 N
     """
     names = scheduled_sheaves(line)
     first, *others = (f"{name}.differential_tension" for name in names)

@@ -202,7 +202,7 @@ def payload(
     ...     tailspar=rw.TailSpar("tail", station=300.0, height=5.0),
     ...     mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> study = payload(rig, clearance=2.0, stations=[100.0, 150.0])
+    >>> study = rw.payload(rig, clearance=2.0, stations=[100.0, 150.0])
     >>> study.frame["limited_by"].tolist()
     ['skyline tension', 'skyline tension']
     """
