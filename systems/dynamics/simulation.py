@@ -134,7 +134,7 @@ def simulate(
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
-        _require_compiled(model)
+        _require_compiled(model, signals)
     rest = equilibrium(model, compiled=compiled) if start is None else _start(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
@@ -154,10 +154,10 @@ def simulate(
     return result
 
 
-def _require_compiled(model: Model) -> None:
+def _require_compiled(model: Model, signals: Sequence[Signal]) -> None:
     """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if model.weather:
-        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
+    if any(isinstance(signal, Schedule) for signal in signals[: model.u.shared]):
+        raise CompiledError("The compiled core cannot simulate weather that changes", "Leave out compiled=True")
     compiled_line(model)
 
 

@@ -110,10 +110,10 @@ def check_component(component: Component) -> None:
     --------
     >>> rw.check_component(rw.Anchor("a", at=(0.0, 0.0)))
     """
-    site = Site(1e4, 100.0)
-    variables = component.variables(site)
-    component_rules.require_declared(component, variables)
-    component_function(component, variables)
+    for weather in (False, True):
+        variables = component.variables(Site(1e4, 100.0, weather=weather))
+        component_rules.require_declared(component, variables)
+        component_function(component, variables, weather=weather)
 
 
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -260,8 +261,13 @@ def test_compiled_lines_and_sweeps() -> None:
         assert frame["c.tension_in"].iloc[i] == pytest.approx(
             rw.equilibrium(mono(load_mass=None, load_spacing=None), environment=env)["c.tension_in"]
         )
-    with pytest.raises(rw.CompiledError, match="cannot simulate in weather"):
-        rw.simulate(mono(), 2.0, environment=GUST, compiled=True)
+    plain, compiled = (rw.simulate(mono(), 30.0, environment=GUST, compiled=c) for c in (False, True))
+    assert len(compiled.events) == len(plain.events) > 0
+    scale = plain.frame.abs().max() + 1.0
+    assert ((compiled.frame - plain.frame).abs() / scale).max().max() < 1e-7
+    until = rw.Environment("gust", wind_pressure=rw.Schedule([0.0, 5.0], [0.0, 300.0]))
+    with pytest.raises(rw.CompiledError, match="weather that changes"):
+        rw.simulate(mono(), 2.0, environment=until, compiled=True)
 
 
 def test_sensitivities_to_the_weather() -> None:
@@ -386,3 +392,30 @@ def test_rigs_of_all_kinds_in_a_storm() -> None:
         assert misses(eq, storm).ends < 1e-9, kind
         assert eq.certificate["holds"].all(), kind
         assert eq["carriage.y"] < -0.5, kind
+
+
+@dataclass(frozen=True)
+class Kite(rw.Anchor):
+    """An anchor that says how hard the wind pulls a kite on it."""
+
+    area: float = 2.0
+
+    def structure(self, site: rw.Site) -> float:
+        return self.area
+
+    def variables(self, site: rw.Site) -> tuple[rw.Variable, ...]:
+        return (*super().variables(site), rw.Variable("kite", rw.Kind.OUTPUT, "N", "pull of the kite"))
+
+    def equations(self, v: Any) -> rw.Equations:
+        found = super().equations(v)
+        pull = 0.0 if v.weather is None else v.weather.drag(self.area)[0]
+        return replace(found, outputs={**found.outputs, "kite": pull})
+
+
+def test_components_of_a_user_read_the_weather() -> None:
+    rw.check_component(Kite("a", at=(0.0, 0.0)))
+    s = rw.System("kite")
+    s.string(rope(), Kite("a", at=(0.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0)), tension=30e3)
+    wind = rw.Environment("wind", wind_pressure=250.0, wind_from=270.0)
+    assert rw.equilibrium(s, environment=wind)["a.kite"] == pytest.approx(500.0)
+    assert rw.equilibrium(s)["a.kite"] == 0.0
