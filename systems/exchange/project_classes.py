@@ -36,8 +36,9 @@ CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
         Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum,
-        Elastic, Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, Inertia,
-        IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope,
-        Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
+        Elastic, Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive,
+        Inertia, IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile,
+        ProportionalResponse, Rope, Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse,
+        Turn,
     )
 }  # fmt: skip
