@@ -241,7 +241,8 @@ class MovingRope:
     def tautness(self) -> Any:
         """Least horizontal tension over the weight of the rope; above 1 if it is cut."""
         level = [catenary.norm((piece.first[0], piece.first[1], 0.0)) for piece in self.pieces]
-        return reduce(catenary.namespace(level[0]).fmin, level) / (self.weight * self.length) + 2 * self.v.broken
+        weight = self.weight.size if isinstance(self.weight, catenary.Uniform) else self.weight
+        return reduce(catenary.namespace(level[0]).fmin, level) / (weight * self.length) + 2 * self.v.broken
 
 
 def _unit(force: Vector) -> Vector:

@@ -38,6 +38,7 @@ CLASSES: Mapping[str, type] = {
         Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum,
         Elastic, Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive,
         Inertia, IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile,
-        ProportionalResponse, Rope, Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
+        ProportionalResponse, Rope, Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse,
+        Turn,
     )
 }  # fmt: skip

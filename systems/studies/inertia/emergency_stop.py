@@ -33,6 +33,8 @@ _UNITS = {
     "stopping_time": "s", "stopping_distance": "m", "highest_tension": "N", "at": "s", "share_of_SWL": "1",
     "dynamic_factor": "1", "support_factor": "1", "lowest_tension": "N", "brake_force": "N", "swing": "m",
 }  # fmt: skip
+_TOLERANCE = 1e-5
+"""Of the simulations, at which peaks are accurate to some newtons."""
 _MOST = 100
 """Largest number of decelerations."""
 
@@ -85,7 +87,6 @@ def emergency_stop(
     start: Equilibrium | None = None,
     inputs: Mapping[str, float] | None = None,
     inertia: Inertia | None = None,
-    tolerance: float = 1e-5,
     progress: bool | None = None,
 ) -> EmergencyStops:
     """Stop a running line at several decelerations: peaks of tension, stopping distance, swing.
@@ -109,8 +110,6 @@ def emergency_stop(
         Speeds in place of those of the drives (`{"c1.speed": 2.5}`).
     inertia : Inertia, optional
         By default `Inertia()`.
-    tolerance : float, default 1e-5
-        Of the simulation.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
 
@@ -156,7 +155,7 @@ def emergency_stop(
                     every=every,
                     inputs=dict(inputs or {}),
                     start=rest,
-                    tolerance=tolerance,
+                    tolerance=_TOLERANCE,
                     interventions=stop,
                     progress=False,
                     inertia=inertia or Inertia(),

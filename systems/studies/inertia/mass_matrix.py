@@ -12,7 +12,7 @@ from scipy.sparse.linalg import LinearOperator, splu
 from ropeway.components.catenary import Strain
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.node import Node
-from ropeway.components.variable import Kind
+from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.studies.inertia.material_points import CutSpan, MaterialPoints
 
@@ -52,9 +52,8 @@ def linear_motion(cut: MaterialPoints) -> Motion:
     free = _free(cut)
     starts, stops = (_rope_ends(cut, free, k) for k in (0, 1))
     frames = np.array([_frame(span) for span in cut.spans for _ in span.pieces]).reshape(-1, 3, 3)
-    values, index = cut.point.p, cut.model.p.index
     per_piece = [
-        (values[index[f"{piece}.mass_per_length"]] * length, span.lumped)
+        (rope_mass(cut, piece) * length, span.lumped)
         for span in cut.spans
         for piece, length in zip(span.pieces, np.diff(span.station), strict=True)
     ]
@@ -71,6 +70,15 @@ def linear_motion(cut: MaterialPoints) -> Motion:
         for matrix in (starts[3 * before : 3 * after], stops[3 * after - 3 : 3 * after])
     ]
     return Motion(_flexibility(cut, free), (mass[0], mass[1], mass[2]), vstack(rows, format="csr"))
+
+
+def rope_mass(cut: MaterialPoints, piece: str) -> float:
+    """Mass of a piece of rope with its ice [kg/m]."""
+    mass, diameter = (cut.read(f"{piece}.{name}", 0.0) for name in ("mass_per_length", "diameter"))
+    if not cut.model.weather:
+        return mass
+    still = Weather.of([cut.read(name) for name in SHARED])._replace(pressure=0.0)
+    return float(still.rope(mass, 1.0, diameter, 0.0, (1.0, 0.0, 0.0)).size)
 
 
 def _frame(span: CutSpan) -> np.ndarray:
@@ -91,22 +99,19 @@ def _turned(frames: np.ndarray, rows: csr_matrix) -> tuple[csr_matrix, csr_matri
 
 def _free(cut: MaterialPoints) -> _Free:
     """All free coordinates of a model."""
-    model, point = cut.model, cut.point
+    model = cut.model
     strain = _strains(cut)
     forces: dict[str, dict[str, float]] = {}
     masses: dict[str, float] = {}
     for balance in model.balances:
         name, residual = model.z.names[balance.travel], model.r.names[balance.residual]
         forces[name] = {residual: balance.sign / (1.0 + strain.get(name, 0.0))}
-    kinds = (Kind.STATE, Kind.ALGEBRAIC, Kind.PARAMETER)
     for node in model.system.components.values():
         if not isinstance(node, Node):
             continue
 
         def read(name: str, owner: str = node.name) -> float:
-            full = f"{owner}.{name}"
-            kind = next(kind for kind in kinds if full in model.tables[kind].index)
-            return float(point.vector(kind)[model.tables[kind].index[full]])
+            return cut.read(f"{owner}.{name}")
 
         for moving in node.masses(read):
             name = f"{node.name}.{moving.place}"
@@ -120,13 +125,13 @@ def _free(cut: MaterialPoints) -> _Free:
 
 def _strains(cut: MaterialPoints) -> dict[str, float]:
     """Strain of the rope at each travel that is an algebraic variable, by its name."""
-    model, point, found = cut.model, cut.point, dict[str, float]()
+    model, found = cut.model, dict[str, float]()
     forces = {piece: force for span in cut.spans for piece, force in zip(span.pieces, span.force, strict=True)}
     for run, layout in zip(model.runs, model.layouts, strict=True):
         for k in np.flatnonzero(layout.travel.algebraic >= 0).tolist():
             piece = run.spans[max(k - 1, 0)].name
             tension = float(np.linalg.norm(forces[piece][1 if k else 0]))
-            compliance = float(point.p[model.p.index[f"{piece}.compliance"]])
+            compliance = cut.read(f"{piece}.compliance")
             found[model.z.names[layout.travel.algebraic[k]]] = float(Strain(compliance, run.rope.strain.c2).at(tension))
     return found
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,33 +15,55 @@ from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.joint import Joint
 from ropeway.components.span import Span
-from ropeway.components.variable import Site
+from ropeway.components.variable import Equations, Site, Variable
+from ropeway.components.weather import drag_variables
 from ropeway.systems.dynamics.inertia.inertial_system import rope_nodes
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import VECTORS, Point, newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.line_state import load_force, span_rope
 from ropeway.systems.statics.resting import same_values
 
 _SHORTEST = 1e-6
 """Pieces of rope shorter than this part of their span are left out."""
 _EXACT = 1e-7
 """Largest scaled residual of the cut line at rest."""
-_OF_ROPE = ("mass_per_length", "compliance", "construction", "breaking_load")
+_OF_ROPE = (
+    "mass_per_length",
+    "compliance",
+    "construction",
+    "breaking_load",
+    "diameter",
+    "thermal_expansion",
+    "drag_coefficient",
+)
 
 
 @checked
 @dataclass(frozen=True)
 class RopePoint(Joint):
-    """A point of a rope, with the mass of a load that is clamped there. The rope continues through it."""
+    """A point of a rope, with the mass and drag area [m2] of a load that is clamped there. The rope continues through
+    it."""
 
     ends: int = 2
+    drag_area: float = 0.0
 
     def through(self, seat: Seat) -> Seat | None:
         return self.seats[1] if seat == self.seats[0] else None
 
     def structure(self, site: Site) -> Hashable:
         return self.ends
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return (*super().variables(site), *drag_variables(site, self.drag_area))
+
+    def equations(self, v: Any) -> Equations:
+        found = super().equations(v)
+        if v.weather is None:
+            return found
+        blown = zip("xyz", v.weather.drag(v.drag_area), strict=True)
+        return replace(found, residuals={f"balance_{a}": found.residuals[f"balance_{a}"] + f for a, f in blown})
 
 
 @dataclass(frozen=True)
@@ -73,6 +96,16 @@ class MaterialPoints:
     point: Point
     spans: tuple[CutSpan, ...]
 
+    def read(self, name: str, missing: float | None = None) -> float:
+        """A state, algebraic variable, input or parameter by its name. Raises KeyError where it is `missing`."""
+        for kind in VECTORS:
+            index = self.model.tables[kind].index.get(name)
+            if index is not None:
+                return float(self.point.vector(kind)[index])
+        if missing is None:
+            raise KeyError(name)
+        return missing
+
 
 def material_points(line: Equilibrium, nodes: int) -> MaterialPoints:
     """The equilibrium with `nodes` rope nodes in each span, spread over its load-free pieces. Raises InputError."""
@@ -81,13 +114,14 @@ def material_points(line: Equilibrium, nodes: int) -> MaterialPoints:
     cut: list[CutSpan] = []
     for r, run in enumerate(line.runs):
         for k, span in enumerate(run.spans):
-            own, masses = _cut(line, r, k, nodes)
+            inner = _inner_points(line, r, k, nodes)
+            own = _cut(line, r, k, inner)
             cut.append(own)
             del system.components[span.name]
             ends = [system.connections.pop((span.name, end)) for end in "ab"]
             points = [
-                system.add(RopePoint(PartName(f"{name}.point"), at=tuple(map(float, at)), mass=mass))
-                for name, at, mass in zip(own.pieces[1:], own.place[1:-1], masses, strict=True)
+                system.add(RopePoint(PartName(f"{name}.point"), tuple(map(float, at)), p.mass, drag_area=p.drag_area))
+                for name, at, p in zip(own.pieces[1:], own.place[1:-1], inner.values(), strict=True)
             ]
             lengths = np.diff(own.station)
             for i, (name, length) in enumerate(zip(own.pieces, lengths, strict=True)):
@@ -101,42 +135,61 @@ def material_points(line: Equilibrium, nodes: int) -> MaterialPoints:
     return MaterialPoints(model, _point(line, model, cut), tuple(cut))
 
 
-def _cut(line: Equilibrium, r: int, k: int, nodes: int) -> tuple[CutSpan, list[float]]:
-    """A span cut at its loads and rope nodes, and the masses at its inner points."""
-    run, point, p = line.runs[r], line.point, line.model.p.index
-    name, length = run.spans[k].name, line[f"{run.spans[k].name}.length"]
-    loads = line.loads[line.loads["span"] == name]
-    inner = loads[(loads["distance"] > _SHORTEST * length) & (loads["distance"] < (1.0 - _SHORTEST) * length)]
-    hung = dict[float, tuple[str, float]]()
-    for load in inner.itertuples():
-        at = next((d for d in hung if abs(d - load.distance) <= _SHORTEST * length), float(load.distance))
-        others, mass = hung.get(at, ("", 0.0))  # at one place they are one point
-        hung[at] = (f"{others}, {load.load}" if others else str(load.load), mass + float(load.mass))
-    (own,) = rope_nodes(run, np.array([length]), [np.array(list(hung))], nodes)
-    hung.update({float(at): (f"{name} {at:.4g} m", 0.0) for at in own})
-    station = [0.0, *sorted(hung), length]
-    names = [run.nodes[k].name, *(hung[at][0] for at in station[1:-1]), run.nodes[k + 1].name]
-    masses = [hung[at][1] for at in station[1:-1]]
-    force, gravity = point.z[line.model.layouts[r].force[k] :][:3], float(point.p[0])
-    strain = catenary.Strain(point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
-    weight = point.p[p[f"{name}.mass_per_length"]] * gravity
-    pulls = [mass * gravity for mass in masses]
-    first = loads[loads["distance"] <= _SHORTEST * length]["mass"].sum() * gravity  # it stands on the support
-    start = (float(force[0]), float(force[1]), float(force[2]) + float(first))
-    stations = catenary.loaded(start, weight, strain, length, station[1:-1], pulls)
-    ends = np.array([s.force for s in stations], dtype=float)
-    starts = np.vstack([start, ends[:-1]])
-    starts[1:, 2] += pulls
+class _Inner(NamedTuple):
+    """An inner point of a span: its name, and the mass [kg] and drag area [m2] of the loads that hang there."""
+
+    name: str
+    mass: float = 0.0
+    drag_area: float = 0.0
+
+    def __add__(self, other: object) -> _Inner:
+        if not isinstance(other, _Inner):
+            return NotImplemented
+        return _Inner(f"{self.name}, {other.name}", self.mass + other.mass, self.drag_area + other.drag_area)
+
+
+def _inner_points(line: Equilibrium, r: int, k: int, nodes: int) -> dict[float, _Inner]:
+    """The inner points of a span by their distance from end a [m], in order."""
+    run, name = line.runs[r], line.runs[r].spans[k].name
+    length, loads = line[f"{name}.length"], line.loads[line.loads["span"] == name]
+    drag = dict(zip(run.loads.names, run.loads.drag.tolist(), strict=True))
+    found = dict[float, _Inner]()
+    for load in loads.itertuples():
+        distance, own = float(load.distance), _Inner(str(load.load), float(load.mass), drag[str(load.load)])
+        if not _SHORTEST * length < distance < (1.0 - _SHORTEST) * length:
+            continue
+        known = next((at for at in found if abs(at - distance) <= _SHORTEST * length), None)
+        if known is None:
+            found[distance] = own
+        else:  # at one place they are one point
+            found[known] = found[known] + own
+    (rope,) = rope_nodes(run, np.array([length]), [np.array(list(found))], nodes)
+    found.update({float(at): _Inner(f"{name} {at:.4g} m") for at in rope})
+    return dict(sorted(found.items()))
+
+
+def _cut(line: Equilibrium, r: int, k: int, inner: Mapping[float, _Inner]) -> CutSpan:
+    """A span cut at its inner points."""
+    run, name = line.runs[r], line.runs[r].spans[k].name
+    loads, length = line.loads[line.loads["span"] == name], line[f"{name}.length"]
+    rope = span_rope(line.model, run, k, line.__getitem__)
+    pulls = [load_force(line.model, own.mass, own.drag_area, line.__getitem__) for own in inner.values()]
+    # Loads that stand on the support hang behind it.
+    first = float(loads[loads["distance"] <= _SHORTEST * length]["mass"].sum())
+    force = line.point.z[line.model.layouts[r].force[k] :][:3].tolist()
+    start = catenary.after((force[0], force[1], force[2]), first * line["gravity"])
+    stations = catenary.loaded(start, rope.weight, rope.strain, length, list(inner), pulls)
+    starts = [start, *(catenary.after(s.force, pull) for s, pull in zip(stations, pulls, strict=False))]
     reach = np.array([(0.0, 0.0, 0.0), *(s.reach for s in stations)], dtype=float)
     return CutSpan(
         name,
-        tuple(names),
-        np.array(station),
+        (run.nodes[k].name, *(own.name for own in inner.values()), run.nodes[k + 1].name),
+        np.array([0.0, *inner, length]),
         run.start(k, line.__getitem__) + reach,
         tuple(f"{name}.piece_{i + 1}" for i in range(len(stations))),
-        np.stack([starts, ends], axis=1),
-        0.5 if len(own) else 0.0,
-    ), masses
+        np.array([(before, after.force) for before, after in zip(starts, stations, strict=True)], dtype=float),
+        0.5 if any(own.mass == 0.0 for own in inner.values()) else 0.0,
+    )
 
 
 def _point(line: Equilibrium, model: Model, cut: Sequence[CutSpan]) -> Point:
@@ -155,6 +208,8 @@ def _point(line: Equilibrium, model: Model, cut: Sequence[CutSpan]) -> Point:
                 if f"{name}.{value}" in model.p.index:
                     point.p[model.p.index[f"{name}.{value}"]] = line.point.p[line.model.p.index[f"{span.name}.{value}"]]
     newton = newton_of(model)
+    if model.weather:  # each piece faces the wind by its own chord
+        newton.solve(point)
     missed = np.abs(newton.functions.residual(*newton.arguments(point)).full().ravel())
     if not missed.max(initial=0.0) < _EXACT:
         name = component_of(model.r.names[int(missed.argmax())])

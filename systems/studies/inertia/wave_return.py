@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.catenary import Strain
+from ropeway.systems.studies.inertia.mass_matrix import rope_mass
 from ropeway.systems.studies.inertia.material_points import CutSpan, MaterialPoints
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -16,8 +17,7 @@ def wave_return(cut: MaterialPoints) -> pd.DataFrame:
     rows = {}
     for span in cut.spans:
         times = np.concatenate([[0.0], np.cumsum(_times(cut, span))])
-        index = cut.model.p.index
-        loaded = [i for i, piece in enumerate(span.pieces[1:], 1) if cut.point.p[index[f"{piece}.point.mass"]] > 0.0]
+        loaded = [i for i, piece in enumerate(span.pieces[1:], 1) if cut.read(f"{piece}.point.mass") > 0.0]
         first, last = (loaded[0], loaded[-1]) if loaded else (len(times) - 1, 0)
         rows[span.name] = (2.0 * times[first], 2.0 * (times[-1] - times[last]))
     frame = pd.DataFrame.from_dict(rows, "index", columns=["from_a", "from_b"]).rename_axis("span")
@@ -27,12 +27,9 @@ def wave_return(cut: MaterialPoints) -> pd.DataFrame:
 
 def _times(cut: MaterialPoints, span: CutSpan) -> np.ndarray:
     """Time of a transverse wave through each piece [s]: its unstretched speed is sqrt(T / (mu (1 + eps)))."""
-    p, index, lengths = cut.point.p, cut.model.p.index, np.diff(span.station)
-    mass, compliance = (p[index[f"{span.pieces[0]}.{name}"]] for name in ("mass_per_length", "compliance"))
-    construction = p[index[f"{span.pieces[0]}.construction"]] if f"{span.pieces[0]}.construction" in index else 0.0
-    level = np.hypot(span.force[:, 0, 0], span.force[:, 0, 1])
-    share = 0.5 * (1.0 + _NODES)
-    upright = span.force[:, 0, 2, None] + (span.force[:, 1, 2] - span.force[:, 0, 2])[:, None] * share
-    tension = np.hypot(level[:, None], upright)
+    lengths, mass = np.diff(span.station), rope_mass(cut, span.pieces[0])
+    compliance, construction = (cut.read(f"{span.pieces[0]}.{name}", 0.0) for name in ("compliance", "construction"))
+    share = 0.5 * (1.0 + _NODES)[:, None]
+    tension = np.linalg.norm((1.0 - share) * span.force[:, None, 0] + share * span.force[:, None, 1], axis=2)
     stretched = 1.0 + Strain(compliance, construction).at(tension)
     return np.asarray(0.5 * lengths * (np.sqrt(mass * stretched / tension) @ _WEIGHTS))

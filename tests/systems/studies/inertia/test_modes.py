@@ -273,6 +273,30 @@ def test_wave_return_of_a_span() -> None:
     assert loaded.loc["s1_s2", "from_a"] == pytest.approx(2.0 * np.trapezoid(slowness, curve["station"]), rel=1e-7)
 
 
+def test_modes_in_weather() -> None:
+    """Ice is mass of the rope. Wind across a span turns its plane: its rope hangs as in stronger gravity."""
+    rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3, diameter=0.0254)
+    ice = 900.0 * math.pi * 0.01 * (0.0254 + 0.01)
+    wind = 300.0 * rope.drag_coefficient * 0.0254
+
+    def strung(rope: rw.Rope, gravity: float) -> rw.System:
+        s = rw.System("span", gravity=gravity)
+        (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(240.0, 0.0)), length=240.3)
+        s.hang(rw.Load("turn", mass=500.0, drag_area=500.0 * wind / 300.0 / 2.4), span, at=100.0)
+        return s
+
+    iced = rw.Environment("iced", ice_thickness=0.01, ice_density=900.0)
+    heavy = rw.Rope(mass_per_length=2.4 + ice, axial_stiffness=24e6, breaking_load=450e3)
+    found = rw.modes(rw.equilibrium(strung(rope, 9.80665), environment=iced), 4, 6)
+    exact = rw.modes(rw.equilibrium(strung(heavy, 9.80665)), 4, 6)
+    assert found.frame["frequency"].to_numpy() == pytest.approx(exact.frame["frequency"].to_numpy(), rel=1e-9)
+    assert found.wave_return.to_numpy() == pytest.approx(exact.wave_return.to_numpy(), rel=1e-9)
+    windy = rw.Environment("windy", wind_pressure=300.0, wind_from=0.0)
+    blown = frequencies(rw.equilibrium(strung(rope, 9.80665), environment=windy), 4, 6)
+    still = frequencies(rw.equilibrium(strung(rope, math.hypot(9.80665, wind / 2.4))), 4, 6)
+    assert blown == pytest.approx(still, rel=2e-3)
+
+
 def test_rejected_modes() -> None:
     eq = idler_line()
     for wrong in ({"nodes": -1}, {"nodes": 2000}, {"count": 0}, {"damping": -1e-3}, {"count": 10**9}):
