@@ -33,6 +33,7 @@ TITLES = {
     "guyed_spar": "Guyed spar",
     "corridor_map": "From the map to the map",
     "monocable": "Mono-cable line",
+    "load_cases": "Load cases",
     "turk_responses": "Responses of control sheaves",
     "optimise_schedule": "Optimal schedules",
     "sweep": "Ten thousand variants",
