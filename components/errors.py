@@ -221,6 +221,10 @@ class DesignPointError(RopewayError):
     """
 
 
+class FitError(RopewayError):
+    """A fit to measured values did not converge."""
+
+
 class WorkerError(RopewayError):
     """Worker processes of a study were lost.
 

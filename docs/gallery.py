@@ -37,6 +37,7 @@ TITLES = {
     "turk_responses": "Responses of control sheaves",
     "optimise_schedule": "Optimal schedules",
     "sweep": "Ten thousand variants",
+    "fit_tension_log": "Fit to a tension log",
     "own_component": "Components of your own",
     "fmu_export": "A line as an FMU",
     "fmu_cosimulation": "Co-simulation",

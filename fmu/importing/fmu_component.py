@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import casadi as ca
-import fmpy
 import numpy as np
 import pandas as pd
 
@@ -139,6 +138,11 @@ def component(
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
+    if file.isolated:
+        raise FmuImportError(
+            f"{file.path.name} is isolated: a component runs in the process of the session",
+            "Load it with isolated=False, or couple it by CoSimulation",
+        )
     require_kind(file, "ModelExchange")
     values = dict(parameters or {})
     for key, value in values.items():
@@ -154,7 +158,7 @@ def component(
         )
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
-        fmpy.extract(str(file.path), unzipdir=folder)
+        file.unpack(folder)
         make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
         # CasADi reads only real outputs.

@@ -112,7 +112,7 @@ def simulate(
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
-    model = in_weather(system, environment)
+    model = in_weather(system, environment, inputs or ())
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)

@@ -19,7 +19,7 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.rope_tensions import highest_tension
@@ -109,7 +109,7 @@ def set_up(
     4.95
     """
     _require_one_target(rig, payload, tension, deflection)
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = studied_in(rig, environment)
     state = partial(at, rig, station=station, payload=payload)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
