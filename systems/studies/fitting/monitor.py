@@ -88,7 +88,7 @@ def monitor(
     columns : mapping of str to str
         The quantity of each column, as for `fit`: one is "time", results are measured, inputs are given.
     free : str or sequence of str
-        Masses of loads ("l7.mass"; "*.mass" for all, as they come on the line), and parameters ("s3.friction").
+        Masses of loads ("l7.mass"; `"*.mass"` for all, as they come on the line), and parameters ("s3.friction").
     sigma : float or mapping of str to float
         Standard deviation of the measured values, in SI units; by column.
     prior : mapping of str to (float, float), optional
