@@ -31,6 +31,11 @@ class Inertia:
     ------
     InputError
         A negative value, a zone of zero, or a value that is not a number.
+
+    Examples
+    --------
+    >>> rw.Inertia(damping=1e-3).zone
+    0.5
     """
 
     nodes: int = 0
