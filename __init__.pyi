@@ -14,6 +14,7 @@ from .components.drive import (
     IdealDrive as IdealDrive,
 )
 from .components.drum import Drum as Drum
+from .components.environment import Environment as Environment
 from .components.errors import (
     CompiledError as CompiledError,
     CompilerError as CompilerError,
@@ -80,6 +81,7 @@ from .systems.rigs.monocable import monocable as monocable
 from .systems.rigs.running_skyline import running_skyline as running_skyline
 from .systems.rigs.skyline_rig import SkylineRig as SkylineRig
 from .systems.rigs.standing_skyline import standing_skyline as standing_skyline
+from .systems.rigs.stringing_table import stringing_table as stringing_table
 from .systems.rigs.turn import Turn as Turn
 from .systems.statics.equilibrium import Equilibrium as Equilibrium
 from .systems.statics.equilibrium_solver import equilibrium as equilibrium
@@ -122,6 +124,9 @@ from .systems.studies.handbook.payload_methods import (
     tension_for_payload as tension_for_payload,
 )
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.load_cases.load_case import LoadCase as LoadCase
+from .systems.studies.load_cases.study import LoadCases as LoadCases, load_cases as load_cases
+from .systems.studies.load_cases.support_table import support_table as support_table
 from .systems.studies.saved_files import load as load, run_study as run_study, save as save
 from .systems.studies.sensitivity.sensitivities import sensitivities as sensitivities
 from .systems.studies.skyline.inhaul.study import Inhaul as Inhaul, inhaul as inhaul

@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from importlib.resources import as_file, files
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ropeway import cli_projects
-from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
+from ropeway import cli_cases, cli_projects
+from ropeway.cli_options import LineOptions, WeatherOptions, errors_on_one_line, folder_for, grouped
 from ropeway.cli_plan import print_table, report_plan
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
@@ -34,6 +34,7 @@ app = typer.Typer(
 app.add_typer(fmu_commands, name="fmu")
 app.command()(cli_projects.new)
 app.command()(cli_projects.compare)
+app.command()(cli_cases.cases)
 cache_commands = typer.Typer(help="Compiled libraries that are kept.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(cache_commands, name="cache")
 
@@ -80,6 +81,7 @@ def demo(out: Out = Path("ropeway-demo")) -> None:
 @grouped
 def simulate(
     line: LineOptions,
+    weather: WeatherOptions,
     until: Annotated[float, typer.Option(help="Duration of the run [s].")] = 600.0,
     every: Annotated[float, typer.Option(help="Time between two rows of the tables [s].")] = 1.0,
     safety_factor: SafetyFactor = 3.0,
@@ -91,8 +93,9 @@ def simulate(
     import ropeway as rw
 
     with errors_on_one_line():
-        system = line.system(safety_factor)
-        _simulate(lambda: rw.simulate(system, until=until, every=every, compiled=compiled), out, report)
+        system, environment = line.system(safety_factor), weather.environment()
+        how: dict[str, Any] = {"until": until, "every": every, "compiled": compiled, "environment": environment}
+        _simulate(lambda: rw.simulate(system, **how), out, report)
 
 
 @dataclass(frozen=True)
@@ -191,6 +194,7 @@ def payload(
     ],
     rig: SkylineOptions,
     limits: PayloadOptions,
+    weather: WeatherOptions,
     report: Annotated[
         list[Path] | None,
         typer.Option(help="Write a report too, .html or .pdf; repeat the option for both. Needs the extra `report`."),
@@ -203,7 +207,7 @@ def payload(
 ) -> None:
     """Calculate the largest payload at stations along a skyline, and its limits.
 
-    A project file has its own rig: of the options only those of limits and stations count.
+    A project file has its own rig: of the options only those of limits, stations and weather count.
     """
     import ropeway as rw
     from ropeway.systems.studies.skyline.payload.command import payload_command, write_payload
@@ -212,10 +216,11 @@ def payload(
         folder_for(out)
         if cli_projects.is_project(corridor):
             project = rw.load(corridor)
-            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing)
+            environment = weather.environment()
+            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing, environment)
             paths = write_payload(study, out)
         else:
-            study, paths = payload_command(_request(corridor, rig, limits), out)
+            study, paths = payload_command(_request(corridor, rig, limits, weather), out)
         for path in report or ():
             study.report(path)
         for path in gis or ():
@@ -232,7 +237,7 @@ def payload(
         typer.echo(f"Written to {paths[0].parent.resolve()}: {', '.join(p.name for p in paths)}")
 
 
-def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions) -> CorridorRequest:
+def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions, weather: WeatherOptions) -> CorridorRequest:
     """What the options ask for. Raises InputError, UnknownNameError."""
     from ropeway.components.rope import Rope
     from ropeway.systems.studies.skyline.payload.command import CorridorRequest
@@ -251,6 +256,7 @@ def _request(corridor: Path, rig: SkylineOptions, limits: PayloadOptions) -> Cor
         kind=rig.kind,
         start=rig.start,
         end=rig.end,
+        environment=weather.environment(),
         **asdict(limits),
     )
 

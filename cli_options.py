@@ -17,6 +17,7 @@ import typer
 from ropeway.components.errors import InputError, RopewayError, RopewayWarning, WriteError
 
 if TYPE_CHECKING:
+    from ropeway.components.environment import Environment
     from ropeway.systems.modelling.system import System
 
 INTERRUPTED = 130
@@ -62,6 +63,32 @@ class LineOptions:
             load_mass=self.load_mass,
             load_spacing=self.load_spacing,
             name=self.line.stem,
+        )
+
+
+@dataclass(frozen=True)
+class WeatherOptions:
+    """Weather; without an option the ropes stand in none, at the temperature at which they were strung."""
+
+    temperature: Annotated[float | None, typer.Option(help="Temperature of the ropes [degrees C].")] = None
+    ice: Annotated[float, typer.Option(help="Thickness of ice on the ropes [m].")] = 0.0
+    wind_pressure: Annotated[float, typer.Option(help="Dynamic pressure of the wind [Pa].")] = 0.0
+    wind_from: Annotated[
+        float, typer.Option(help="Direction that the wind comes from, clockwise from grid north or +y [degrees].")
+    ] = 0.0
+
+    def environment(self) -> Environment | None:
+        """The weather; None without an option. Raises InputError."""
+        from ropeway.components.environment import Environment
+
+        if self == WeatherOptions():
+            return None
+        return Environment(
+            "weather",
+            temperature=self.temperature,
+            ice_thickness=self.ice,
+            wind_pressure=self.wind_pressure,
+            wind_from=self.wind_from,
         )
 
 

@@ -14,6 +14,7 @@ from ropeway.components.rounding import at_most
 from ropeway.components.whole_files import whole
 
 if TYPE_CHECKING:
+    from ropeway.components.environment import Environment
     from ropeway.systems.studies.skyline.payload.study import PayloadStudy
 
 Kind = Annotated[str, typer.Option(help="Kind: standing, live, gravity, running or monocable.")]
@@ -68,19 +69,25 @@ def is_project(path: Path) -> bool:
     return path.suffix.lower() in (".json", ".zip")
 
 
-def study_of(project: Any, safety_factor: float, clearance: float, spacing: float) -> PayloadStudy:
+def study_of(
+    project: Any, safety_factor: float, clearance: float, spacing: float, environment: Environment | None = None
+) -> PayloadStudy:
     """The payload study of what a project file holds. Raises InputError."""
     import ropeway as rw
     from ropeway.systems.studies.skyline.load_path import default_stations
 
     if isinstance(project, rw.StudyInputs) and project.study == "payload":
+        if environment is not None:
+            raise InputError("The project holds a study with its own arguments", "Give its weather in the file")
         study: PayloadStudy = rw.run_study(project)
         return study
     if not isinstance(project, rw.SkylineRig):
         raise InputError(f"The project holds a {type(project).__name__}", "Name a project file of a skyline rig")
     over_ground = None if project.terrain is None else clearance
     stations = default_stations(project, spacing)
-    return rw.payload(project, safety_factor=safety_factor, clearance=over_ground, stations=stations)
+    return rw.payload(
+        project, safety_factor=safety_factor, clearance=over_ground, stations=stations, environment=environment
+    )
 
 
 _ROPES = """  // Ropes, from the certificate. A name of the catalogue (ropeway ropes) needs no entry.

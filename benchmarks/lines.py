@@ -7,7 +7,7 @@ import math
 import ropeway as rw
 from ropeway.components.node import Node
 
-ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3, diameter=0.0286)
 TENSION = 45e3
 """Tension of the empty rope at the first support [N]."""
 SPACING = 50.0

@@ -118,12 +118,16 @@ def _union(options: tuple[Any, ...]) -> Check | None:
         del checks[Path]
         checks[str] = accepted_values.path
     makers = [check for option in checks if (check := _maker(option)) is not None]
-    if makers:  # they take the other forms that the union names; None is left
-        none = (type(None),) if type(None) in checks else ()
-        return accepted_values.any_of(none, [_name(o) for o in none], makers)
+    if makers:  # they take the other forms that the union names; None and other classes of the library are left
+        left = tuple(o for o in checks if o is type(None) or (_is_own(o) and _maker(o) is None))
+        return accepted_values.any_of(left, [_name(o) for o in left], makers)
     plain = [o for o in checks if isinstance(o, type) and o not in (*_PLAIN, str) and not _is_protocol(o)]
     others = [check for option, check in checks.items() if option not in plain and check is not None]
     return accepted_values.any_of(tuple(plain), [_name(o) for o in plain], others)
+
+
+def _is_own(hint: Any) -> bool:
+    return isinstance(hint, type) and hint.__module__.startswith("ropeway.")
 
 
 def _is_protocol(hint: Any) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
 from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.weather import drag_variables
 
 Holding = Literal["bisector", "horizontal"]
 
@@ -49,12 +50,16 @@ class Carriage(Node):
         skyline's tangents, or horizontal; positive towards a.
     depth : float, default 0
         Distance from the skyline down to the lowest point of the load [m].
+    drag_area : float, default 0
+        Drag coefficient times area of carriage and load in the wind [m2].
 
     Raises
     ------
     InputError
-        A negative mass, payload or depth, or a clamped carriage with a holding force.
+        A negative mass, payload, depth or area, or a clamped carriage with a holding force.
     """
+
+    hangs: ClassVar[bool] = True
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
     mass: float
@@ -62,12 +67,14 @@ class Carriage(Node):
     clamped: bool = False
     holding: Holding | None = None
     depth: float = 0.0
+    drag_area: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check.not_negative(self.mass, self.described, "mass", "kg")
         check.not_negative(self.payload, self.described, "payload", "kg")
         check.not_negative(self.depth, self.described, "depth", "m")
+        check.not_negative(self.drag_area, self.described, "drag_area", "m2")
         if self.holding not in (None, "bisector", "horizontal"):
             raise InputError(
                 f"{self.described}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None'
@@ -130,6 +137,7 @@ class Carriage(Node):
             Variable("z", alg, "m", "z of the carriage", z, 100.0),
             Variable("mass", par, "kg", "mass of the empty carriage", self.mass, 1000.0, range=NOT_NEGATIVE),
             Variable("payload", par, "kg", "mass of the payload", self.payload, 1000.0, range=NOT_NEGATIVE),
+            *drag_variables(site, self.drag_area),
             Variable("travel", par if self.clamped else alg, "m", travel, 0.0, site.length),
             *([] if self.holding is None else [Variable("holding", alg, "N", "holding force", 0.0, force)]),
             *(Variable(f"balance_{axis}", res, "N", f"forces on the carriage, {axis}", 0.0, scale) for axis in "xyz"),
@@ -142,7 +150,7 @@ class Carriage(Node):
         )
 
     def total(self, v: Any, a: Vector, b: Vector, lines: tuple[Vector, ...]) -> list[Any]:
-        """Sum of all forces on the carriage: skyline, other ropes, ideal holding force, weight [N]."""
+        """Sum of all forces on the carriage: skyline, other ropes, ideal holding force, weight, wind [N]."""
         held = (0.0, 0.0, 0.0)
         if self.holding is not None:
             tension_a, tension_b = norm(a), norm(b)
@@ -157,6 +165,8 @@ class Carriage(Node):
             )
         total = [a[i] + b[i] + sum(pull[i] for pull in lines) + held[i] for i in range(3)]
         total[2] = total[2] - (v.mass + v.payload) * v.gravity
+        if v.weather is not None:
+            total = [force + wind for force, wind in zip(total, v.weather.drag(v.drag_area), strict=True)]
         return total
 
     def line_outputs(self, v: Any) -> dict[str, Any]:
@@ -185,7 +195,7 @@ class Carriage(Node):
 
     def laws(self, v: Any) -> dict[str, laws.Law]:
         ropes = [getattr(v, seat.name).force for seat in self.seats]
-        held = laws.weight((v.mass + v.payload) * v.gravity)
+        held = laws.weight((v.mass + v.payload) * v.gravity) + laws.wind(v)
         if self.holding is not None:
             held = held + self._holding_force(v, *(rope / laws.tension(rope) for rope in ropes[:2]))
         found = {f"balance_{axis}": law for axis, law in laws.balance(*ropes, held).items()}

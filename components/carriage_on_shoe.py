@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -46,6 +46,8 @@ class CarriageOnShoe(Carriage):
         Direction of an ideal holding force, as of a `Carriage`.
     depth : float, default 0
         Distance from the skyline down to the lowest point of the load [m].
+    drag_area : float, default 0
+        Drag coefficient times area of carriage and load in the wind [m2].
     support : IntermediateSupport
         The support; its saddle has a radius and no friction.
     mainline_on_roller : bool, default False
@@ -56,6 +58,8 @@ class CarriageOnShoe(Carriage):
     InputError
         The support has no radius, or friction; or invalid values of a `Carriage`.
     """
+
+    hangs: ClassVar[bool] = False
 
     support: IntermediateSupport
     mainline_on_roller: bool = False
@@ -107,6 +111,10 @@ class CarriageOnShoe(Carriage):
             Variable("balance", res, "N", "forces on the carriage along the shoe", 0.0, 0.01 * force),
             *(v for side in self._sides for v in shoe.side_variables(side)),
             Variable("shoe_force", out, "N", "force of the shoe on the carriage", nominal=force),
+            *(
+                Variable(f"pull_{axis}", out, "N", f"force of carriage and ropes on the support, {axis}", nominal=force)
+                for axis in "xyz"
+            ),
             *self.support.wheel_outputs(site),
         )
 
@@ -123,7 +131,7 @@ class CarriageOnShoe(Carriage):
             seat = getattr(v, name)
             along = shoe.towards_b(normal) if name == "b" else shoe.towards_a(normal)
             below = shoe.turn(seat.force, normal, along)
-            laid = shoe.side(shoe.contact_angle(below), normal, along, v.radius, seat.force, seat.carried)
+            laid = shoe.side(shoe.contact_angle(below), normal, along, v.radius, seat)
             residuals.update(shoe.side_residuals(v, name, laid, -1 if name == "b" else 1))
             acting[name] = shoe.pull(norm(seat.force), laid.turn - below, normal, along)
         total = self.total(v, acting["a"], acting["b"], (acting["mainline"], v.haulback.force, v.dropline.force))
@@ -135,6 +143,7 @@ class CarriageOnShoe(Carriage):
         # Load on the shoe: the carriage, and the rope that lies on it.
         on = [v.a.force[i] - acting["a"][i] + v.b.force[i] - acting["b"][i] for i in range(3)]
         load = (on[0] - pressed * normal[0], on[1], on[2] - pressed * normal[1])
+        roller = [v.mainline.force[i] - acting["mainline"][i] for i in range(3)]
         wheel = IntermediateSupport.wheel_equations(v)
         return Equations(
             residuals=residuals,
@@ -142,6 +151,7 @@ class CarriageOnShoe(Carriage):
                 **self.line_outputs(v),
                 **wheel,
                 "shoe_force": pressed,
+                **{f"pull_{axis}": load[i] + roller[i] for i, axis in enumerate("xyz")},
                 "bearing_load": norm(load),
                 "support_force": -load[2],
             },
@@ -153,7 +163,7 @@ class CarriageOnShoe(Carriage):
         for name in self._sides:
             found.update(shoe.laws_of_side(v, name, here, free=True))
         # The forces of the shoe, on the carriage and on the ropes, pass through its centre.
-        pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity)], np.zeros(1)
+        pulls, moment = [laws.weight((v.mass + v.payload) * v.gravity) + laws.wind(v)], np.zeros(1)
         for seat in self.seats:
             pulls.append(getattr(v, seat.name).force)
             if seat.offset is not None:

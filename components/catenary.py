@@ -6,6 +6,8 @@ rises. With w the weight per unstretched metre and d the unstretched length, the
 from Irvine's and Sinclair's sums (Turk 1988, eq. 2.48-2.52 and 2.111-2.116, corrected) by taking the
 differences analytically: there is no difference of asinh and no cancellation for short, slack, steep or taut pieces.
 The strain law is eps(T) = c1 T + c2 T^2 (c1 = 1/EA elastic, c2 construction stretch; Lyons 2008, eq. 14).
+
+Wind on a rope only turns its weight: a `Uniform` force in place of the weight is a weight along another axis.
 """
 
 from __future__ import annotations
@@ -24,10 +26,17 @@ Vector = tuple[Any, Any, Any]
 
 
 class Strain(NamedTuple):
-    """Coefficients of eps(T) = c1 T + c2 T^2."""
+    """Coefficients of eps(T) = c1 T + c2 T^2. A rope that is warmer or colder than when it was strung is `expansion`
+    + eps(T) times as long: strains add."""
 
     c1: Any
     c2: Any
+    expansion: Any = 1.0
+
+    @property
+    def none(self) -> bool:
+        """Whether tension does not stretch the rope."""
+        return bool(self.c1 == 0.0 and self.c2 == 0.0)
 
     def at(self, tension: Any) -> Any:
         """Strain at a tension [N]."""
@@ -38,7 +47,43 @@ class Strain(NamedTuple):
 
         T + T^2/(2 EA) for an elastic rope.
         """
-        return tension * (1 + tension * (self.c1 / 2 + self.c2 * tension / 3))
+        return tension * (self.expansion + tension * (self.c1 / 2 + self.c2 * tension / 3))
+
+    def expanded(self, value: Any) -> Any:
+        """A length of the rope as it was strung, warmer or colder without tension."""
+        return value if isinstance(self.expansion, float) and self.expansion == 1.0 else self.expansion * value
+
+
+class Uniform(NamedTuple):
+    """A force on each unstretched metre of a rope, in any direction: its `size` [N/m], and the unit vector `up`
+    against it."""
+
+    size: Any
+    up: Vector
+
+    @classmethod
+    def of(cls, force: Vector) -> Uniform:
+        """By the force itself [N/m]."""
+        size = norm(force)
+        return cls(size, (-force[0] / size, -force[1] / size, -force[2] / size))
+
+    @property
+    def force(self) -> Vector:
+        """The force [N/m]."""
+        return (-self.size * self.up[0], -self.size * self.up[1], -self.size * self.up[2])
+
+    def along(self, force: Vector) -> tuple[Vector, Any]:
+        """A tension vector as its part across `up`, and its component along it."""
+        v = force[0] * self.up[0] + force[1] * self.up[1] + force[2] * self.up[2]
+        return (force[0] - v * self.up[0], force[1] - v * self.up[1], force[2] - v * self.up[2]), v
+
+    def added(self, vector: Vector, along: Any) -> Vector:
+        """A vector with more along `up`."""
+        return (vector[0] + along * self.up[0], vector[1] + along * self.up[1], vector[2] + along * self.up[2])
+
+
+Weight = Any
+"""The weight of a rope [N/m], or a `Uniform` force."""
 
 
 class Segment(NamedTuple):
@@ -59,23 +104,35 @@ def norm(force: Vector) -> Any:
     return namespace(*force).sqrt(x * x + y * y + z * z)
 
 
-def segment(force: Vector, weight: Any, length: Any, strain: Strain) -> Segment:
+def segment(force: Vector, weight: Weight, length: Any, strain: Strain) -> Segment:
     """Reach and end force of a load-free piece of `length` [m, unstretched] and `weight` [N/m].
 
     Also for a folded rope, whose two parts hang vertically from its ends.
     """
+    if isinstance(weight, Uniform):
+        level, v0 = weight.along(force)
+        h2 = level[0] * level[0] + level[1] * level[1] + level[2] * level[2] + _VERTICAL
+        across, rise, v1 = _piece(h2, v0, weight.size, length, strain)
+        reach = weight.added((level[0] * across, level[1] * across, level[2] * across), rise)
+        return Segment(reach, weight.added(force, v1 - v0))
     fx, fy, v0 = force
-    xp = namespace(*force, length, weight)
+    across, rise, v1 = _piece(fx * fx + fy * fy + _VERTICAL, v0, weight, length, strain)
+    return Segment((fx * across, fy * across, rise), (fx, fy, v1))
+
+
+def _piece(h2: Any, v0: Any, weight: Any, length: Any, strain: Strain) -> tuple[Any, Any, Any]:
+    """Of a piece whose tension has the component v0 along the vertical and h2, squared, across it: reach across over
+    the horizontal force, rise, and vertical component at its end."""
+    xp = namespace(h2, v0, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy + _VERTICAL
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     angle = _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
-    across, lift = 2 * angle + strain.c1 * length, 1 / s + strain.c1 / 2
+    across, lift = strain.expanded(2 * angle) + strain.c1 * length, strain.expanded(1 / s) + strain.c1 / 2
     if not (isinstance(strain.c2, float) and strain.c2 == 0.0):
         across = across + strain.c2 * (length / 4 * (s + v * v / s) + h2 * angle)
         lift = lift + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
-    return Segment((fx * across, fy * across, length * v * lift), (fx, fy, v1))
+    return across, length * v * lift, v1
 
 
 def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:
@@ -94,60 +151,71 @@ def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any)
 
 
 class _Integrals(NamedTuple):
-    """Integrals of T, T^2 and v^2 along a load-free piece, and T at its start."""
+    """Integrals of T, T^2 and v^2 along a load-free piece, and T and v at its start."""
 
     tension: Any
     tension_squared: Any
     vertical_squared: Any
     start: Any
+    vertical_start: Any
 
 
-def _integrals(force: Vector, weight: Any, length: Any) -> _Integrals:
-    fx, fy, v0 = force
+def _integrals(force: Vector, weight: Weight, length: Any) -> _Integrals:
+    if isinstance(weight, Uniform):
+        level, v0 = weight.along(force)
+        h2, weight = level[0] * level[0] + level[1] * level[1] + level[2] * level[2] + _VERTICAL, weight.size
+    else:
+        fx, fy, v0 = force
+        h2 = fx * fx + fy * fy + _VERTICAL
     xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
-    h2 = fx * fx + fy * fy + _VERTICAL
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
     vertical = length * (v0 * v0 + v0 * v1 + v1 * v1) / 3
     tension = length / 4 * (s + v * v / s) + h2 * _half_angle(xp, h2, v0, v1, t0, t1, weight * length) / weight
-    return _Integrals(tension, h2 * length + vertical, vertical, t0)
+    return _Integrals(tension, h2 * length + vertical, vertical, t0, v0)
 
 
-def stretched_length(force: Vector, weight: Any, length: Any, strain: Strain) -> Any:
+def stretched_length(force: Vector, weight: Weight, length: Any, strain: Strain) -> Any:
     """Length of a load-free piece under tension [m]."""
     along = _integrals(force, weight, length)
-    return length + strain.c1 * along.tension + strain.c2 * along.tension_squared
+    return strain.expanded(length) + strain.c1 * along.tension + strain.c2 * along.tension_squared
 
 
 class Energy(NamedTuple):
-    """Energies of a load-free piece [J]: elastic, and of its weight relative to the height of its start."""
+    """Energies of a load-free piece [J]: elastic, and of its weight relative to the height of its start; of a
+    `Uniform` force relative to its start."""
 
     elastic: Any
     gravity: Any
 
 
-def energy(force: Vector, weight: Any, length: Any, c1: Any) -> Energy:
+def energy(force: Vector, weight: Weight, length: Any, strain: Strain) -> Energy:
     """Energies of a linearly elastic piece, eps = c1 T.
 
     From z = (T - T0)/w + c1 (v^2 - v0^2)/(2 w) along the piece and the integrals of T, T^2 and v^2.
     """
-    along = _integrals(force, weight, length)
-    v0 = force[2]
+    along, c1 = _integrals(force, weight, length), strain.c1
+    v0 = along.vertical_start
     return Energy(
         c1 / 2 * along.tension_squared,
-        along.tension - along.start * length + c1 / 2 * (along.vertical_squared - v0 * v0 * length),
+        strain.expanded(along.tension - along.start * length) + c1 / 2 * (along.vertical_squared - v0 * v0 * length),
     )
 
 
 def loaded(
-    force: Vector, weight: Any, strain: Strain, length: Any, distances: Sequence[Any], loads: Sequence[Any]
+    force: Vector,
+    weight: Weight,
+    strain: Strain,
+    length: Any,
+    distances: Sequence[Any],
+    loads: Sequence[Any],
 ) -> list[Segment]:
     """Stations of a span with point loads, relative to its start.
 
-    `distances` [m, unstretched, from the start, in order] and `loads` [N, downward]. The result has an
-    element for each load and a last one for the end: the vector from the start and the tension vector just
-    before the load.
+    `distances` [m, unstretched, from the start, in order] and `loads` [N], each downward or a vector. The result has
+    an element for each load and a last one for the end: the vector from the start and the tension vector just before
+    the load.
     """
     stations: list[Segment] = []
     here: Vector = (0.0, 0.0, 0.0)
@@ -156,9 +224,23 @@ def loaded(
         piece = segment(force, weight, distance - at, strain)
         here = (here[0] + piece.reach[0], here[1] + piece.reach[1], here[2] + piece.reach[2])
         stations.append(Segment(here, piece.force))
-        force = (piece.force[0], piece.force[1], piece.force[2] + load)
+        force = after(piece.force, load)
         at = distance
     return stations
+
+
+def end_of(force: Vector, weight: Weight, length: Any) -> Vector:
+    """The tension vector at the end of a load-free piece that starts with `force`; length below 0: backwards."""
+    if isinstance(weight, Uniform):
+        return weight.added(force, weight.size * length)
+    return (force[0], force[1], force[2] + weight * length)
+
+
+def after(force: Vector, load: Any) -> Vector:
+    """The tension vector behind a load [N], downward or a vector."""
+    if isinstance(load, tuple):
+        return (force[0] - load[0], force[1] - load[1], force[2] - load[2])
+    return (force[0], force[1], force[2] + load)
 
 
 class SpanCurve(NamedTuple):
@@ -182,18 +264,18 @@ class SpanCurve(NamedTuple):
 
 def profile(
     force: Vector,
-    weight: float,
+    weight: Weight,
     strain: Strain,
     length: float,
     distances: Sequence[float],
-    loads: Sequence[float],
+    loads: Sequence[Any],
     stations: np.ndarray,
 ) -> SpanCurve:
-    """Position, tension and slope at `stations` [m, unstretched, from the span's start] of a loaded span."""
+    """Position, tension and slope at `stations` [m, unstretched, from the span's start] of a loaded span; loads as in
+    `loaded`."""
     nodes = loaded(force, weight, strain, length, distances, loads)
     starts = np.array([(0.0, 0.0, 0.0), *(n.reach for n in nodes[:-1])])
-    forces = np.array([force, *(n.force for n in nodes[:-1])])
-    forces[1:, 2] += np.asarray(loads, dtype=float)
+    forces = np.array([force, *(after(n.force, load) for n, load in zip(nodes[:-1], loads, strict=True))])
     cuts = np.array([0.0, *distances])
     station = np.asarray(stations, dtype=float)
     piece = np.maximum(np.searchsorted(cuts, station, side="left") - 1, 0)

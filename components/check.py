@@ -16,15 +16,18 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 class Range(NamedTuple):
-    """Values that a variable may have: from `least` (or only above it) to `most`."""
+    """Values that a variable may have: from `least` (or only above it) to `most`; `named`: in words."""
 
     least: float = -math.inf
     most: float = math.inf
     above: bool = False
+    named: str = ""
 
     @property
     def words(self) -> str:
         """The range in words."""
+        if self.named:
+            return self.named
         low = "zero" if self.least == 0.0 else f"{self.least:g}"
         least = f"above {low}" if self.above else "" if self.least == -math.inf else f"of {low} or more"
         most = "" if self.most == math.inf else f"at most {self.most:g}"

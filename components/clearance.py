@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ropeway.components.catenary import segment
+from ropeway.components.catenary import Uniform, end_of, segment
 from ropeway.components.rope_piece import Piece
 
 
@@ -53,7 +53,11 @@ def least_height(ground: GroundLine, piece: Piece) -> Clearance:
     if not low <= high:
         return Clearance(math.inf, math.nan)
     slopes = np.diff(ground.elevation) / np.diff(ground.station)
-    parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
+    if isinstance(piece.weight, Uniform):  # where the tension has the slope of the ground
+        gain_x, _, gain_z = piece.weight.added((0.0, 0.0, 0.0), piece.weight.size)
+        parallel = np.clip((slopes * fx - v0) / (gain_z - slopes * gain_x), 0.0, piece.length)
+    else:
+        parallel = np.clip((slopes * abs(fx) - v0) / piece.weight, 0.0, piece.length)
     inside = ground.station[(ground.station > low) & (ground.station < high)]
     along = np.concatenate([parallel, piece.distances(np.array([low, *inside, high]), float(total))])
     reach = segment((fx, fy, v0), piece.weight, along, piece.strain).reach
@@ -67,13 +71,16 @@ def least_height(ground: GroundLine, piece: Piece) -> Clearance:
 def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -> float:
     """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
 
-    The rope is above both tangents. inf if there is no ground below.
+    The rope is above both tangents. inf if there is no ground below; -inf where wind along the rope bends it upwards.
     """
     (x0, z0), (x1, z1), force = piece.start, end, piece.force
     low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
     if not low <= high:
         return math.inf
-    a, b = force[2] / force[0], (force[2] + piece.weight * piece.length) / force[0]
+    last = end_of(force, piece.weight, piece.length)
+    a, b = force[2] / force[0], last[2] / last[0]
+    if not (b > a and last[0] > 0.0):
+        return -math.inf
     crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
     inside = ground.station[(ground.station > low) & (ground.station < high)]
     x = np.array([low, min(max(crossing, low), high), high, *inside])

@@ -73,7 +73,8 @@ class Seat(Port):
     """Where a rope sits on a node.
 
     In equations it has the `force` of the rope on the node [N], the rope `speed` [m/s], and `carried`, the energy that
-    each metre of rope carries in or out, T + T^2/2EA [N].
+    each metre of rope carries in or out, T + T^2/2EA [N]; `expansion`, the length of the rope without tension over that
+    at which it was strung.
 
     Parameters
     ----------
@@ -167,7 +168,8 @@ class Component(ABC):
         Parameters
         ----------
         v : object
-            The variables and ports as attributes, `v.time` [s] and `v.gravity` [m/s2].
+            The variables and ports as attributes, `v.time` [s], `v.gravity` [m/s2], and `v.weather`, which is None
+            unless the system has an environment.
 
         Returns
         -------
@@ -371,7 +373,7 @@ class Component(ABC):
         Returns
         -------
         hashable
-            Class, structure and number of load slots.
+            Class, structure, number of load slots, and whether there is weather.
         """
         shared = "structure" in vars(type(self))
-        return (type(self), self.structure(site) if shared else _alone(self), site.slots)
+        return (type(self), self.structure(site) if shared else _alone(self), site.slots, site.weather)

@@ -10,7 +10,7 @@ import numpy as np
 
 
 class ExternalPoint(NamedTuple):
-    """A point of a component: time [s], its states and inputs, and its mode, by which it knows its discrete variables."""
+    """A point of a component: time [s], states, inputs, and its mode, which stands for its discrete variables."""
 
     time: float
     states: np.ndarray
@@ -35,7 +35,7 @@ class ExternalEvents(ABC):
 
     @abstractmethod
     def margin(self, point: ExternalPoint) -> float:
-        """Distance to the next state event, in the units of its indicator: positive before it, else zero or negative."""
+        """Distance to the next state event, in the unit of its indicator: positive before it, else not."""
 
     @abstractmethod
     def next_time(self, mode: int) -> float:

@@ -139,7 +139,7 @@ class IntermediateSupport(Standing, Wheel):
             sides = (("a", v.a, shoe.towards_a(normal), 1), ("b", v.b, shoe.towards_b(normal), -1))
             for name, seat, along, way in sides:
                 turn = shoe.turn(seat.force, normal, along)
-                found = shoe.side(turn, normal, along, v.radius, seat.force, seat.carried)
+                found = shoe.side(turn, normal, along, v.radius, seat)
                 residuals.update(shoe.side_residuals(v, name, found, way))
         return Equations(residuals=residuals, outputs=outputs)
 

@@ -6,7 +6,7 @@ force is an array of shape (3, ...): the pull of the rope at a seat.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,6 +45,15 @@ def weight(newtons: np.ndarray) -> np.ndarray:
     """Force vector of a weight."""
     none = np.zeros_like(newtons)
     return np.stack([none, none, -newtons])
+
+
+def wind(v: Any) -> np.ndarray | float:
+    """Force of the wind on a body with a drag area; zero without weather."""
+    if v.weather is None:
+        return 0.0
+    angle = np.radians(v.weather.wind_from - v.weather.north)
+    force = v.weather.wind_pressure * v.drag_area
+    return np.stack([-force * np.sin(angle), -force * np.cos(angle), 0.0 * force])
 
 
 def on_arc(

@@ -19,16 +19,20 @@ class Load:
         Identifier; dotted names of results begin with it.
     mass : float
         Mass [kg].
+    drag_area : float, default 0
+        Drag coefficient times area in the wind [m2].
 
     Raises
     ------
     InputError
-        A mass that is not positive, or an invalid name.
+        A mass that is not positive, a negative area, or an invalid name.
     """
 
     name: str
     mass: float
+    drag_area: float = 0.0
 
     def __post_init__(self) -> None:
         check.name(self.name, "Load")
         check.positive(self.mass, f"Load {self.name!r}", "mass", "kg")
+        check.not_negative(self.drag_area, f"Load {self.name!r}", "drag_area", "m2")

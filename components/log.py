@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.weather import drag_variables
 
 _FORCE = 1e4
 """Unit of the normal force in the contact law [N]; that of the gap is 1 m."""
@@ -61,12 +62,17 @@ class Log(Node):
         Sign of its motion in x, against which friction acts; 0: at rest without friction.
     smoothing : float, default 1e-8
         Rounding of the contact law [m].
+    drag_area : float, default 0
+        Drag coefficient times area in the wind [m2]; the force acts at the centre of gravity, and across the line at
+        the front.
 
     Raises
     ------
     InputError
         A value out of its range.
     """
+
+    hangs: ClassVar[bool] = True
 
     at: tuple[float, ...] = (0.0, 0.0, 0.0)
     mass: float
@@ -80,6 +86,7 @@ class Log(Node):
     rounding: float = 1.0
     moving: float = -1.0
     smoothing: float = 1e-8
+    drag_area: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -88,6 +95,7 @@ class Log(Node):
         check.not_negative(self.friction, self.described, "friction")
         check.positive(self.smoothing, self.described, "smoothing", "m")
         check.positive(self.rounding, self.described, "rounding", "m")
+        check.not_negative(self.drag_area, self.described, "drag_area", "m2")
         for field in ("slope", "ground_x", "ground_z"):
             check.number(getattr(self, field), self.described, field)
         check.number(self.after, self.described, "slope_after")
@@ -133,6 +141,7 @@ class Log(Node):
             Variable("ground_z", par, "m", "z of the ground's vertex", self.ground_z, 100.0),
             Variable("moving", par, "1", "sign of the log's motion in x", self.moving),
             Variable("smoothing", par, "m", "rounding of the contact law", self.smoothing, 1e-3, range=POSITIVE),
+            *drag_variables(site, self.drag_area),
             Variable("x", alg, "m", "x of the front", x, 100.0),
             Variable("y", alg, "m", "y of the front", y, 100.0),
             Variable("z", alg, "m", "z of the front", z, 100.0),
@@ -182,12 +191,16 @@ class Log(Node):
         weight = v.mass * v.gravity
         gap = (v.rear_z - ground) * up
         pressed = v.normal / _FORCE
+        balance = [pull[0] + ground_x, pull[1], pull[2] + ground_z - weight]
+        moment = dx * ground_z - dz * ground_x - v.centre * dx * weight
+        if v.weather is not None:
+            wind = v.weather.drag(v.drag_area)
+            balance = [force + blown for force, blown in zip(balance, wind, strict=True)]
+            moment = moment - v.centre * dz * wind[0]
         return Equations(
             residuals={
-                "balance_x": pull[0] + ground_x,
-                "balance_y": pull[1],
-                "balance_z": pull[2] + ground_z - weight,
-                "moment": dx * ground_z - dz * ground_x - v.centre * dx * weight,
+                **{f"balance_{axis}": balance[i] for i, axis in enumerate("xyz")},
+                "moment": moment,
                 "rigid": (dx * dx + dz * dz - v.length**2) / (2.0 * v.length),
                 "contact": pressed + gap - (pressed**2 + gap**2 + v.smoothing**2) ** 0.5,
             },
@@ -207,10 +220,10 @@ class Log(Node):
         ground = v.normal * np.stack(
             [drag * np.cos(steep) - np.sin(steep), 0.0 * steep, np.cos(steep) + drag * np.sin(steep)]
         )
-        own = laws.weight(v.mass * v.gravity)
+        own = laws.weight(v.mass * v.gravity) + laws.wind(v)
         found = {f"balance_{axis}": law for axis, law in laws.balance(v.front.force, ground, own).items()}
         back, up = v.rear_x - v.x, v.z - v.rear_z
-        moment = back * (ground[2] + v.centre * own[2]) + up * ground[0]
+        moment = back * (ground[2] + v.centre * own[2]) + up * (ground[0] + v.centre * own[0])
         found["moment"] = laws.Law(moment, v.length * v.mass * v.gravity)
         found["rigid"] = laws.Law(np.hypot(back, up) - v.length, v.length)
         # The slope varies linearly within the rounding; outside it the ground is straight.

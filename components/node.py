@@ -32,6 +32,8 @@ class Node(Component):
     """Whether a rope can take any open seat."""
     role: ClassVar[str] = "other support"
     """Name in pictures; supports of one role have the same marker."""
+    hangs: ClassVar[bool] = False
+    """Whether only ropes hold it: it is then no support."""
 
     at: tuple[float, ...]
     label: str = field(default="", kw_only=True)

@@ -17,6 +17,8 @@ from ropeway.components.rope_catalogue import MODULUS, CatalogueRope, all_ropes,
 
 HEAVIEST, SOFTEST, WEAKEST, THICKEST = 200.0, 1e5, 1e3, 0.2
 """Limits of plausible ropes: mass per length [kg/m], axial stiffness [N], breaking load [N], diameter [m]."""
+LONGEST = 1e-4
+"""Limit of the thermal expansion of plausible ropes [1/K]."""
 
 
 class StretchLaw(Protocol):
@@ -113,6 +115,10 @@ class Rope:
         Minimum breaking load over safe working load.
     name : str, default "rope"
         Name in messages.
+    thermal_expansion : float, default 11.5e-6
+        Thermal expansion of steel rope [1/K].
+    drag_coefficient : float, default 1.1
+        Drag coefficient of the rope in the wind, for its diameter with ice.
 
     Raises
     ------
@@ -127,6 +133,8 @@ class Rope:
     stretch: StretchLaw = field(default_factory=Elastic)
     safety_factor: float = 3.0
     name: str = "rope"
+    thermal_expansion: float = field(default=11.5e-6, kw_only=True)
+    drag_coefficient: float = field(default=1.1, kw_only=True)
 
     def __post_init__(self) -> None:
         owner = f"Rope {self.name!r}"
@@ -134,6 +142,10 @@ class Rope:
         check.positive(self.axial_stiffness, owner, "axial_stiffness", "N", infinite=True)
         check.positive(self.breaking_load, owner, "breaking_load", "N")
         check.positive(self.safety_factor, owner, "safety_factor")
+        check.not_negative(self.thermal_expansion, owner, "thermal_expansion", "1/K")
+        check.not_negative(self.drag_coefficient, owner, "drag_coefficient")
+        if self.thermal_expansion > LONGEST:
+            raise _implausible(owner, "thermal_expansion", self.thermal_expansion, "1/K", "1e-6/K")
         if self.mass_per_length > HEAVIEST:
             raise _implausible(owner, "mass_per_length", self.mass_per_length, "kg/m", "kg/km")
         if self.axial_stiffness < SOFTEST:

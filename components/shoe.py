@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ropeway.components import laws
-from ropeway.components.catenary import Strain, Vector, namespace, norm, segment
+from ropeway.components.catenary import Strain, Vector, Weight, end_of, namespace, norm, segment
 from ropeway.components.variable import Kind, Variable
 
 Plane = tuple[Any, Any]
@@ -71,19 +71,19 @@ def pull(tension: Any, above: Any, normal: Plane, along: Plane) -> Vector:
     return (forth * along[0] + out * normal[0], 0.0 * forth, forth * along[1] + out * normal[1])
 
 
-def side(angle: Any, normal: Plane, along: Plane, radius: Any, force: Vector, carried: Any) -> Side:
-    """The point of departure after an angle along the shoe [rad].
+def side(angle: Any, normal: Plane, along: Plane, radius: Any, rope: Any) -> Side:
+    """The point of departure after an angle along the shoe [rad] of the `rope` at a seat.
 
-    The strain of the rope on the shoe is 2 (carried - T) / T, exact for an elastic rope.
+    On the shoe the rope is 2 carried / T - expansion times as long as it was strung, exact for an elastic rope.
     """
     xp = namespace(angle)
     forth, out = radius * xp.sin(angle), radius * (xp.cos(angle) - 1)
-    tension = norm(force)
+    tension = norm(rope.force)
     aside = (forth * along[0] + out * normal[0], forth * along[1] + out * normal[1])
-    return Side(angle, aside, radius * angle / (2 * carried / tension - 1))
+    return Side(angle, aside, radius * angle / (2 * rope.carried / tension - rope.expansion))
 
 
-def clearance(end: Plane, force: Vector, weight: Any, strain: Strain, radius: Any) -> Any:
+def clearance(end: Plane, force: Vector, weight: Weight, strain: Strain, radius: Any) -> Any:
     """Distance of a rope from a shoe that it approaches, or of its `end` from the shoe, if larger [m].
 
     `end`: (x, z) from the centre of the shoe, with the tension vector `force` there [N]; `weight` [N/m].
@@ -91,12 +91,10 @@ def clearance(end: Plane, force: Vector, weight: Any, strain: Strain, radius: An
     xp = namespace(*force)
     back: Any = 0.0
     for _ in range(5):  # to the point nearest to the centre; the curvature of the rope is much smaller
-        direction = (force[0], force[2] - weight * back)
-        reach = segment((force[0], force[1], direction[1]), weight, back, strain).reach
+        start = end_of(force, weight, -back)
+        reach = segment(start, weight, back, strain).reach
         point = (end[0] - reach[0], end[1] - reach[2])
-        back = back + (point[0] * direction[0] + point[1] * direction[1]) / xp.sqrt(
-            direction[0] ** 2 + direction[1] ** 2
-        )
+        back = back + (point[0] * start[0] + point[1] * start[2]) / xp.sqrt(start[0] ** 2 + start[2] ** 2)
     return xp.fmax(xp.sqrt(point[0] ** 2 + point[1] ** 2) - radius, -back)
 
 

@@ -12,6 +12,7 @@ from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
+from ropeway.components.weather import Weather
 
 
 @checked
@@ -94,6 +95,7 @@ class Span(Component):
                 if self._constructional
                 else ()
             ),
+            *(self._weather_variables() if site.weather else ()),
             Variable("breaking_load", par, "N", "minimum breaking load MBL", rope.breaking_load, force, range=POSITIVE),
             *(
                 Variable(f"force_{axis}", alg, "N", f"tension vector at end a, {axis}", start, force)
@@ -102,6 +104,7 @@ class Span(Component):
             slots("slot_mass", "kg", "mass of the load in each slot"),
             slots("slot_at", "m", "unstretched distance of each slot from end a at zero travel"),
             slots("slot_ride", "1", "1: the load moves with the rope, 0: fixed or empty"),
+            *((slots("slot_drag", "m2", "drag area of the load in each slot"),) if site.weather else ()),
             slots("slot_empty", "1", "1: the slot is empty", 1.0),
             *(Variable(f"closure_{axis}", res, "m", f"span reaches end b, {axis}", 0.0, length) for axis in "xyz"),
             Variable("tension_a", out, "N", "tension at end a", nominal=force),
@@ -110,6 +113,18 @@ class Span(Component):
             Variable("vertical_a", out, "N", "upward force of the support on the rope at end a", nominal=force),
             Variable("vertical_b", out, "N", "upward force of the support on the rope at end b", nominal=force),
             Variable("length", out, "m", "current unstretched length", nominal=length, freed_by="length_start"),
+            *(
+                Variable(f"load_{axis}", out, "N/m", f"weight, ice and wind on a metre as strung, {axis}", nominal=10.0)
+                for axis in ("xyz" if site.weather else "")
+            ),
+            *(
+                Variable(name, out, "1", "length without tension over that when strung")
+                for name in (("expansion",) if site.weather else ())
+            ),
+            *(
+                Variable(f"pull_b_{axis}", out, "N", f"tension vector at end b, {axis}", nominal=force, hidden=True)
+                for axis in ("xy" if site.weather else "")
+            ),
             Variable("elastic_energy", out, "J", "elastic energy of the rope", nominal=1e5),
             Variable("gravity_energy", out, "J", "potential energy of rope and loads relative to z = 0", nominal=1e6),
             Variable("utilisation", out, "1", "highest tension over minimum breaking load"),
@@ -125,20 +140,24 @@ class Span(Component):
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
         strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)
-        weight = v.mass_per_length * v.gravity
-        stations = catenary.loaded(
-            force,
-            weight,
-            strain,
-            length,
-            [distance[j] for j in range(n)],
-            [v.slot_mass[j] * v.gravity for j in range(n)],
-        )
+        weight: catenary.Weight = v.mass_per_length * v.gravity
+        loads = [v.slot_mass[j] * v.gravity for j in range(n)]
+        if v.weather is not None:
+            chord = tuple(v.b.position[i] - v.a.position[i] for i in range(3))
+            weight = v.weather.rope(v.mass_per_length, v.gravity, v.diameter, v.drag_coefficient, chord)
+            strain = strain._replace(expansion=v.weather.expansion(v.thermal_expansion))
+            loads = [self._blown(v.weather, down, v.slot_drag[j]) for j, down in enumerate(loads)]
+        stations = catenary.loaded(force, weight, strain, length, [distance[j] for j in range(n)], loads)
         end = stations[-1]
-        # A span's tension is highest at one of its ends: the vertical component grows from a to b.
         tension_a, tension_b = catenary.norm(force), catenary.norm(end.force)
         xp = catenary.namespace(tension_a)
-        elastic, gravity = self._energy(v, force, weight, length, distance, stations)
+        # A span's tension is highest at one of its ends: the vertical component grows from a to b.
+        highest = xp.fmax(tension_a, tension_b)
+        if v.weather is not None:  # loads that are blown aside bend the rope otherwise than its own weight does
+            for station, load in zip(stations, loads, strict=False):
+                behind = catenary.after(station.force, load)
+                highest = xp.fmax(highest, xp.fmax(catenary.norm(station.force), catenary.norm(behind)))
+        elastic, gravity = self._energy(v, force, weight, strain, loads, length, distance, stations)
         return Equations(
             residuals={
                 f"closure_{axis}": end.reach[i] - (v.b.position[i] - v.a.position[i]) for i, axis in enumerate("xyz")
@@ -150,9 +169,10 @@ class Span(Component):
                 "vertical_a": -force[2],
                 "vertical_b": end.force[2],
                 "length": length,
+                **self._weather_outputs(weight, strain, end.force),
                 "elastic_energy": elastic,
                 "gravity_energy": gravity,
-                "utilisation": xp.fmax(tension_a, tension_b) / v.breaking_load,
+                "utilisation": highest / v.breaking_load,
                 **{
                     f"slot_{axis}": xp.vertcat(*(v.a.position[i] + s.reach[i] for s in stations[:-1]))
                     for i, axis in enumerate("xyz")
@@ -161,23 +181,63 @@ class Span(Component):
             },
             forces={"a": (-force[0], -force[1], -force[2]), "b": end.force},
             carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
+            expansion=strain.expansion,
+        )
+
+    def _weather_variables(self) -> tuple[Variable, ...]:
+        """What the weather needs to know of the rope."""
+        par, rope = Kind.PARAMETER, self.rope
+        return (
+            Variable("diameter", par, "m", "diameter", rope.diameter or 0.0, 0.01, range=NOT_NEGATIVE),
+            Variable(
+                "thermal_expansion", par, "1/K", "thermal expansion", rope.thermal_expansion, 1e-5, range=NOT_NEGATIVE
+            ),
+            Variable("drag_coefficient", par, "1", "drag coefficient", rope.drag_coefficient, range=NOT_NEGATIVE),
         )
 
     @staticmethod
+    def _blown(weather: Weather, down: Any, drag_area: Any) -> catenary.Vector:
+        """Force of a load on the rope: its weight, and the wind on it."""
+        x, y, _ = weather.drag(drag_area)
+        return (x, y, -down)
+
+    @staticmethod
+    def _weather_outputs(weight: catenary.Weight, strain: catenary.Strain, end: catenary.Vector) -> dict[str, Any]:
+        """The load on each metre of rope, and how the temperature has made it longer; none without weather."""
+        if not isinstance(weight, catenary.Uniform):
+            return {}
+        force = {f"load_{axis}": weight.force[i] for i, axis in enumerate("xyz")}
+        return {**force, "expansion": strain.expansion, "pull_b_x": end[0], "pull_b_y": end[1]}
+
+    @staticmethod
     def _energy(
-        v: Any, force: catenary.Vector, weight: Any, length: Any, distance: Any, stations: list[catenary.Segment]
+        v: Any,
+        force: catenary.Vector,
+        weight: catenary.Weight,
+        strain: catenary.Strain,
+        loads: list[Any],
+        length: Any,
+        distance: Any,
+        stations: list[catenary.Segment],
     ) -> tuple[Any, Any]:
-        """Elastic energy, and potential energy relative to z = 0 [J]. Construction stretch stores none."""
-        elastic, gravity, at, height = 0, 0, 0, v.a.position[2]
-        n = distance.numel()
+        """Elastic energy, and potential energy relative to the origin, also of a wind that does not change [J].
+        Construction stretch stores none."""
+
+        def potential(load: Any, reach: tuple[Any, ...], size: Any = 1) -> Any:
+            """Of a load [N], downward or a vector, at a place seen from end a."""
+            at = [v.a.position[i] + reach[i] for i in range(3)]
+            return -size * sum(load[i] * at[i] for i in range(3)) if isinstance(load, tuple) else load * size * at[2]
+
+        pull = weight.force if isinstance(weight, catenary.Uniform) else weight
+        elastic, gravity, at, n = 0, 0, 0, distance.numel()
+        reach: tuple[Any, ...] = (0, 0, 0)
         for j, station in enumerate(stations):
             here = distance[j] if j < n else length
-            piece = catenary.energy(force, weight, here - at, v.compliance)
+            piece = catenary.energy(force, weight, here - at, strain)
             elastic += piece.elastic
-            gravity += piece.gravity + weight * (here - at) * height
-            height = v.a.position[2] + station.reach[2]
-            load = v.slot_mass[j] * v.gravity if j < n else 0
-            gravity += load * height
-            force = (station.force[0], station.force[1], station.force[2] + load)
-            at = here
+            gravity += piece.gravity + potential(pull, reach, here - at)
+            reach, force, at = station.reach, station.force, here
+            if j < n:
+                gravity += potential(loads[j], reach)
+                force = catenary.after(force, loads[j])
         return elastic, gravity

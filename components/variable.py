@@ -80,12 +80,15 @@ class Site:
         Number of load slots of a span.
     tension : tuple of float, default (0, 0, 0)
         Initial guess of the tension vector at end a of a span [N].
+    weather : bool, default False
+        Whether equations read `v.weather`: temperature, ice and wind. Otherwise that is None.
     """
 
     force: float
     length: float
     slots: int = 0
     tension: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    weather: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +107,8 @@ class Equations:
         Force on the component at each rope end, a vector [N].
     carried : mapping of str, optional
         Energy that each metre of rope carries at each rope end, T + T^2/2EA [N].
+    expansion : float, default 1
+        Length of the rope without tension over that at which it was strung.
     """
 
     rates: Mapping[str, Any] = field(default_factory=dict)
@@ -111,6 +116,7 @@ class Equations:
     outputs: Mapping[str, Any] = field(default_factory=dict)
     forces: Mapping[str, Vector] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
+    expansion: Any = 1.0
 
 
 class Energies(NamedTuple):

@@ -316,3 +316,44 @@ def test_version_and_ropes_of_ones_own(tmp_path: Path, command: Command) -> None
     done = command("payload", corridor, *options)
     assert done.exit_code == 0, done.stderr
     assert "Give --mainline" in command("payload", corridor, "--kind", "running").stderr
+
+
+SHORT = "name,x,y,z,kind\na,0,0,0,drum\ns1,100,0,11,idler\nc1,205,0,20,control\nb,300,0,27,drum\n"
+
+
+def test_load_cases_of_a_line_and_of_a_project(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "line.csv").write_text(SHORT)
+    rows = ["name,temperature,ice_thickness [mm],loading", "calm,,,", "cold,-25,,", "iced,-5,10,full"]
+    (tmp_path / "cases.csv").write_text("\n".join(rows))
+    given = ("line.csv", "cases.csv", "--loading", "empty", "--loading", "full")
+    done = command("cases", *given, "--rollers", "s1:8", "--out", "o")
+    assert done.exit_code == 0, done.stderr
+    assert "5 load cases" in done.stdout
+    frame = pd.read_csv(tmp_path / "o" / "cases.csv")
+    assert frame["case"].tolist() == ["calm, empty", "calm, full", "cold, empty", "cold, full", "iced"]
+    table = pd.read_csv(tmp_path / "o" / "supports.csv")
+    s1 = table[(table["support"] == "s1") & (table["case"] == "iced")].iloc[0]
+    assert s1["roller_force [N]"] == pytest.approx(s1["bearing_load [N]"] / 8.0, rel=0.02)
+    assert (tmp_path / "o" / "cases.png").stat().st_size > 20_000
+    assert len(pd.read_csv(tmp_path / "o" / "governing.csv")) > 15
+    assert "not NAME:NUMBER" in command("cases", *given, "--rollers", "s1").stderr
+    assert "no loading 'half'" in command("cases", *given, "--loading", "half").stderr
+    assert command("new", "rig.json").exit_code == 0
+    (tmp_path / "cold.csv").write_text("name,temperature\ncold,-20\n")
+    done = command("cases", "rig.json", "cold.csv", "--loading", "empty", "--out", "r")
+    assert done.exit_code == 0, done.stderr
+
+
+def test_weather_of_runs_and_payloads(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "line.csv").write_text(SHORT)
+    for options, out in (((), "calm"), (("--temperature", "-5", "--ice", "0.02", "--wind-pressure", "90"), "iced")):
+        assert command("simulate", "line.csv", "--until", "2", *options, "--out", out).exit_code == 0
+    calm, iced = (pd.read_csv(tmp_path / out / "tensions.csv") for out in ("calm", "iced"))
+    assert iced["c1.tension_in [N]"].iloc[0] > 1.005 * calm["c1.tension_in [N]"].iloc[0]  # more weight to the drum
+    corridor = (str(EXAMPLES / "corridor.csv"), "--tail", "480", "--support", "260:9", "--spacing", "160")
+    payloads = []
+    for options in ((), ("--ice", "0.015")):
+        done = command("payload", *corridor, *options, "--out", "p")
+        assert done.exit_code == 0, done.stderr
+        payloads.append(pd.read_csv(tmp_path / "p" / "payload.csv")["payload [kg]"].min())
+    assert payloads[1] < 0.95 * payloads[0]

@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[1]
     [
         "README.md",
         "docs/skylines.md",
+        "docs/load_cases.md",
         "docs/components.md",
         "docs/projects.md",
         "docs/catalogue.md",

@@ -11,7 +11,6 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components import check, shoe
-from ropeway.components.catenary import Strain
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rounding import at_least
 from ropeway.fmu.exporting.switched_model import Read, SwitchedModel, SwitchedPart
@@ -19,7 +18,7 @@ from ropeway.systems.modelling.dae_model import Limits, VariableTable
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point
-from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.line_state import LineState, span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import EDGE, TOUCH, Places, require_pulled
 from ropeway.systems.studies.skyline.load_path import default_stations
@@ -307,9 +306,8 @@ class Corridor:
         def clear(read: Read) -> ca.SX:
             end = tuple(read(f"{carriage}.{axis}") - c for axis, c in zip("xz", support.centre, strict=True))
             force = (read(f"{span}.force_x"), read(f"{span}.force_y"), read(f"{span}.vertical_b"))
-            weight = read(f"{span}.mass_per_length") * read("gravity")
-            strain = Strain(read(f"{span}.compliance"), run.rope.strain.c2)
-            return shoe.clearance((end[0], end[1]), force, weight, strain, support.radius) + PENETRATION
+            rope = span_rope(at.model, run, len(run.spans) - 1, read)
+            return shoe.clearance((end[0], end[1]), force, *rope, support.radius) + PENETRATION
 
         return clear
 

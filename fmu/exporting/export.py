@@ -62,7 +62,8 @@ def export(
     """Export a system as an FMU for Model Exchange and Co-Simulation.
 
     The FMU starts from the system's equilibrium, or from the given one. The carriage of a skyline rig runs over the
-    supports as the mainline's drum turns.
+    supports as the mainline's drum turns. A line in weather, as `line.in_weather(environment)`, has temperature, wind
+    pressure and direction as inputs.
 
     Parameters
     ----------
@@ -90,8 +91,8 @@ def export(
     payload : float, optional
         Payload of a skyline rig [kg]; by default that of its carriage.
     emergency_stop : float, optional
-        Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as an
-        `Intervention` does; by default there is none.
+        Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
+        an `Intervention` does; by default there is none.
 
     Returns
     -------
@@ -126,6 +127,10 @@ def export(
     if not target.parent.is_dir():
         raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
     names = compiler.resolved(platforms)
+    if isinstance(system, SkylineRig) and system.environment is not None:
+        raise InputError(
+            f"The FMU of a rig such as {system.name!r} has no weather", "Export the rig without environment"
+        )
     if isinstance(system, SkylineRig):
         corridor = Corridor(system, station, payload)
         rest, equations = corridor.rest, ModelEquations(corridor.state, corridor)

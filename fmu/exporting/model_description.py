@@ -93,7 +93,8 @@ def _common(root: ElementTree.Element, about: About, interface: Interface) -> No
         unit = units.parse(symbol)
         if unit is not None:
             factor = None if unit.factor == 1.0 else unit.factor
-            ElementTree.SubElement(definition, "BaseUnit", _attributes(**unit.base(), factor=factor))
+            offset = None if unit.offset == 0.0 else unit.offset
+            ElementTree.SubElement(definition, "BaseUnit", _attributes(**unit.base(), factor=factor, offset=offset))
     categories = ElementTree.SubElement(root, "LogCategories")
     for name, description in CATEGORIES.items():
         ElementTree.SubElement(categories, "Category", name=name, description=description)

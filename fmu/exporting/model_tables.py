@@ -128,25 +128,37 @@ def _runs(tables: Tables, interface: Interface) -> None:
     tables.texts("support_name", [state.runs[r].nodes[k].name for r, k in interface.supports])
     tables.numbers("span_scale", state.span_scale)
     spans: dict[str, list[int]] = {"length_start": [], "slot_count": [], "slot_mass": [], "slot_at": []}
-    spans |= {"slot_ride": [], "slot_empty": [], "force": []}
+    spans |= {"slot_ride": [], "slot_empty": [], "slot_drag": [], "force": []}
     held: dict[str, list[int]] = {"held": [], "held_travel": [], "law": []}
     laws = balances_of(m)
-    reads: dict[str, list[int]] = {"vertical_b": [], "tension_in": [], "tension_out": []}
+    reads: dict[str, list[int]] = {"vertical_b": [], "pull_b": [], "tension_in": [], "tension_out": []}
     y = m.y.index
     for run, layout in zip(state.runs, m.layouts, strict=True):
         slots = layout.slots
-        columns = (layout.length_start, slots.count, slots.mass, slots.at, slots.ride, slots.empty, layout.force)
+        columns = (
+            layout.length_start,
+            slots.count,
+            slots.mass,
+            slots.at,
+            slots.ride,
+            slots.empty,
+            slots.drag,
+            layout.force,
+        )
         for cells, column in zip(spans.values(), columns, strict=True):
             cells += [*(int(c) for c in column), 0]  # the last support of a run has no span
         held["held"] += [int(c) for c in layout.held]
         held["held_travel"] += [int(c) for c in layout.held_travel]
         held["law"] += [laws.get(int(c), -1) for c in layout.travel.algebraic]
         reads["vertical_b"] += [*(y.get(f"{span.name}.vertical_b", -1) for span in run.spans), -1]
+        reads["pull_b"] += [*(y.get(f"{span.name}.pull_b_x[1]", -1) for span in run.spans), -1]
         for name in ("tension_in", "tension_out"):
             reads[name] += [y.get(f"{node.name}.{name}", -1) for node in run.nodes]
     for name, cells in {**spans, **held, **reads}.items():
         tables.integers(name, cells)
     _loads(tables, state, equations.mass_names)
+    tables.integers("wind", [m.u.index.get(name, -1) for name in ("wind_pressure", "wind_from")])
+    tables.integers("north", [m.p.index.get("north", -1)])
 
 
 def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]) -> None:
@@ -155,9 +167,10 @@ def _loads(tables: Tables, state: LineState, mass_names: Sequence[Sequence[str]]
             repeated = np.array(run.feed.masses)[np.arange(len(run.loads.mass)) % len(run.feed.masses)]
             if not np.array_equal(repeated, run.loads.mass):
                 raise InputError(f"Loads of {run.name} have other masses than their feed", "Feed loads of these masses")
-    places = [loads_once(state, r).place if run.around else run.loads.place for r, run in enumerate(state.runs)]
-    tables.integers("load_first", _offsets([len(place) for place in places]))
-    tables.numbers("load_place", np.concatenate([[], *places]))
+    loads = [loads_once(state, r) if run.around else run.loads for r, run in enumerate(state.runs)]
+    tables.integers("load_first", _offsets([len(own.place) for own in loads]))
+    tables.numbers("load_place", np.concatenate([[], *(own.place for own in loads)]))
+    tables.numbers("load_drag", np.concatenate([[], *(own.drag for own in loads)]))
     tables.integers("around", [run.around for run in state.runs])
     tables.integers("mass_first", _offsets([len(names) for names in mass_names]))
     tables.numbers("feed_spacing", [0.0 if run.feed is None else run.feed.spacing for run in state.runs])

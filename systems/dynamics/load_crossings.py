@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ropeway.systems.dynamics.chattering import FinalError
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.newton import residuals_of
-from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.line_state import LineState, end_force, load_force, read_value
 from ropeway.systems.statics.load_positions import extend
 from ropeway.systems.statics.stability import unstable
 
@@ -164,40 +165,45 @@ class Prevailing:
 def prevailing(state: LineState, r: int, k: int, load: int) -> Prevailing:
     """The forces on the load at support k: `load` is its place in the list of loads.
 
-    With f the tension vectors of the rope beside the load and P its weight, forward it is |f_out - P z| - |f_in|, and
-    backward |f_in + P z| - |f_out|, without friction; else the idler's own tension law.
+    With f the tension vectors of the rope beside the load and P z its weight (with wind on it a vector P), forward it
+    is |f_out - P z| - |f_in|, and backward |f_in + P z| - |f_out|, without friction; else the idler's own tension law.
     """
     layout, run, z, p = state.model.layouts[r], state.runs[r], state.point.z, state.point.p
     beyond, mass, gravity = state.passed[r], run.loads.mass, p[0]
-    weight = mass[load] * gravity
     going = z[layout.force[k] : layout.force[k] + 3]
-    coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
-    rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
-    carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
-    coming[2] += carried * gravity
+    if state.model.weather:
+        read = partial(read_value, state.model, state.point, state.outputs())
+        coming = end_force(state.model, run, k - 1, read)
+        pull = -np.array(load_force(state.model, mass[load], run.loads.drag[load], read))
+    else:
+        pull = np.array([0.0, 0.0, mass[load] * gravity])
+        coming = z[layout.force[k - 1] : layout.force[k - 1] + 3].copy()
+        rope = layout.start(p)[k - 1 : k + 1] - layout.travel.read(state.point.x, z)[k - 1 : k + 1]
+        carried = p[layout.mass_per_length[k - 1]] * (rope[1] - rope[0]) + mass[beyond[k] : beyond[k - 1]].sum()
+        coming[2] += carried * gravity
     before = load >= beyond[k]  # it hangs at the end of the span before
-    # What the weight's side changes in both ropes' vertical forces.
-    ahead, behind = (-weight, 0.0) if before else (0.0, weight)
-    t_in, t_out = _length(coming, 0.0), _length(going, 0.0)
+    # What the load's side changes in both ropes' forces.
+    ahead, behind = (-pull, 0.0 * pull) if before else (0.0 * pull, pull)
+    t_in, t_out = _length(coming), _length(going)
     if state.point.d[layout.held[k]] > 0.0 or abs(t_out - t_in) > 1e-9 * t_in:
         return Prevailing(_law(state, r, k, ahead), -_law(state, r, k, behind), t_in)
     return Prevailing(
-        _length(going, ahead) - _length(coming, ahead), _length(coming, behind) - _length(going, behind), t_in
+        _length(going + ahead) - _length(coming + ahead), _length(coming + behind) - _length(going + behind), t_in
     )
 
 
-def _length(force: np.ndarray, lift: float) -> float:
-    """Magnitude of a force whose vertical part is larger by `lift`."""
-    return float(np.sqrt(force[0] ** 2 + force[1] ** 2 + (force[2] + lift) ** 2))
+def _length(force: np.ndarray) -> float:
+    """Magnitude of a force."""
+    return float(np.sqrt(force[0] ** 2 + force[1] ** 2 + force[2] ** 2))
 
 
-def _law(state: LineState, r: int, k: int, lift: float) -> float:
-    """Residual of an idler's tension law [N], tension out less what the tension in balances, with the vertical forces
-    of both ropes larger by `lift`; no load holds the idler."""
+def _law(state: LineState, r: int, k: int, more: np.ndarray) -> float:
+    """Residual of an idler's tension law [N], tension out less what the tension in balances, with the forces of both
+    ropes larger by a vector; no load holds the idler."""
     layout, point = state.model.layouts[r], state.point
     z, d = point.z.copy(), point.d.copy()
     for span in (k - 1, k):
-        z[layout.force[span] + 2] += lift  # the force at the end follows that at the start
+        z[layout.force[span] : layout.force[span] + 3] += more  # the force at the end follows that at the start
     d[layout.held[k]] = 0.0
     row = balances_of(state.model)[int(layout.travel.algebraic[k])]
     return float(residuals_of(state.model)(*replace(point, z=z, d=d).arguments)[0][row])

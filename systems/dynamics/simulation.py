@@ -9,7 +9,8 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.environment import Environment
+from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
@@ -18,7 +19,7 @@ from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible, keeping
-from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
 from ropeway.systems.modelling.intervention import Intervention
 from ropeway.systems.modelling.sampled_control import Clock
@@ -52,6 +53,7 @@ def simulate(
     stop_at: str | Sequence[str] = (),
     progress: bool | None = None,
     compiled: bool = False,
+    environment: Environment | None = None,
 ) -> Result:
     """Simulate a system in time.
 
@@ -81,6 +83,8 @@ def simulate(
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
         lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
         compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+    environment : Environment, optional
+        Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
 
     Returns
     -------
@@ -107,7 +111,7 @@ def simulate(
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
-    model = system if isinstance(system, Model) else assemble(system)
+    model = in_weather(system, environment)
     signals = _signals(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
@@ -115,7 +119,7 @@ def simulate(
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     _check_interventions(model, interventions)
     if compiled:
-        compiled_line(model)
+        _require_compiled(model)
     if start is None:
         rest = equilibrium(model, compiled=compiled)
     else:
@@ -137,24 +141,30 @@ def simulate(
     return result
 
 
+def _require_compiled(model: Model) -> None:
+    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
+    if model.weather:
+        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
+    compiled_line(model)
+
+
 def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
     """The signal of each input of the model. Raises InputError, UnknownNameError."""
     for name in inputs:
         if name not in model.u.index:
             raise UnknownNameError(f"{name!r} is not an input of {model.name!r}", nearest(name, model.u.names))
     signals: list[Signal] = []
-    for name, own in zip(model.u.names, model.signals, strict=True):
+    for name, own, within in zip(model.u.names, model.signals, model.u.ranges, strict=True):
         signal = inputs.get(name, own)
         if signal is None:
             raise InputError(f"Input {name!r} is open", f"Give it: simulate(..., inputs={{{name!r}: 1.0}})")
-        if isinstance(signal, Schedule):
-            if signal.times[-1] < until:
-                raise InputError(
-                    f"The schedule of {name!r} ends at {signal.times[-1]:g} s, the run at {until:g} s",
-                    "Make the schedule longer or the run shorter",
-                )
-        else:
-            check.number(signal, f"Input {name!r}", "value")
+        if isinstance(signal, Schedule) and signal.times[-1] < until:
+            raise InputError(
+                f"The schedule of {name!r} ends at {signal.times[-1]:g} s, the run at {until:g} s",
+                "Make the schedule longer or the run shorter",
+            )
+        for value in signal.speeds if isinstance(signal, Schedule) else (signal,):
+            check.number(value, f"Input {name!r}", "value", within=within)
         signals.append(signal)
     return tuple(signals)
 
@@ -261,6 +271,7 @@ class _Simulation:
             stop = min(grid, quiet)
             self.external.run_to(stop)
             if self.external.ended:
+                self.record(on_grid=True)
                 return
             if stop == bend:  # inputs are linear between records
                 self.record()

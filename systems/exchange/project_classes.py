@@ -11,6 +11,7 @@ from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.diesel_unit import DieselHydraulicUnit
 from ropeway.components.drive import HydraulicDrive, IdealDrive
 from ropeway.components.drum import Drum
+from ropeway.components.environment import Environment
 from ropeway.components.ground import Ground
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
 from ropeway.components.intermediate_support import IntermediateSupport
@@ -34,8 +35,8 @@ CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
         Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum, Elastic,
-        Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive, IntermediateSupport,
-        Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope, Sheave, Span,
-        SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
+        Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive,
+        IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope,
+        Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
     )
 }  # fmt: skip

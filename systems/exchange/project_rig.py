@@ -19,8 +19,9 @@ from ropeway.systems.rigs.skyline_rig import SkylineRig
 
 _NEEDED = ("headspar", "tailspar", "carriage")
 _PLAIN = ("terrain", "haulback", "haulback_tension", "haulback_block", "mainline", "turn", "name", "gravity")
+_WEATHER = ("temperature", "environment")
 _ROPES = ("skyline", "haulback", "mainline")
-_FIELDS = ("kind", *_NEEDED, *_PLAIN, "skyline", "supports", "tension", "length", "holding")
+_FIELDS = ("kind", *_NEEDED, *_PLAIN, *_WEATHER, "skyline", "supports", "tension", "length", "holding")
 
 
 def kind_name(kind: RigKind) -> str:
@@ -31,10 +32,11 @@ def kind_name(kind: RigKind) -> str:
 def _write(encoder: Encoder, rig: SkylineRig) -> dict[str, Json]:
     """A rig without what follows from the rest: the length for a tension, places of spars on the terrain."""
     running = not rig.kind.keeps_length
-    found: dict[str, Any] = {"name": rig.name, "gravity": rig.gravity}
+    found: dict[str, Any] = {"name": rig.name, "gravity": rig.gravity, "temperature": rig.temperature}
     found["haulback" if running else "skyline"] = encoder.rope(rig.skyline)
     found["length" if rig.tension is None else "tension"] = rig.length if rig.tension is None else rig.tension
-    for name in ("mainline", *(() if running else ("haulback", "haulback_tension")), "haulback_block", "turn"):
+    ropes = ("mainline", *(() if running else ("haulback", "haulback_tension")))
+    for name in (*ropes, "haulback_block", "turn", "environment"):
         if getattr(rig, name) is not None:
             found[name] = encoder.value(getattr(rig, name), f"{rig.name}.{name}")
     for name, node in (("headspar", rig.headspar), ("tailspar", rig.tailspar)):

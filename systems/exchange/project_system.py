@@ -22,10 +22,12 @@ from ropeway.systems.rigs.endless import endless
 from ropeway.systems.rigs.monocable import monocable
 
 _LOAD, _FEED = ("name", "mass", "spans", "at"), ("spans", "spacing", "masses")
+_OWN = ("name", "gravity", "temperature")
 _FIELDS = (
     "kind",
     "name",
     "gravity",
+    "temperature",
     "precedence",
     "components",
     "connections",
@@ -35,6 +37,7 @@ _FIELDS = (
     "feeds",
     "ground",
     "map_frame",
+    "environment",
 )
 
 
@@ -42,6 +45,7 @@ def _write(encoder: Encoder, system: System) -> dict[str, Json]:
     found: dict[str, Json] = {
         "name": system.name,
         "gravity": system.gravity,
+        "temperature": system.temperature,
         "precedence": dict(system.precedences),
         "components": [encoder.part(c) for c in system.components.values()],
         "connections": {f"{a}.{end}": f"{b}.{seat}" for (a, end), (b, seat) in system.connections.items()},
@@ -49,16 +53,18 @@ def _write(encoder: Encoder, system: System) -> dict[str, Json]:
         "signals": {f"{a}.{one}": f"{b}.{other}" for (a, one), (b, other) in system.links.items()},
         "loads": [
             {"name": str(h.load.name), "mass": h.load.mass, "spans": [str(s.name) for s in h.spans], "at": h.at}
+            | ({"drag_area": h.load.drag_area} if h.load.drag_area else {})
             for h in system.hung
         ],
         "feeds": [
             {"spans": [str(s.name) for s in f.spans], "spacing": f.spacing, "masses": list(f.masses)}
             | ({} if f.around is None else {"around": f.around})
             | ({"prefix": f.prefix} if f.prefix else {})
+            | ({"drag_area": f.drag_area} if f.drag_area else {})
             for f in system.feeds
         ],
     }
-    for name in ("ground", "map_frame"):
+    for name in ("ground", "map_frame", "environment"):
         if getattr(system, name) is not None:
             found[name] = encoder.part(getattr(system, name))
     return {name: value for name, value in found.items() if value not in ({}, []) and value != {"": "all at once"}}
@@ -67,7 +73,7 @@ def _write(encoder: Encoder, system: System) -> dict[str, Json]:
 def _read(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> System:
     decoder.require_fields(data, keys, _FIELDS, ("name", "components"))
     lists = {n: decoder.require_list(data.get(n, []), (*keys, n)) for n in ("components", "loads", "feeds")}
-    system: System = decoder.made(System, keys, {n: data[n] for n in ("name", "gravity") if n in data})
+    system: System = decoder.made(System, keys, {n: data[n] for n in _OWN if n in data})
     for i, each in enumerate(lists["components"]):
         here = (*keys, "components", i)
         component = decoder.part(each, here)
@@ -78,19 +84,20 @@ def _read(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> System:
         _do(decoder, (*keys, "precedence", group), check_precedence, precedence)
         system.precedences[PartName(group) if group else group] = precedence
     _join(decoder, system, data, keys)
-    for name in ("ground", "map_frame"):
+    for name in ("ground", "map_frame", "environment"):
         if name in data:
             setattr(system, name, decoder.part(data[name], (*keys, name)))
     for i, each in enumerate(lists["loads"]):
         here = (*keys, "loads", i)
-        decoder.require_fields(each, here, _LOAD, _LOAD)
-        load = decoder.part({"type": "Load", "name": each["name"], "mass": each["mass"]}, here)
+        decoder.require_fields(each, here, (*_LOAD, "drag_area"), _LOAD)
+        load = decoder.part({"type": "Load"} | {n: v for n, v in each.items() if n not in ("spans", "at")}, here)
         _do(decoder, here, system.hang, load, _spans(decoder, system, each, here), at=each["at"])
     for i, each in enumerate(lists["feeds"]):
         here = (*keys, "feeds", i)
-        decoder.require_fields(each, here, (*_FEED, "around", "prefix"), _FEED)
+        decoder.require_fields(each, here, (*_FEED, "around", "prefix", "drag_area"), _FEED)
         spans = _spans(decoder, system, each, here)
-        _do(decoder, here, system.feed, spans, spacing=each["spacing"], masses=each["masses"])
+        own = {n: each[n] for n in ("spacing", "masses", "drag_area") if n in each}
+        _do(decoder, here, system.feed, spans, **own)
         extra = {"around": each.get("around"), "prefix": each.get("prefix", "")}
         system.feeds[-1] = replace(system.feeds[-1], **extra)
     return system

@@ -51,7 +51,7 @@ def _read_model(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Model
 
 def _loads(runs: Sequence[Run]) -> list[Json]:
     """The loads of runs, which change in a simulation."""
-    arrays = ("mass", "place", "pinned", "at")
+    arrays = ("mass", "place", "pinned", "at", "drag")
     return [
         {"names": list(map(str, run.loads.names)), "first": int(run.loads.first)}
         | {name: getattr(run.loads, name).tolist() for name in arrays}
@@ -66,7 +66,8 @@ def _runs(model: Model, data: Sequence[Mapping[str, Json]]) -> tuple[Run, ...]:
 
 def _loads_of(data: Mapping[str, Json]) -> Loads:
     mass, place, at = (np.array(data[name], dtype=float) for name in ("mass", "place", "at"))
-    return Loads(tuple(data["names"]), mass, place, np.array(data["pinned"], dtype=int), at, data["first"])
+    drag = np.array(data.get("drag", np.zeros(len(mass))), dtype=float)
+    return Loads(tuple(data["names"]), mass, place, np.array(data["pinned"], dtype=int), at, data["first"], drag)
 
 
 def _pending(pending: Pending) -> Json:

@@ -8,10 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.check import POSITIVE, Range
+from ropeway.components.check import Range
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.node import Node
+from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.weather import shared_variables, signals_of
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.connections.signals import with_links, with_residuals
 from ropeway.systems.modelling.dae_model import (
@@ -24,6 +27,7 @@ from ropeway.systems.modelling.dae_model import (
     VariableTable,
     component_of,
 )
+from ropeway.systems.modelling.declarations import north_of, require_weather, thin_ropes
 from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
 from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
@@ -65,10 +69,21 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
     return assembled(system, slots)
 
 
+def in_weather(system: System | Model, environment: Environment | None) -> Model:
+    """The model of a system, in other weather where one is given. Raises InputError, UnbalancedSystemError."""
+    if environment is None:
+        return system if isinstance(system, Model) else assemble(system)
+    declared = system.system if isinstance(system, Model) else system
+    if isinstance(system, Model) and declared.environment == environment:
+        return system
+    return assemble(declared.in_weather(environment))
+
+
 def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
     """As `assemble`, for declarations that are known to be sound."""
     functions = KNOWN.functions
     system.require_complete()
+    require_weather(system)
     runs = find_runs(system)
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
         raise InputError("slots does not fit the system", "Give the number of slots of each span of each run")
@@ -77,7 +92,8 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
     own = {c.name: functions.variables_of(c, sites[c.name]) for c in system.components.values()}
     variables = with_links(system, own)
     rows = with_residuals(system, variables)
-    tables = {kind: _table(kind, rows, system) for kind in Kind}
+    shared = _shared(system)
+    tables = {kind: _table(kind, rows, shared) for kind in Kind}
     layouts, balances = tuple(_layout(run, tables) for run in runs), _balances(system, runs, tables)
 
     def build() -> Structure:
@@ -85,13 +101,14 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
 
     indices = {kind: table.index for kind, table in tables.items()}
     positions = (balances, tuple(layout.key for layout in layouts))
-    key, size = key_of(system, runs, sites, variables, positions), sum(map(len, tables.values()))
+    key, size = key_of(system, runs, sites, {**variables, "": shared}, positions), sum(map(len, tables.values()))
     structure = build() if key is None else KNOWN.get(key, size, build)
     model = Model(
         system=system.copy(),
         tables=tables,
         structure=structure,
-        signals=tuple(
+        signals=_signals_of(system)
+        + tuple(
             system.components[name].driver(v.name)
             for name, owned in variables.items()
             for v in owned
@@ -121,7 +138,7 @@ def _sites(
     system: System, runs: Sequence[Run], starts: Sequence[RunStart], slots: Sequence[Sequence[int]] | None
 ) -> dict[str, Site]:
     """Scales and initial guesses of each component, from its ropes."""
-    sites: dict[str, Site] = {}
+    sites, weather = dict[str, Site](), system.environment is not None
     for r, (run, start) in enumerate(zip(runs, starts, strict=True)):
         counts = slot_counts(run, start.counts)
         if slots is not None:
@@ -130,17 +147,29 @@ def _sites(
             tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))
             # Each span has its own scale: tensions of sections of one rope can differ by a factor of 100.
             force = max(float(np.linalg.norm(tension)), 1e-3 * start.scale)
-            sites[span.name] = Site(force, float(start.chord[k]), counts[k], tension)
+            sites[span.name] = Site(force, float(start.chord[k]), counts[k], tension, weather)
         for node in run.nodes:
-            site = Site(start.scale, float(np.mean(start.chord)))
+            site = Site(start.scale, float(np.mean(start.chord)), weather=weather)
             known = sites.get(node.name)
             if known is None or known.force < site.force:
                 sites[node.name] = site
-    return {name: sites.get(name, Site(1.0, 1.0)) for name in system.components}
+    return {name: sites.get(name, Site(1.0, 1.0, weather=weather)) for name in system.components}
 
 
-def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: System) -> VariableTable:
-    """All variables of one kind. Arrays are name[1], name[2], ..."""
+def _shared(system: System) -> tuple[Variable, ...]:
+    """What all components have in common."""
+    return shared_variables(
+        system.environment, system.gravity, system.temperature, north_of(system), thin_ropes(system)
+    )
+
+
+def _signals_of(system: System) -> tuple[float | Schedule, ...]:
+    """Values of the weather over time."""
+    return () if system.environment is None else signals_of(system.environment, system.temperature)
+
+
+def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], shared: Sequence[Variable]) -> VariableTable:
+    """All variables of one kind, first those that all components share. Arrays are name[1], name[2], ..."""
     stop_if_interrupted()
     names: list[str] = []
     units: list[str] = []
@@ -149,23 +178,20 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
     nominals: list[float] = []
     ranges: list[Range] = []
     hidden: list[str] = []
-    if kind is Kind.PARAMETER:
-        names, units, descriptions = ["gravity"], ["m/s2"], ["gravity"]
-        values, nominals, ranges = [system.gravity], [system.gravity], [POSITIVE]
-    for component, owned in variables.items():
-        for v in owned:
-            if v.kind is not kind:
-                continue
-            array = v.value if isinstance(v.value, tuple) else (v.value,) * v.size
-            indexed = isinstance(v.value, tuple) or v.size != 1 or v.hidden
-            own = [f"{component}.{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{component}.{v.name}"]
-            names += own
-            hidden += own if v.hidden else []
-            units += [v.unit] * v.size
-            descriptions += [v.description] * v.size
-            values += array
-            nominals += [v.nominal] * v.size
-            ranges += [v.range] * v.size
+    every = [("", v) for v in shared] + [(f"{c}.", v) for c, owned in variables.items() for v in owned]
+    for owner, v in every:
+        if v.kind is not kind:
+            continue
+        array = v.value if isinstance(v.value, tuple) else (v.value,) * v.size
+        indexed = isinstance(v.value, tuple) or v.size != 1 or v.hidden
+        own = [f"{owner}{v.name}[{i + 1}]" for i in range(v.size)] if indexed else [f"{owner}{v.name}"]
+        names += own
+        hidden += own if v.hidden else []
+        units += [v.unit] * v.size
+        descriptions += [v.description] * v.size
+        values += array
+        nominals += [v.nominal] * v.size
+        ranges += [v.range] * v.size
     return VariableTable(
         tuple(names),
         tuple(units),
@@ -174,6 +200,7 @@ def _table(kind: Kind, variables: dict[str, tuple[Variable, ...]], system: Syste
         np.array(nominals, float),
         tuple(ranges),
         frozenset(hidden),
+        sum(v.kind is kind for v in shared),
     )
 
 
@@ -188,6 +215,7 @@ def _layout(run: Run, tables: dict[Kind, VariableTable]) -> RunLayout:
         slot: np.array([discrete.get(f"{s.name}.slot_{slot}[1]", 0) for s in run.spans], dtype=int)
         for slot in ("mass", "at", "ride", "empty")
     }
+    first["drag"] = positions(Kind.DISCRETE, [f"{s.name}.slot_drag[1]" for s in run.spans])
     count = []
     for s in run.spans:
         n = 0

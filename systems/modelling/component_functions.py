@@ -13,6 +13,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
 from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
 
@@ -48,7 +49,7 @@ class ComponentFunctions:
         equations. Raises InputError unless it has exactly these names."""
         key = ("demand", sums, *_form(component, site, variables))
         if key not in self._functions:
-            v, inputs = _symbols(component, variables)
+            v, inputs = _symbols(component, variables, weather=site.weather)
             demands = component.demand(v)
             if set(demands) != set(sums):
                 named, supplied = ", ".join(demands) or "nothing", ", ".join(sums)
@@ -64,7 +65,7 @@ class ComponentFunctions:
         if key not in self._functions:
             if len(self._functions) > MOST:
                 self._functions.clear()
-            self._functions[key] = component_function(component, variables)
+            self._functions[key] = component_function(component, variables, weather=site.weather)
         return self._functions[key]
 
 
@@ -100,12 +101,16 @@ def check_component(component: Component) -> None:
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
     kind."""
-    return (component.form(site), tuple(v.kind for v in variables))
+    return (component.form(site), site.weather, tuple(v.kind for v in variables))
 
 
-def component_function(component: Component, variables: tuple[Variable, ...]) -> ca.Function:
-    """(t, gravity, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...)."""
-    v, inputs = _symbols(component, variables)
+def component_function(component: Component, variables: tuple[Variable, ...], *, weather: bool = False) -> ca.Function:
+    """(t, shared, x, z, u, p, d, signals, ports...) -> (ode, alg, y, forces of rope ends...).
+
+    `shared`: gravity, with weather also the values of `Weather`; a rope end's force is followed by the energy that the
+    rope carries, with weather also by its expansion.
+    """
+    v, inputs = _symbols(component, variables, weather=weather)
     eq = component_rules.evaluated(component, v)
     component_rules.require_complete(component, variables, eq)
 
@@ -114,7 +119,7 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
 
     # The force on the node at the other side of the port is opposite.
     forces = [
-        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name])
+        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name], *((eq.expansion,) if weather else ()))
         for port in component.ports
         if isinstance(port, RopeEnd)
     ]
@@ -132,11 +137,14 @@ def component_function(component: Component, variables: tuple[Variable, ...]) ->
     return found
 
 
-def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[SimpleNamespace, list[Any]]:
+def _symbols(
+    component: Component, variables: tuple[Variable, ...], *, weather: bool
+) -> tuple[SimpleNamespace, list[Any]]:
     """Symbols of a component's equations, as attributes and as inputs of its function."""
     sym = ca.MX.sym if component.external else ca.SX.sym
-    time, gravity = sym("t"), sym("gravity")
-    v = SimpleNamespace(time=time, gravity=gravity)
+    time, shared = sym("t"), sym("shared", 1 + (len(Weather._fields) if weather else 0))
+    gravity, *values = (shared[i] for i in range(shared.numel()))
+    v = SimpleNamespace(time=time, gravity=gravity, weather=Weather(*values) if weather else None)
     vectors = []
     for kind in SYMBOLS:
         owned = [var for var in variables if var.kind is kind]
@@ -147,15 +155,17 @@ def _symbols(component: Component, variables: tuple[Variable, ...]) -> tuple[Sim
         vectors.append(vector)
     ports = []
     for port in component.ports:
-        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 5)
+        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 6 if weather else 5)
         vector_3d = (symbol[0], symbol[1], symbol[2])
         if isinstance(port, RopeEnd):
             setattr(v, port.name, SimpleNamespace(position=vector_3d, travel=symbol[3]))
         else:
-            setattr(v, port.name, SimpleNamespace(force=vector_3d, carried=symbol[3], speed=symbol[4]))
+            expansion, speed = (symbol[4], symbol[5]) if weather else (1.0, symbol[4])
+            rope = SimpleNamespace(force=vector_3d, carried=symbol[3], expansion=expansion, speed=speed)
+            setattr(v, port.name, rope)
         ports.append(symbol)
     names = (*component.sums, *component.shares)
     signals = sym("signals", len(names))
     for i, name in enumerate(names):
         setattr(v, name, signals[i])
-    return v, [time, gravity, *vectors, signals, *ports]
+    return v, [time, shared, *vectors, signals, *ports]

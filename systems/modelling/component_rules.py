@@ -15,7 +15,7 @@ from ropeway.components.errors import InputError, RopewayError
 from ropeway.components.node import Node
 from ropeway.components.variable import Equations, Kind, Variable
 
-RESERVED = ("time", "gravity")
+RESERVED = ("time", "gravity", "weather")
 """Attributes of `v` besides those of a component."""
 _UNKNOWNS = (Kind.STATE, Kind.ALGEBRAIC, Kind.PARAMETER)
 _TRIES = 4

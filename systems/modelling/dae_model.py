@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
@@ -25,7 +25,7 @@ from ropeway.systems.modelling.system import System
 @dataclass(frozen=True)
 class VariableTable:
     """All variables of one kind in the order of their vector: parallel tuples and arrays of shape (n,). `hidden` has
-    the names that results omit."""
+    the names that results omit; the first `shared` belong to no component: gravity, the weather."""
 
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -34,6 +34,7 @@ class VariableTable:
     nominals: np.ndarray
     ranges: tuple[Range, ...]
     hidden: frozenset[str] = frozenset()
+    shared: int = 0
 
     @cached_property
     def index(self) -> dict[str, int]:
@@ -47,6 +48,13 @@ class VariableTable:
 
     def __len__(self) -> int:
         return len(self.names)
+
+
+def shared_places(tables: Mapping[Kind, VariableTable]) -> list[tuple[Kind, int]]:
+    """Vector and entry of what all components have in common: gravity, with weather also the values of `Weather.of`."""
+    inputs, parameters = tables[Kind.INPUT].shared, tables[Kind.PARAMETER].shared
+    places = [(Kind.PARAMETER, 0), *((Kind.INPUT, i) for i in range(inputs))]
+    return places + [(Kind.PARAMETER, i) for i in range(1, parameters)]
 
 
 @dataclass(frozen=True)
@@ -81,13 +89,14 @@ class Travel:
 @dataclass(frozen=True)
 class LoadSlots:
     """Positions of a run's load slots in the discrete vector: the first slot of each kind in each span (spans,), and
-    the number of slots (spans,)."""
+    the number of slots (spans,). `drag`: without weather -1."""
 
     count: np.ndarray
     mass: np.ndarray
     at: np.ndarray
     ride: np.ndarray
     empty: np.ndarray
+    drag: np.ndarray
 
     @cached_property
     def _cells(self) -> tuple[np.ndarray, np.ndarray]:
@@ -118,6 +127,8 @@ class LoadSlots:
         )
         d[..., self.ride[span] + slot] = full & ~pinned
         d[..., self.empty[span] + slot] = ~full
+        if self.drag[0] >= 0:
+            d[..., self.drag[span] + slot] = np.where(full, loads.drag[load], 0.0)
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -303,6 +314,11 @@ class Model:
     def outputs(self) -> ca.Function:
         """(t, x, z, u, p, d) -> y, in SI units, unscaled."""
         return self.structure.outputs
+
+    @property
+    def weather(self) -> bool:
+        """Whether temperature, ice and wind are among its inputs and parameters."""
+        return self.system.environment is not None
 
     @cached_property
     def external(self) -> bool:

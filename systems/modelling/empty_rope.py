@@ -50,7 +50,7 @@ def lengths_for_total(
     """
     at = np.array(points, dtype=float)
     chords = parabola.Chords.between(at)
-    if strain == (0.0, 0.0) and total <= chords.length.sum():
+    if strain.none and total <= chords.length.sum():
         raise InputError(
             f"The inextensible rope {names[0]} ... is {total:.6g} m long, its chords {chords.length.sum():.6g} m",
             "Give a longer rope or a finite axial stiffness",

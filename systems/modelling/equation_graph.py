@@ -11,10 +11,11 @@ from ropeway.components.component import Component, RopeEnd, Seat
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
 from ropeway.systems.modelling.connections.signals import differences
-from ropeway.systems.modelling.dae_model import VariableTable
+from ropeway.systems.modelling.dae_model import VariableTable, shared_places
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.modelling.system import System
 
@@ -38,7 +39,9 @@ class EquationGraph:
         self.component_functions = functions
         self.time = ca.MX.sym("t")
         self.vectors = {kind: ca.MX.sym(kind.value, len(tables[kind])) for kind in SYMBOLS}
-        self.parts = {kind: _split(kind, self.vectors[kind], variables) for kind in SYMBOLS}
+        self.parts = {kind: _split(kind, self.vectors[kind], variables, tables[kind]) for kind in SYMBOLS}
+        self.weather = system.environment is not None
+        self.shared = self._shared()
         self.speed_of = drive_speeds(runs)
         self.seats = {(n.name, s.name): s for n in system.components.values() if isinstance(n, Node) for s in n.seats}
         self.results: dict[str, Sequence[ca.MX]] = {}
@@ -117,7 +120,12 @@ class EquationGraph:
 
     def _inputs(self, component: Component, signals: ca.MX, ports: Sequence[ca.MX]) -> list[ca.MX]:
         own = (self.parts[kind][component.name] for kind in SYMBOLS)
-        return [self.time, self.vectors[Kind.PARAMETER][0], *own, signals, *ports]
+        return [self.time, self.shared, *own, signals, *ports]
+
+    def _shared(self) -> ca.MX:
+        """Gravity, and the weather."""
+        gravity, *weather = (self.vectors[kind][i] for kind, i in shared_places(self.tables))
+        return ca.vertcat(gravity, *Weather.of(weather)) if weather else gravity
 
     def _position(self, seat: Seat) -> ca.MX:
         """Position and travel of the rope at a seat."""
@@ -135,7 +143,8 @@ class EquationGraph:
         for port in component.ports:
             driver = self.speed_of.get((component.name, port.name))
             speed = ca.MX(0.0) if driver is None else self._variable(*driver)
-            force = self.force_on.get((component.name, port.name), ca.MX.zeros(4))
+            none = ca.vertcat(ca.MX.zeros(4), 1.0) if self.weather else ca.MX.zeros(4)
+            force = self.force_on.get((component.name, port.name), none)
             found.append(ca.vertcat(force, speed))
         return found
 
@@ -147,9 +156,11 @@ class EquationGraph:
         raise UnbalancedSystemError(f"{component!r} has no variable {name!r}")
 
 
-def _split(kind: Kind, vector: ca.MX, variables: Mapping[str, tuple[Variable, ...]]) -> dict[str, ca.MX]:
-    """The part of a vector that belongs to each component."""
-    offsets = [0, 1] if kind is Kind.PARAMETER else [0]  # gravity comes first
+def _split(
+    kind: Kind, vector: ca.MX, variables: Mapping[str, tuple[Variable, ...]], table: VariableTable
+) -> dict[str, ca.MX]:
+    """The part of a vector that belongs to each component, behind what all have in common."""
+    offsets = [0, *([table.shared] if table.shared else [])]
     for owned in variables.values():
         offsets.append(offsets[-1] + sum(v.size for v in owned if v.kind is kind))
     pieces = ca.vertsplit(vector, offsets)

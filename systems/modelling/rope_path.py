@@ -26,9 +26,9 @@ from ropeway.systems.modelling.system import System
 class Loads:
     """Loads of a run, foremost first.
 
-    Names, masses [kg] and positions on the rope [m, unstretched, from the first support at zero travel]. `pinned`:
-    index of the span in which a load is fixed at a distance `at` from end a; -1 for a load fixed to the rope. `first`:
-    number of the foremost load, negative if an endless rope has run backwards.
+    Names, masses [kg], drag areas [m2] and positions on the rope [m, unstretched, from the first support at zero
+    travel]. `pinned`: index of the span in which a load is fixed at a distance `at` from end a; -1 for a load fixed to
+    the rope. `first`: number of the foremost load, negative if an endless rope has run backwards.
     """
 
     names: tuple[str, ...] = ()
@@ -37,6 +37,7 @@ class Loads:
     pinned: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
     first: int = 0
+    drag: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def sorted(self, material: np.ndarray) -> Loads:
         """The loads in order, with positions of pinned loads from the rope coordinates at the supports.
@@ -54,6 +55,7 @@ class Loads:
             self.pinned[order],
             self.at[order],
             self.first,
+            self.drag[order],
         )
 
 
@@ -225,6 +227,7 @@ def _run(system: System, nodes: tuple[Node, ...], seats: tuple[Seat, ...], spans
             start[first] + at if hung else np.zeros(0),
             np.where(single, first, -1) if hung else first,
             at,
+            drag=np.array([h.load.drag_area for h in hung]),
         ).sorted(start)
     return Run(nodes, seats, spans, loads, feed)
 
@@ -243,7 +246,8 @@ def fed(feed: Feed, length: float) -> Loads:
     """
     on_line = max(int(np.floor(length / feed.spacing + 0.5)), 0)
     foremost = np.array([(on_line - 0.5) * feed.spacing])
-    first = Loads((f"{feed.prefix}l1",), np.array([feed.masses[0]]), foremost, np.array([-1]), np.zeros(1))
+    mass, drag = np.array([feed.masses[0]]), np.array([feed.drag_area if feed.masses[0] else 0.0])
+    first = Loads((f"{feed.prefix}l1",), mass, foremost, np.array([-1]), np.zeros(1), drag=drag)
     return extended(first, feed, on_line + 7 if feed.around is None else feed.around - 1)
 
 
@@ -258,6 +262,7 @@ def extended(loads: Loads, feed: Feed, more: int) -> Loads:
         np.concatenate([loads.pinned, np.full(more, -1)]),
         np.concatenate([loads.at, np.zeros(more)]),
         loads.first,
+        np.concatenate([loads.drag, np.where(masses > 0.0, feed.drag_area, 0.0)]),  # missing loads bear no wind
     )
 
 
@@ -275,6 +280,7 @@ def rounds(loads: Loads, begin: int, around: int, length: float, ahead: int, beh
         loads.pinned[load],
         loads.at[load],
         loads.first + begin - ahead * around,
+        loads.drag[load],
     )
 
 

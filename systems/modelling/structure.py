@@ -68,13 +68,19 @@ def key_of(
     positions: Hashable,
 ) -> Hashable | None:
     """All that the equations of a system depend on, with the numbers of components instead of their names; None where
-    external code is part of them. `positions`: those of variables in the vectors, as solvers read them."""
+    external code is part of them.
+
+    `variables` of "" are those that all components share. `positions`: those of variables in the vectors, as solvers
+    read them.
+    """
     if any(c.external for c in system.components.values()):
         return None
     number = {name: i for i, name in enumerate(system.components)}
+    shared = tuple((v.name, v.kind, v.size) for v in variables[""])
     forms = tuple(
         (
             c.form(sites[name]),
+            sites[name].weather,
             tuple((v.name, v.kind, v.size) for v in variables[name]),
             tuple((type(port), port.name) for port in c.ports),
             tuple((s.name, s.travel, s.offset) for s in c.seats) if isinstance(c, Node) else (),
@@ -86,4 +92,4 @@ def key_of(
     fed = tuple((number[a], number[b]) for a, b in system.supplies.items())
     linked = tuple((number[a], p, number[b], q) for (a, p), (b, q) in system.links.items())
     driven = tuple((number[a], p, number[b], q) for (a, p), (b, q) in drive_speeds(runs).items())
-    return (forms, joined, fed, linked, driven, positions)
+    return (shared, forms, joined, fed, linked, driven, positions)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar, overload
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port, Seat
+from ropeway.components.environment import TEMPERATURES, Environment
 from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.ground import Ground
 from ropeway.components.load import Load
@@ -21,7 +22,7 @@ from ropeway.components.span import Span
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.connections.ports import connect
 from ropeway.systems.modelling.connections.subsystem import Subsystem, include
-from ropeway.systems.modelling.declarations import Declarations, Feed, Hung
+from ropeway.systems.modelling.declarations import Declarations, Feed, Hung, require_weather
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
 from ropeway.systems.modelling.user_code import caller
 
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
 
 GRAVITY = 9.80665
 """Standard gravity [m/s2]."""
+
+STRUNG = 15.0
+"""Temperature at which ropes are strung, if nothing is said [degrees C]."""
 
 MOST_LOADS = 10_000
 """Largest plausible number of loads on a rope; more indicate wrong units."""
@@ -52,11 +56,13 @@ class System(Declarations):
         "worst first" or "neighbours locked out".
     terrain : Profile, optional
         The ground under it: its stations are x, its map is that of the system.
+    temperature : float, default 15
+        Temperature at which its ropes are strung, for which their lengths hold [degrees C].
 
     Raises
     ------
     InputError
-        A gravity that is not positive, or an unknown precedence.
+        A gravity that is not positive, an impossible temperature, or an unknown precedence.
     """
 
     def __init__(
@@ -66,10 +72,12 @@ class System(Declarations):
         gravity: float = GRAVITY,
         precedence: str = "all at once",
         terrain: Profile | None = None,
+        temperature: float = STRUNG,
     ) -> None:
         check_precedence(precedence)
         check.positive(gravity, f"System {name!r}", "gravity", "m/s2")
-        super().__init__(name, gravity, precedence)
+        check.number(temperature, f"System {name!r}", "temperature", "degrees C", TEMPERATURES)
+        super().__init__(name, gravity, precedence, temperature)
         if terrain is not None:
             self.ground, self.map_frame = Ground(terrain), terrain.map_frame
 
@@ -155,7 +163,7 @@ class System(Declarations):
         Raises
         ------
         InputError
-            The name is used already, or the system has another gravity.
+            The name is used already, or the system has another gravity, temperature or environment.
         """
         if isinstance(component, System):
             return self._include(component, name)
@@ -177,8 +185,9 @@ class System(Declarations):
         check.name(name, "Subsystem")
         if inner is self:
             raise InputError(f"System {self.name!r} cannot be a part of itself", "Add another system")
-        if inner.gravity != self.gravity:
-            raise InputError(f"{inner.name!r} has another gravity than {self.name!r}", "Use the same gravity")
+        for what in ("gravity", "temperature", "environment"):
+            if getattr(inner, what) != getattr(self, what):
+                raise InputError(f"{inner.name!r} has another {what} than {self.name!r}", f"Use the same {what}")
         taken = [n for n in (*self.components, *self._load_names()) if n == name or n.startswith(f"{name}.")]
         if taken:
             raise InputError(f"The name {name!r} is taken by {taken[0]!r}", "Give each part its own name")
@@ -329,7 +338,9 @@ class System(Declarations):
         self.hung.append(Hung(load, on, float(at)))
         return load
 
-    def feed(self, spans: Sequence[Span], *, spacing: float, masses: float | Sequence[float]) -> None:
+    def feed(
+        self, spans: Sequence[Span], *, spacing: float, masses: float | Sequence[float], drag_area: float = 0.0
+    ) -> None:
         """Fill a rope with loads at a spacing; more enter at the first support as the rope moves.
 
         Parameters
@@ -340,6 +351,8 @@ class System(Declarations):
             Unstretched length of rope between loads [m].
         masses : float or sequence of float
             Masses [kg], used in order and repeated; 0 is a missing load.
+        drag_area : float, default 0
+            Drag coefficient times area of each load in the wind [m2].
 
         Raises
         ------
@@ -355,11 +368,12 @@ class System(Declarations):
             raise InputError("feed has no masses", "Give one number or a sequence of numbers")
         for value in values:
             check.not_negative(value, "feed", "mass", "kg")
+        check.not_negative(drag_area, "feed", "drag_area", "m2")
         if not any(values):
             raise InputError("feed has no load with a mass", "0 is a missing load; give other masses as well")
         if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
             raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
-        self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values)))
+        self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values), drag_area=float(drag_area)))
 
     def origin(self, name: str, text: str = "{}") -> str:
         """File and line of the user's code that added a component, in a text.
@@ -379,6 +393,31 @@ class System(Declarations):
         origin = self.origins.get(name)
         return text.format(origin) if origin else ""
 
+    def in_weather(self, environment: Environment) -> System:
+        """The same declarations in other weather.
+
+        Temperature, wind pressure and direction become inputs of its model, ice its parameters.
+
+        Parameters
+        ----------
+        environment : Environment
+            The weather.
+
+        Returns
+        -------
+        System
+            A copy.
+
+        Raises
+        ------
+        InputError
+            Wind or ice on a rope without a diameter; wind across a shoe.
+        """
+        other = self.copy()
+        other.environment = environment
+        require_weather(other)
+        return other
+
     def copy(self) -> System:
         """Copy the declarations, so that later ones do not change an existing model.
 
@@ -387,7 +426,8 @@ class System(Declarations):
         System
             The copy.
         """
-        other = System(self.name, gravity=self.gravity)
+        other = System(self.name, gravity=self.gravity, temperature=self.temperature)
+        other.environment = self.environment
         other.precedences = dict(self.precedences)
         other.components, other.connections = dict(self.components), dict(self.connections)
         other.supplies, other.links = dict(self.supplies), dict(self.links)

@@ -104,6 +104,7 @@ void rw_message(rw_instance *m, rw_status status, const char *category, const ch
 double rw_rope_start(const rw_instance *m, int k);
 double rw_load_position(const rw_instance *m, int run, int i);
 double rw_load_mass(const rw_instance *m, int run, int i);
+double rw_drag_area(int run, int i);
 int rw_load_count(int run);
 double rw_support_travel(const rw_instance *m, int k);
 double rw_travel_rate(const rw_instance *m, int k);

@@ -41,23 +41,42 @@ typedef struct {
     double forward, backward, size;
 } prevailing;
 
-static double length_of(const double *v, double lift)
+/* Tension of a rope with `share` of a load's weight and wind added to its tension vector. */
+static double length_of(const double *v, const double *load, double share)
 {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
+    double x = v[0] + share * load[0], y = v[1] + share * load[1], z = v[2] + share * load[2];
+    return sqrt(x * x + y * y + z * z);
 }
 
-/* Residual of an idler's tension law with the vertical forces of both ropes larger by `lift`; no load holds it. */
-static rw_status law(rw_instance *m, int k, double lift, double *found)
+/* What a load adds to the tension vector of a rope behind it: its weight, and the wind on it. */
+static void pull_of(rw_instance *m, int run, int load, double *pull)
 {
-    double in = m->s.now.z[rw_force[k - 1] + 2], out = m->s.now.z[rw_force[k] + 2], held = m->s.d[rw_held[k]];
+    pull[0] = pull[1] = 0.0;
+    pull[2] = rw_load_mass(m, run, load) * m->s.p[0];
+    if (rw_wind[0] < 0) return;
+    rw_inputs_at(m, m->s.now.t, m->us);
+    double force = rw_drag_area(run, load) * m->us[rw_wind[0]];
+    double angle = (m->us[rw_wind[1]] - m->s.p[rw_north[0]]) * 3.14159265358979323846 / 180.0;
+    pull[0] = force * sin(angle);
+    pull[1] = force * cos(angle);
+}
+
+/* Residual of an idler's tension law with `share` of a load added to the forces of both ropes; no load holds it. */
+static rw_status law(rw_instance *m, int k, const double *load, double share, double *found)
+{
+    double *in = m->s.now.z + rw_force[k - 1], *out = m->s.now.z + rw_force[k], before[6], held = m->s.d[rw_held[k]];
     int failed;
     rw_inputs_at(m, m->s.now.t, m->us);
-    m->s.now.z[rw_force[k - 1] + 2] = in + lift; /* the force at the end follows that at the start */
-    m->s.now.z[rw_force[k] + 2] = out + lift;
+    memcpy(before, in, 3 * sizeof(double));
+    memcpy(before + 3, out, 3 * sizeof(double));
+    for (int i = 0; i < 3; i++) { /* the force at the end follows that at the start */
+        in[i] += share * load[i];
+        out[i] += share * load[i];
+    }
     m->s.d[rw_held[k]] = 0.0;
     failed = rw_equations(m, m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->s.now.z[rw_force[k - 1] + 2] = in;
-    m->s.now.z[rw_force[k] + 2] = out;
+    memcpy(in, before, 3 * sizeof(double));
+    memcpy(out, before + 3, 3 * sizeof(double));
     m->s.d[rw_held[k]] = held;
     if (failed) return rw_fail(m, "The tension law is not finite", m->s.now.t);
     *found = m->g[rw_law[k]];
@@ -68,26 +87,27 @@ static rw_status law(rw_instance *m, int k, double lift, double *found)
 static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
 {
     rw_status status = rw_show(m);
-    double weight = rw_load_mass(m, rw_run_of[k], load) * m->s.p[0], ahead = 0.0, behind = weight;
-    double coming[3], t_in, t_out;
+    double pull[3], coming[3], t_in, t_out, ahead = 0.0, behind = 1.0;
     const double *going = m->s.now.z + rw_force[k];
     if (status != RW_OK) return status;
+    pull_of(m, rw_run_of[k], load, pull);
     memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
+    if (rw_pull_b[k - 1] >= 0) memcpy(coming, m->s.y + rw_pull_b[k - 1], 2 * sizeof(double));
     coming[2] = m->s.y[rw_vertical_b[k - 1]];
     if (load >= m->s.passed[k]) { /* it hangs at the end of the span before the support */
-        ahead = -weight;
+        ahead = -1.0;
         behind = 0.0;
     }
-    t_in = s->size = length_of(coming, 0.0);
-    t_out = length_of(going, 0.0);
+    t_in = s->size = length_of(coming, pull, 0.0);
+    t_out = length_of(going, pull, 0.0);
     if (!rw_is_held(m, k) && fabs(t_out - t_in) <= 1e-9 * t_in) {
-        s->forward = length_of(going, ahead) - length_of(coming, ahead);
-        s->backward = length_of(coming, behind) - length_of(going, behind);
+        s->forward = length_of(going, pull, ahead) - length_of(coming, pull, ahead);
+        s->backward = length_of(coming, pull, behind) - length_of(going, pull, behind);
         return RW_OK;
     }
-    status = law(m, k, ahead, &s->forward);
+    status = law(m, k, pull, ahead, &s->forward);
     if (status != RW_OK) return status;
-    status = law(m, k, behind, &s->backward);
+    status = law(m, k, pull, behind, &s->backward);
     s->backward = -s->backward;
     return status;
 }

@@ -40,6 +40,13 @@ double rw_load_mass(const rw_instance *m, int run, int i)
     return m->s.mass[mass_of(run, i)];
 }
 
+/* Drag area of a load; loads of a feed that are not in the list have that of the last one. */
+double rw_drag_area(int run, int i)
+{
+    int first = rw_load_first[run], n = rw_load_first[run + 1] - first, k = i - revolution_of(run, i) * n;
+    return rw_load_drag[first + (k < n ? k : n - 1)];
+}
+
 /* Number of loads of a run; unlimited with a feed. */
 int rw_load_count(int run)
 {
@@ -83,6 +90,7 @@ void rw_write_slots(rw_instance *m)
             m->s.d[rw_slot_at[k] + j] = full ? rw_load_position(m, run, load) - start : 0.0;
             m->s.d[rw_slot_ride[k] + j] = full;
             m->s.d[rw_slot_empty[k] + j] = !full;
+            if (rw_slot_drag[k] >= 0) m->s.d[rw_slot_drag[k] + j] = full ? rw_drag_area(run, load) : 0.0;
         }
         start += m->s.p[rw_length_start[k]];
     }

@@ -12,7 +12,7 @@ _FOLDER = Path(__file__).parent
 FILES = ("sections.h", "sections.c", "moving.h", "moving.c")
 
 
-LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "runs")
+LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "np", "ns", "runs")
 LINE_INTEGERS = (
     *(
         "form",
@@ -22,6 +22,7 @@ LINE_INTEGERS = (
         "mass",
         "at",
         "ride",
+        "drag",
         "start",
         "empty",
         "count",
@@ -33,6 +34,7 @@ LINE_INTEGERS = (
     *("support_form_parameters", "support_form_discrete"),
     *("first", "last", "first_span", "section_of"),
     *("run_of", "held", "free_end", "run_first", "around", "fed"),
+    "shared",
 )
 LINE_NUMBERS = ("z_nominal", "r_nominal")
 LINE_KERNELS = ("kernels", "support_kernels")

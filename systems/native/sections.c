@@ -34,7 +34,7 @@ static room room_of(const rs_line *l, double *work)
 
 int rs_work_size(const rs_line *l)
 {
-    return (RS_SPAN + 3 * 8) * l->spans + (RS_SUPPORT + 5) * l->supports + 2 * l->nz + 3 * (l->slots + 8) + 256;
+    return (RS_SPAN + 3 * 8) * l->spans + (RS_SUPPORT + 5) * l->supports + 2 * l->nz + 4 * (l->slots + 8) + 256;
 }
 
 double rs_travel(const rs_line *l, const rs_point *q, int k)
@@ -53,12 +53,18 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Writes down what all kernels read; returns where that ends. */
+static double *shared_at(const rs_line *l, const rs_point *q, double *to)
+{
+    for (int i = 0; i < l->ns; i++) *to++ = l->shared[i] < l->np ? q->p[l->shared[i]] : q->u[l->shared[i] - l->np];
+    return to;
+}
+
 static void span_at(const rs_line *l, const rs_point *q, int i, double *v, double *result)
 {
     int form = l->form[i], used = (int)q->used[i], n = l->form_parameters[form], a = l->start[i];
     int slots = slots_for(used);
-    double *to = v, length = q->p[l->length_start[i]] + rs_travel(l, q, a) - rs_travel(l, q, a + 1);
-    *to++ = q->p[0];
+    double *to = shared_at(l, q, v), length = q->p[l->length_start[i]] + rs_travel(l, q, a) - rs_travel(l, q, a + 1);
     memcpy(to, q->z + l->force[i], 3 * sizeof(double)), to += 3;
     memcpy(to, q->p + l->parameters[i], n * sizeof(double)), to += n;
     memcpy(to, q->d + l->mass[i], used * sizeof(double));
@@ -69,6 +75,11 @@ static void span_at(const rs_line *l, const rs_point *q, int i, double *v, doubl
         to[slots + j] = length;
     }
     to += 3 * slots;
+    if (l->drag[i] >= 0) {
+        memcpy(to, q->d + l->drag[i], used * sizeof(double));
+        for (int j = used; j < slots; j++) to[j] = 0.0;
+        to += slots;
+    }
     for (int end = 0; end < 2; end++) {
         for (int axis = 0; axis < 3; axis++) *to++ = q->p[l->point[3 * (a + end) + axis]];
         *to++ = rs_travel(l, q, a + end);
@@ -80,8 +91,7 @@ static void support_at(const rs_line *l, const rs_point *q, int k, const double 
                        double *result)
 {
     int form = l->support_form[k], speed = l->speed[k];
-    double *to = v;
-    *to++ = q->p[0];
+    double *to = shared_at(l, q, v);
     memcpy(to, q->p + l->support_parameters[k], l->support_form_parameters[form] * sizeof(double));
     to += l->support_form_parameters[form];
     memcpy(to, q->d + l->support_discrete[k], l->support_form_discrete[form] * sizeof(double));

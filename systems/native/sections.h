@@ -20,10 +20,11 @@ enum { RS_OK, RS_SINGULAR, RS_STUCK, RS_SLOW, RS_AWAY };
 
 /* Tables of a line. */
 typedef struct {
-    int spans, supports, sections, slots, nx, nz, nu, runs;
-    /* of each span; `on_idlers`: whether a support of its run lets rope run; of each form of spans the number of
-     * parameters */
-    const int *form, *parameters, *force, *closure, *mass, *at, *ride, *start, *empty, *count, *length_start, *on_idlers;
+    int spans, supports, sections, slots, nx, nz, nu, np, ns, runs;
+    /* of each span; `drag`: -1 without weather; `on_idlers`: whether a support of its run lets rope run; of each form of
+     * spans the number of parameters */
+    const int *form, *parameters, *force, *closure, *mass, *at, *ride, *drag, *start, *empty, *count, *length_start;
+    const int *on_idlers;
     const int *form_parameters;
     /* of each support */
     const int *point, *state, *travel, *balance, *support_form, *support_parameters, *support_discrete, *speed;
@@ -33,6 +34,8 @@ typedef struct {
     /* of each support: its run, whether it can hold a load, whether a drum lets rope run there by itself; of each run:
      * its first support, whether the rope is endless, whether it is fed */
     const int *run_of, *held, *free_end, *run_first, *around, *fed;
+    /* what all kernels read: places in (p, u), (ns,) */
+    const int *shared;
     const double *z_nominal, *r_nominal;
     const rs_kernel *kernels;         /* [form][used slots] */
     const rs_kernel *support_kernels; /* [support form] */

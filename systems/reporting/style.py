@@ -44,6 +44,8 @@ _METRIC = {
     "percent": Shown("%", 0.01, 0),
     "deflection": Shown("%", 1.0, 1),
     "number": Shown("", 1.0, 2),
+    "temperature": Shown("°C", 1.0, 1),
+    "pressure": Shown("Pa", 1.0, 0),
 }
 _IMPERIAL = _METRIC | {
     "length": Shown("ft", factor("ft", "m"), 1),

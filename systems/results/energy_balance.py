@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.systems.results.summary import each_node
 
@@ -49,7 +50,13 @@ def energy(result: RunData) -> pd.Series:
     that drums pay out or wind in), loads (weight put on and taken off), take_up (external work on components such as a
     tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are friction and crossings
     (energy lost when a line jumps as a load passes an idler). The residual is zero except for the integration error.
+    Raises InputError for a run in weather.
     """
+    if result.model.weather:
+        raise InputError(
+            f"The energy balance of {result.model.name!r} does not count wind, ice and temperature",
+            "Simulate it without environment",
+        )
     frame, times = result.full_frame, result.times
     still = np.diff(times) == 0.0
     parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), np.zeros(len(still)))

@@ -23,8 +23,8 @@ _SLACK = 20.0
 def heights(model: Model, read: Callable[[str], np.ndarray]) -> np.ndarray:
     """Smallest height of each span with its loads above the ground, at all records of a run.
 
-    The rope between loads is a catenary with its mean stretch, exact to about 1e-4 of its sag. `Equilibrium.clearance`
-    gives the exact height at the lowest record of a span.
+    The rope between loads is a catenary with its mean stretch, exact to about 1e-4 of its sag without wind.
+    `Equilibrium.clearance` gives the exact height at the lowest record of a span.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ def heights(model: Model, read: Callable[[str], np.ndarray]) -> np.ndarray:
             between = [np.array([read(f"{span.name}.slot_{axis}[{j}]") for axis in "xyz"]) for j in slots]
             nodes = np.array([run.start(k, read), *between, run.end(k, read)]).transpose(2, 0, 1)
             horizontal = read(f"{span.name}.horizontal")
-            weight = read(f"{span.name}.mass_per_length") * model.system.gravity
+            bare = read(f"{span.name}.mass_per_length") * model.system.gravity
+            weight = -read(f"{span.name}.load_z") if model.weather else bare
             parameter = horizontal / weight * (1.0 + horizontal * read(f"{span.name}.compliance"))
             found.append(_span_heights(ground, nodes, parameter))
     return np.array(found).T

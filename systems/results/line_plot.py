@@ -62,10 +62,18 @@ class _Way(NamedTuple):
 
 def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
     """Elevation with rope, loads and supports (and the ground, where it is known), tension along the rope, the plan
-    where supports do not stand in one line, and the map where the line lies on one, of a line at one time. `ground`:
-    over the horizontal distance along the line, by default that of its system."""
+    where supports do not stand in one line or wind blows ropes aside, and the map where the line lies on one, of a line
+    at one time. `ground`: over the horizontal distance along the line, by default that of its system."""
     ways = [_way(line.points(r)) for r in range(len(line.runs))]
+    curves = {span.name: line.profile(span.name, _CURVE) for run in line.runs for span in run.spans}
     plan_needed = any(np.ptp(w.sideways(*line.points(r)[:, :2].T)) > 1e-3 for r, w in enumerate(ways))
+    if line.model.weather and not plan_needed:
+        apart = [
+            w.sideways(curves[s.name]["x"], curves[s.name]["y"])
+            for w, run in zip(ways, line.runs, strict=True)
+            for s in run.spans
+        ]
+        plan_needed = bool(np.abs(np.concatenate(apart)).max() > 1e-3)
     heights = [2.4, 1.3, 0.9] if plan_needed else [2.4, 1.3]
     frame = line.model.system.map_frame
     figure = new_figure(figsize=(11.0 if frame is None else 13.5, 2.0 * sum(heights)), layout="constrained")
@@ -86,7 +94,7 @@ def line_profile(line: Equilibrium, ground: Profile | None = None) -> Figure:
         points = line.points(r)
         _loads(elevation, plan, line, run, way, points)
         for k, span in enumerate(run.spans):
-            curve = line.profile(span.name, _CURVE)
+            curve = curves[span.name]
             x = way.along[k] + np.hypot(curve["x"] - points[k, 0], curve["y"] - points[k, 1])
             elevation.plot(x, curve["z"], color="tab:blue", lw=1.4, zorder=3)
             tension.plot(x, curve["tension"] / 1e3, color="tab:blue", lw=1.4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,28 +22,26 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium
 def bare_equilibrium(rig: RigParts) -> tuple[Equilibrium, tuple[Span, ...]]:
     """The bare skyline at rest, and its spans between headspar and tailspar. Raises SlackRopeError,
     EquilibriumError."""
-    bare, spans = _bare_system(rig)
+    bare, spans = bare_system(rig)
     return equilibrium(bare), spans[: rig.spans]
 
 
 def bare_tension(rig: RigParts) -> float:
-    """Tension of the bare skyline at the headspar [N]."""
-    solution, spans = bare_equilibrium(rig)
+    """Tension of the bare skyline at the headspar as it is strung, in no weather [N]."""
+    solution, spans = bare_equilibrium(replace(rig, environment=None))
     return solution[f"{spans[0].name}.tension_a"]
 
 
-def bare_profile(rig: RigParts) -> tuple[np.ndarray, np.ndarray]:
-    """Points (x, z) along the bare skyline between headspar and tailspar, 201 per span [m]."""
+def bare_profile(rig: RigParts) -> np.ndarray:
+    """Points along the bare skyline between headspar and tailspar, 201 per span, (3, n) [m]."""
     solution, spans = bare_equilibrium(rig)
-    curves = [solution.profile(span.name, 201) for span in spans]
-    x, z = (np.concatenate([curve[axis].to_numpy() for curve in curves]) for axis in "xz")
-    return x, z
+    return np.concatenate([solution.profile(span.name, 201)[["x", "y", "z"]].to_numpy() for span in spans]).T
 
 
 def length_over_shoes(rig: RigParts, tension: float) -> float:
-    """Unstretched length [m] for a tension at the headspar [N]. The rig's length is the initial guess. Raises
-    EquilibriumError."""
-    bare, spans = _bare_system(rig)
+    """Unstretched length [m] for a tension at the headspar as it is strung [N]. The rig's length is the initial guess.
+    Raises EquilibriumError."""
+    bare, spans = bare_system(replace(rig, environment=None))
     freed = f"{spans[-1].name}.length_start"
     solution = equilibrium(bare, given={f"{spans[0].name}.tension_a": tension}, solve_for=freed)
     return float(sum(solution[f"{span.name}.length_start"] for span in spans))
@@ -77,8 +76,9 @@ def _span_names(count: int) -> list[str]:
     return [f"skyline {k + 1}" for k in range(count)]
 
 
-def _bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
-    bare = System(rig.name, gravity=rig.gravity, terrain=rig.terrain)
+def bare_system(rig: RigParts) -> tuple[System, tuple[Span, ...]]:
+    """The bare skyline over its supports, and its spans."""
+    bare = rig.empty_system()
     first, *between, last = rig.ends
     over = [node if isinstance(node, IntermediateSupport) else Block(node.name, at=node.at) for node in between]
     anchors = [Anchor(node.name, at=node.at) for node in (first, last)]

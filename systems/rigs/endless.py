@@ -20,7 +20,7 @@ from ropeway.components.rope import Rope, rope_of
 from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
 from ropeway.components.terrain import ProfileSource, profile_of
-from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.modelling.system import GRAVITY, STRUNG, System
 from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -35,10 +35,12 @@ def endless(
     speed: Speed = 1.0,
     load_mass: float | Sequence[float] | None = None,
     load_spacing: float | None = None,
+    load_drag_area: float = 0.0,
     take_up: float | None = None,
     drive: Drive | None = None,
     name: str = "endless line",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
     crs: str | None = None,
     terrain: ProfileSource | None = None,
     clearance: float | None = None,
@@ -60,6 +62,8 @@ def endless(
         Masses of the loads [kg], in order and repeated; 0 is a missing load. Loads circulate in either direction.
     load_spacing : float, optional
         Spacing of the loads along the rope [m], rounded so that loads are evenly spaced around the loop.
+    load_drag_area : float, default 0
+        Drag coefficient times area of each load in the wind [m2].
     take_up : float, optional
         Constant force on the return wheel [N]; by default the force that the empty rope exerts on it.
     drive : Drive, optional
@@ -68,6 +72,8 @@ def endless(
         Name of the line in results and messages.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the rope is strung [degrees C].
     crs : str, optional
         Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
     terrain : Profile, str, Path or DataFrame, optional
@@ -107,7 +113,7 @@ def endless(
     returns = np.flatnonzero(table["kind"] == "return")
     if len(returns) != 1:
         raise InputError(f"The line has {len(returns)} returns", "Give exactly one support the kind return")
-    line = System(name, gravity=gravity)
+    line = System(name, gravity=gravity, temperature=temperature)
     line.map_frame, line.ground = map_frame, ground_under(table, profile_of(terrain), map_frame, clearance)
     if take_up is None:
         at_rest = table[[column for column in table if "." not in column]]  # an ideal drive serves at rest
@@ -116,7 +122,7 @@ def endless(
         take_up = equilibrium(empty)[f"{table['name'].iloc[returns[0]]}.bearing_load"]
     spans = line.string(rope, *_around(_supports(table, speed, drive, take_up)), tension=tension)
     if load_mass is not None and load_spacing is not None:
-        line.feed(spans, spacing=load_spacing, masses=load_mass)
+        line.feed(spans, spacing=load_spacing, masses=load_mass, drag_area=load_drag_area)
     return line
 
 

@@ -12,7 +12,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import Block, HeadSpar, TailSpar
 from ropeway.components.terrain import ProfileSource, profile_of
-from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.modelling.system import GRAVITY, STRUNG
 from ropeway.systems.rigs import rig_kind
 from ropeway.systems.rigs.rig_builder import build_rig
 from ropeway.systems.rigs.rig_parts import RigParts
@@ -39,6 +39,7 @@ def live_skyline(
     turn: Turn | None = None,
     name: str = "live skyline",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
 ) -> SkylineRig:
     """A skyline on a drum at the headspar, which lowers and raises it.
 
@@ -80,6 +81,8 @@ def live_skyline(
         Name of the rig in results and messages.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the ropes are strung [degrees C].
 
     Returns
     -------
@@ -124,6 +127,7 @@ def live_skyline(
         turn=turn,
         name=name,
         gravity=gravity,
+        temperature=temperature,
     )
     return build_rig(rig_kind.LIVE, parts, holding)
 
@@ -141,6 +145,7 @@ def gravity_skyline(
     mainline: Rope | str,
     name: str = "gravity skyline",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
 ) -> SkylineRig:
     """A live skyline without a haulback (shotgun).
 
@@ -169,6 +174,8 @@ def gravity_skyline(
         Name of the rig in results and messages.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the ropes are strung [degrees C].
 
     Returns
     -------
@@ -207,5 +214,6 @@ def gravity_skyline(
         carriage=carriage,
         name=name,
         gravity=gravity,
+        temperature=temperature,
     )
     return build_rig(rig_kind.GRAVITY, parts)

@@ -23,7 +23,7 @@ from ropeway.components.sheave import Sheave
 from ropeway.components.table import Source
 from ropeway.components.terrain import ProfileSource, profile_of
 from ropeway.systems.modelling.empty_rope import support_tensions
-from ropeway.systems.modelling.system import GRAVITY, System
+from ropeway.systems.modelling.system import GRAVITY, STRUNG, System
 from ropeway.systems.rigs.line_ground import ground_under
 from ropeway.systems.rigs.support_table import own_values, read_supports
 
@@ -39,11 +39,13 @@ def monocable(
     speed: Speed = 1.0,
     load_mass: float | Sequence[float] | None = None,
     load_spacing: float | None = None,
+    load_drag_area: float = 0.0,
     name: str = "mono-cable line",
     drive: Drive | Mapping[str, Drive] | None = None,
     response: Response | Mapping[str, Response] | None = None,
     precedence: str = "all at once",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
     crs: str | None = None,
     terrain: ProfileSource | None = None,
     clearance: float | None = None,
@@ -70,6 +72,8 @@ def monocable(
         support. Loads taken off at the last support enter there again; after them the rope enters empty.
     load_spacing : float, optional
         Spacing of the loads along the rope [m].
+    load_drag_area : float, default 0
+        Drag coefficient times area of each load in the wind [m2].
     name : str, default "mono-cable line"
         Name of the line in results and messages.
     drive : Drive or mapping of str to Drive, optional
@@ -80,6 +84,8 @@ def monocable(
         Rule that selects the control sheave to act first when several respond.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the rope is strung [degrees C].
     crs : str, optional
         Projected coordinate system of supports in map coordinates, such as "EPSG:2056", see `docs/gis.md`.
     terrain : Profile, str, Path or DataFrame, optional
@@ -121,7 +127,7 @@ def monocable(
         raise InputError("A rope with an anchored end cannot move", "Use drums at the ends, or speed=0 and no controls")
     for parts in (drive, response):
         _require_control_sheaves(parts, table)
-    line = System(name, gravity=gravity, precedence=precedence)
+    line = System(name, gravity=gravity, precedence=precedence, temperature=temperature)
     line.map_frame, line.ground = map_frame, ground_under(table, profile_of(terrain), map_frame, clearance)
     points = table[["x", "y", "z"]].to_numpy(dtype=float)
     tensions = support_tensions(points, rope.mass_per_length * gravity, rope.strain, tension)
@@ -140,7 +146,7 @@ def monocable(
             nodes.append(Sheave(**common))
     spans = line.string(rope, *nodes, tension=tension)
     if load_mass is not None and load_spacing is not None:
-        line.feed(spans, spacing=load_spacing, masses=load_mass)
+        line.feed(spans, spacing=load_spacing, masses=load_mass, drag_area=load_drag_area)
     return line
 
 

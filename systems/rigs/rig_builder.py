@@ -10,6 +10,7 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.carriage import Holding
+from ropeway.components.environment import TEMPERATURES
 from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
@@ -27,6 +28,7 @@ def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> 
     `holding` is the direction of the ideal force on a carriage without mainline and clamp.
     """
     check.positive(parts.gravity, parts.name, "gravity", "m/s2")
+    check.number(parts.temperature, parts.name, "temperature", "degrees C", TEMPERATURES)
     parts = _placed(parts)
     _require_order(parts.stands)
     _require_lines(parts)
@@ -110,7 +112,8 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
     length = rig.length if rig.tension is None else _length_for(rig, rig.tension)
     check.positive(length or 0.0, rig.name, "length", "m")
-    chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
+    with np.errstate(over="ignore"):  # ground of 1e300 m: infinite chords are longer than any rope
+        chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
     shortest = chords / (1.0 + rig.skyline.strain.at(rig.skyline.breaking_load))
     if (length or 0.0) <= shortest:
         raise InputError(

@@ -8,13 +8,14 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
+from ropeway.components.environment import Environment
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.components.spar import Block, HeadSpar, TailSpar
 from ropeway.components.terrain import Profile
-from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.modelling.system import GRAVITY, STRUNG, System
 from ropeway.systems.rigs.turn import Turn
 
 
@@ -44,6 +45,10 @@ class RigParts:
     turn : Turn, optional
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which its ropes are strung [degrees C].
+    environment : Environment, optional
+        Weather; by default none.
     """
 
     terrain: Profile | None
@@ -61,6 +66,14 @@ class RigParts:
     turn: Turn | None = None
     name: str
     gravity: float = GRAVITY
+    temperature: float = STRUNG
+    environment: Environment | None = None
+
+    def empty_system(self) -> System:
+        """A system of its own, without components."""
+        system = System(self.name, gravity=self.gravity, terrain=self.terrain, temperature=self.temperature)
+        system.environment = self.environment
+        return system
 
     @property
     def stands(self) -> tuple[Node, ...]:

@@ -41,9 +41,7 @@ def rig_figure(rig: RigParts, view: str) -> Figure:
         for guy in spar.guylines if isinstance(spar, GuyedSpar) else ():
             line(*np.array([guy.at, spar.at]).T, color="0.45", lw=0.9)
     if rig.length is not None:
-        along, heights = bare_profile(rig)[:2]
-        sideways = np.interp(along, rig.points[:, 0], rig.points[:, 1])
-        line(along, sideways, heights, color="black", lw=2.0, label="bare skyline")
+        line(*bare_profile(rig), color="black", lw=2.0, label="bare skyline")
     else:
         line(*rig.points.T, color="black", lw=1.2, ls="--", label="chord of the haulback")
     axis.set_xlabel("station [m]")

@@ -11,7 +11,7 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import HeadSpar, TailSpar
 from ropeway.components.terrain import ProfileSource, profile_of
-from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.modelling.system import GRAVITY, STRUNG
 from ropeway.systems.rigs.rig_builder import build_rig
 from ropeway.systems.rigs.rig_kind import RUNNING
 from ropeway.systems.rigs.rig_parts import RigParts
@@ -30,6 +30,7 @@ def running_skyline(
     carriage: Carriage,
     name: str = "running skyline",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
 ) -> SkylineRig:
     """A running skyline: the haulback carries the carriage, the mainline holds it.
 
@@ -55,6 +56,8 @@ def running_skyline(
         Name of the rig in results and messages.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the ropes are strung [degrees C].
 
     Returns
     -------
@@ -93,5 +96,6 @@ def running_skyline(
         carriage=carriage,
         name=name,
         gravity=gravity,
+        temperature=temperature,
     )
     return build_rig(RUNNING, parts)

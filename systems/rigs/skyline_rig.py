@@ -11,9 +11,11 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
+from ropeway.components.environment import Environment
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.map_frame import MapFrame
 from ropeway.components.notebook_table import html_of
+from ropeway.systems.modelling.declarations import require_weather
 from ropeway.systems.modelling.system import System
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.guylines import string_guylines
@@ -67,6 +69,10 @@ class SkylineRig(RigParts):
         Name in results and messages.
     gravity : float
         Gravitational acceleration [m/s2].
+    temperature : float
+        Temperature at which its ropes are strung [degrees C].
+    environment : Environment or None
+        Weather.
     kind : RigKind
         Kind of the rig: standing, live, gravity or running skyline.
 
@@ -130,6 +136,28 @@ class SkylineRig(RigParts):
         The tension on a running skyline; "" on a standing skyline.
         """
         return self.kind.skyline_drum(self)
+
+    def in_weather(self, environment: Environment) -> SkylineRig:
+        """The same rig in other weather.
+
+        Parameters
+        ----------
+        environment : Environment
+            The weather.
+
+        Returns
+        -------
+        SkylineRig
+            Its ropes strung as before.
+
+        Raises
+        ------
+        InputError
+            Wind or ice on a rope without a diameter; wind across a shoe.
+        """
+        rig = replace(self, environment=environment)
+        require_weather(rig.system())
+        return rig
 
     def span_of(self, station: float) -> int:
         """The span of a station.
@@ -305,7 +333,7 @@ class SkylineRig(RigParts):
         mass = self.carriage.payload if payload is None else payload
         carriage, start = self._carriage(span, station, mass) if on is None else self._on_shoe(on, station, mass)
         span = span if on is None else on
-        system = System(self.name, gravity=self.gravity, terrain=self.terrain)
+        system = self.empty_system()
         for spar in self.guyed_spars:
             string_guylines(system, spar)
         self.kind.string(system, self, carriage, span, on)

@@ -12,7 +12,7 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope, rope_of
 from ropeway.components.spar import Block, HeadSpar, TailSpar
 from ropeway.components.terrain import ProfileSource, profile_of
-from ropeway.systems.modelling.system import GRAVITY
+from ropeway.systems.modelling.system import GRAVITY, STRUNG
 from ropeway.systems.rigs.rig_builder import build_rig
 from ropeway.systems.rigs.rig_kind import STANDING
 from ropeway.systems.rigs.rig_parts import RigParts
@@ -39,6 +39,7 @@ def standing_skyline(
     turn: Turn | None = None,
     name: str = "standing skyline",
     gravity: Positive = GRAVITY,
+    temperature: float = STRUNG,
 ) -> SkylineRig:
     """A standing skyline with its carriage.
 
@@ -83,6 +84,8 @@ def standing_skyline(
         Name of the rig in results and messages.
     gravity : float, default 9.80665
         Gravitational acceleration [m/s2].
+    temperature : float, default 15
+        Temperature at which the ropes are strung [degrees C].
 
     Returns
     -------
@@ -129,5 +132,6 @@ def standing_skyline(
         turn=turn,
         name=name,
         gravity=gravity,
+        temperature=temperature,
     )
     return build_rig(STANDING, parts, holding)

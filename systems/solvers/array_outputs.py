@@ -14,8 +14,9 @@ import numpy as np
 from ropeway.components.component import Component, RopeEnd, Seat
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.weather import Weather
 from ropeway.systems.modelling.component_functions import component_function
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.newton import VECTORS, Point, Vectors, outputs_of
@@ -25,7 +26,7 @@ _BATCH = 12_000
 _FEW = 8
 """Points that are not worth an evaluation of their own kind."""
 _FORCE = 4
-"""Entries of a force at a port: three components and the energy carried."""
+"""Entries of a force at a port: three components and the energy carried; in weather the expansion of the rope too."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class _Form:
     key: Hashable
     first: Component = field(compare=False)
     variables: tuple[Variable, ...] = field(compare=False)
+    weather: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +61,12 @@ class ArrayOutputs:
         places = _Places(model)
         by_form: dict[_Form, list[Component]] = defaultdict(list)
         for c in model.system.components.values():
-            site = Site(1.0, 1.0, places.slots.get(c.name, 0))
-            by_form[_Form(c.form(site), c, c.variables(site))].append(c)
+            site = Site(1.0, 1.0, places.slots.get(c.name, 0), weather=model.weather)
+            by_form[_Form(c.form(site), c, c.variables(site), model.weather)].append(c)
         groups = [places.group(form, components) for form, components in by_form.items()]
         self._groups = sorted(groups, key=lambda group: not group.ropes)  # ropes pull at the seats
-        self._ends = places.ends
+        self._ends, self._force = places.ends, _FORCE + model.weather
+        self._shared = [(list(VECTORS).index(kind), i) for kind, i in shared_places(model.tables)]
 
     def __call__(self, points: Vectors, time: np.ndarray | float = 0.0) -> np.ndarray:
         """Outputs (ny, points)."""
@@ -79,8 +82,10 @@ class ArrayOutputs:
     def _evaluate(self, vectors: Sequence[np.ndarray], time: np.ndarray, y: np.ndarray) -> None:
         count = len(time)
         every = np.vstack([*vectors, np.zeros((1, count))])
-        pulls = np.zeros((self._ends + 1, _FORCE, count))
-        gravity = vectors[list(VECTORS).index(Kind.PARAMETER)][0]
+        pulls = np.zeros((self._ends + 1, self._force, count))
+        pulls[self._ends, _FORCE:] = 1.0
+        gravity, *weather = (vectors[kind][i] for kind, i in self._shared)
+        shared = [gravity, *(Weather.of(weather) if weather else ())]
         for group in self._groups:
             own = [[vector[row] for row in rows] for vector, rows in zip(vectors, group.own, strict=True)]
             ports = []
@@ -89,15 +94,15 @@ class ArrayOutputs:
                     x, y_, z, travel, aside_x, aside_z, aside_rope = (every[row] for row in port[0])
                     ports.append([x + aside_x, y_, z + aside_z, travel + aside_rope])
                 else:
-                    ports.append([*(pulls[port[0], i] for i in range(_FORCE)), every[port[1]]])
-            found = group.function([time], [gravity], *own, *ports)
+                    ports.append([*(pulls[port[0], i] for i in range(self._force)), every[port[1]]])
+            found = group.function([time], shared, *own, *ports)
             for row, value in zip(group.outputs, found, strict=False):
                 y[row] = value
             if group.ropes:
                 rest = found[len(group.outputs) :]
                 for k, port in enumerate(group.ports):
-                    for i in range(_FORCE):
-                        pulls[port[1], i] = rest[_FORCE * k + i]
+                    for i in range(self._force):
+                        pulls[port[1], i] = rest[self._force * k + i]
 
 
 class _Places:
@@ -168,7 +173,7 @@ class _Places:
 @lru_cache(maxsize=128)
 def _function(form: _Form) -> ArrayFunction:
     """Outputs, and forces of rope ends, of a component's function."""
-    f = component_function(form.first, form.variables)
+    f = component_function(form.first, form.variables, weather=form.weather)
     arguments = [ca.SX.sym(f"a{i}", f.size1_in(i)) for i in range(f.n_in())]
     signals = 7
     results = f.call([ca.SX.ones(a.numel()) if i == signals else a for i, a in enumerate(arguments)])

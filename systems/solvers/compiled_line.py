@@ -40,9 +40,9 @@ class CompiledLine:
         self.core = section_library()
         spans, supports = len(sections.form), len(sections.travel)
         numbers = {**_by_span(sections, counts), **_by_support(model, sections), **_by_section(sections)}
-        sizes = (spans, supports, len(numbers["first"]), slots, len(model.x), len(model.z), len(model.u))
+        sizes = (spans, supports, len(numbers["first"]), slots, *(len(t) for t in (model.x, model.z, model.u, model.p)))
         self.tables = LineTables()
-        for name, size in zip(LINE_SIZES, (*sizes, len(model.runs)), strict=True):
+        for name, size in zip(LINE_SIZES, (*sizes, len(sections.shared), len(model.runs)), strict=True):
             setattr(self.tables, name, size)
         for name in LINE_INTEGERS:
             self._keep(name, np.ascontiguousarray(numbers[name], dtype=np.int32))
@@ -155,10 +155,11 @@ def compiled_line(model: Model) -> CompiledLine:
 
 
 def _by_span(sections: LineSections, counts: np.ndarray) -> dict[str, np.ndarray]:
-    names = ("form", "parameters", "force", "closure", "mass", "at", "ride", "empty", "length_start", "start")
+    names = ("form", "parameters", "force", "closure", "mass", "at", "ride", "drag", "empty", "length_start", "start")
     return {
         **{name: getattr(sections, name) for name in names},
         "count": counts,
+        "shared": sections.shared,
         "on_idlers": np.concatenate(
             [
                 np.full(len(run.spans), any(node.balance is not None for node in run.nodes))

@@ -100,11 +100,11 @@ class CondensedNewton:
         for (which, _, _), function, before, after in known.spans:
             force = [z[s.force[which] + i] for i in range(3)]
             a, b = s.start[which], s.start[which] + 1
-            for i, result in enumerate(function([*before[:1], *force, *before[1:], q[a], *after, q[b]])):
+            for i, result in enumerate(function([*known.shared, *force, *before, q[a], *after, q[b]])):
                 spans[i, which] = result
         supports = np.zeros((SUPPORT_RESULTS, len(s.travel), count))
         for (which, _), function, before, speed in known.supports:
-            inputs = [*before, q[which], *spans[3:6, known.coming[which]], *self._going(z, which), speed]
+            inputs = [*known.shared, *before, q[which], *spans[3:6, known.coming[which]], *self._going(z, which), speed]
             for i, result in enumerate(function(inputs)):
                 supports[i, which] = result
         dq = self._travels(spans, supports, known.coming)
@@ -157,12 +157,14 @@ class _Known:
         self.fixed = np.zeros((len(s.travel), cases.z.shape[1]))
         driven = np.flatnonzero(s.state >= 0)
         self.fixed[driven] = cases.x[s.state[driven]]
-        gravity = _even(cases.p[:1])
+        common = np.vstack([cases.p, cases.u])
+        self.shared = [_even(common[i : i + 1]) for i in s.shared.tolist()]
         speeds = np.vstack([cases.x, cases.u, np.zeros((1, cases.z.shape[1]))])
         self.spans = []
         for group in solver._spans:
             which, form, slots = group
-            loads = [_even(cases.d[first[which] + j]) for first in (s.mass, s.at, s.ride) for j in range(slots)]
+            slotted = (s.mass, s.at, s.ride, *((s.drag,) if form.weather else ()))
+            loads = [_even(cases.d[first[which] + j]) for first in slotted for j in range(slots)]
             for j in range(slots):
                 empty = _even(cases.d[s.empty[which] + j])
                 if empty.any():  # a point of the rope without mass: where it is, does not matter
@@ -172,13 +174,13 @@ class _Known:
             own = [_even(cases.p[s.parameters[which] + i]) for i in range(form.parameters)]
             ends = [[_even(cases.p[s.point[s.start[which] + e, axis]]) for axis in range(3)] for e in (0, 1)]
             kernel = _span_function(form, slots)
-            self.spans.append((group, kernel, [gravity, *own, *loads, *ends[0]], ends[1]))
+            self.spans.append((group, kernel, [*own, *loads, *ends[0]], ends[1]))
         self.supports = []
         for which, form in solver._supports:
             own = [_even(cases.p[s.support_parameters[which] + i]) for i in range(form.parameters)]
             own += [_even(cases.d[s.support_discrete[which] + i]) for i in range(form.discrete)]
             speed = _even(speeds[s.speed[which]])
-            self.supports.append(((which, form), _support_function(form), [gravity, *own], speed))
+            self.supports.append(((which, form), _support_function(form), own, speed))
 
     def travels(self, z: np.ndarray) -> np.ndarray:
         """Travels over all supports, (supports, cases)."""
@@ -191,6 +193,7 @@ class _Known:
         """Of some cases only."""
         found = object.__new__(_Known)
         found._travel, found.coming, found.fixed = self._travel, self.coming, self.fixed[:, on]
+        found.shared = _of(self.shared, on)
         found.spans = [(g, f, _of(before, on), _of(after, on)) for g, f, before, after in self.spans]
         found.supports = [(g, f, _of(before, on), _of([speed], on)[0]) for g, f, before, speed in self.supports]
         return found

@@ -19,8 +19,9 @@ from ropeway.components.component import Component, Seat
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site
+from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.component_functions import component_function
-from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.newton import VECTORS
 
@@ -36,13 +37,15 @@ out (3,), and by the driven speed."""
 class SpanForm:
     """Spans of one form, `key`: `first` stands for all; `parameters`: number of its parameters.
 
-    Kernels are functions of one vector (gravity, force (3,), parameters, then of each used slot mass, at and ride,
-    place and travel at end a (4,), at end b (4,)) -> `SPAN_RESULTS`.
+    Kernels are functions of one vector (what all share, force (3,), parameters, then of the used slots mass, at, ride
+    and in weather drag area, place and travel at end a (4,), at end b (4,)) -> `SPAN_RESULTS`. All share gravity, and
+    in weather the values of `weather.SHARED`.
     """
 
     key: Hashable
     first: Span = field(compare=False)
     parameters: int
+    weather: bool = False
 
     def kernel(self, slots: int) -> ca.Function:
         """The kernel for so many used slots."""
@@ -53,8 +56,8 @@ class SpanForm:
 class SupportForm:
     """Supports of one form, `key`, whose travel is an unknown. `parameters`, `discrete`: how many variables they have.
 
-    `kernel`: a function of one vector (gravity, parameters, discrete variables, travel, forces of the rope coming in
-    (3,) and going out (3,), driven speed) -> `SUPPORT_RESULTS`.
+    `kernel`: a function of one vector (what all share, parameters, discrete variables, travel, forces of the rope
+    coming in (3,) and going out (3,), driven speed) -> `SUPPORT_RESULTS`.
     """
 
     key: Hashable
@@ -68,7 +71,8 @@ class LineSections:
     """Places in the vectors of a model. Spans and supports are numbered through, run after run.
 
     Of spans (spans,): `form`, first place of `parameters`, of the tension vector `force`, of the residuals `closure`,
-    of slots `mass`, `at`, `ride`, `empty`, its `length_start`, and the support `start`; the next one is where it ends.
+    of slots `mass`, `at`, `ride`, `drag` (-1 without weather), `empty`, its `length_start`, and the support `start`;
+    the next one is where it ends. `shared`: places in (parameters, inputs) of what all kernels read.
 
     Of supports (supports,): `point` (supports, 3) in the parameters, `state` and `travel` of its rope in the states and
     algebraic variables, -1 where it is not there; of a free one its `balance` in the residuals, `support_form`, first
@@ -86,6 +90,7 @@ class LineSections:
     mass: np.ndarray
     at: np.ndarray
     ride: np.ndarray
+    drag: np.ndarray
     empty: np.ndarray
     length_start: np.ndarray
     start: np.ndarray
@@ -97,13 +102,14 @@ class LineSections:
     support_parameters: np.ndarray
     support_discrete: np.ndarray
     speed: np.ndarray
+    shared: np.ndarray
 
     def used(self, passed: list[np.ndarray]) -> np.ndarray:
         """Loads in each span, (spans,), from those passed at the supports of each run."""
         return np.concatenate([beyond[:-1] - beyond[1:] for beyond in passed]).astype(int)
 
 
-_OF_SPANS = ("form", "parameters", "force", "closure", "mass", "at", "ride", "empty", "length_start", "start")
+_OF_SPANS = ("form", "parameters", "force", "closure", "mass", "at", "ride", "empty", "drag", "length_start", "start")
 _OF_SUPPORTS = ("state", "travel", "balance", "support_form", "support_parameters", "support_discrete", "speed")
 """Fields of `LineSections`, in the order in which they are found."""
 
@@ -161,20 +167,23 @@ class _Finder:
         places |= {name: row.copy() for name, row in zip(_OF_SUPPORTS, by_support, strict=True)}
         forms = tuple(form for _, form in self.forms.values())
         support_forms = tuple(form for _, form in self.support_forms.values())
-        found = LineSections(m, forms, support_forms, point=np.array(points, dtype=int), **places)
+        shared = [i if kind is Kind.PARAMETER else len(m.p) + i for kind, i in shared_places(m.tables)]
+        places |= {"point": np.array(points, dtype=int), "shared": np.array(shared, dtype=int)}
+        found = LineSections(m, forms, support_forms, **places)
         _require_chain(found)
         return found
 
     def _span(self, span: Span) -> tuple[int, ...]:
         m = self.model
-        site = Site(1.0, 1.0)
+        site = Site(1.0, 1.0, weather=m.weather)
         count = sum(v.kind is Kind.PARAMETER for v in span.variables(site))
         if span.form(site) not in self.forms:
-            made = SpanForm(span.form(site), span, count)
+            made = SpanForm(span.form(site), span, count, m.weather)
             made.kernel(0)  # raises where it does not fit
             self.forms[span.form(site)] = (len(self.forms), made)
         number = self.forms[span.form(site)][0]
         slots = [m.d.index.get(f"{span.name}.slot_{what}[1]", 0) for what in ("mass", "at", "ride", "empty")]
+        slots.append(m.d.index.get(f"{span.name}.slot_drag[1]", -1))
         slots.append(m.p.index[f"{span.name}.length_start"])
         force, closure = m.z.index[f"{span.name}.force_x"], m.r.index[f"{span.name}.closure_x"]
         return (number, self.first[span.name, Kind.PARAMETER], force, closure, *slots)
@@ -192,10 +201,11 @@ class _Finder:
             raise _UnfitError(f"the rope over {node.name!r} has no balance of its own")
         ports = [port.name for port in node.ports]
         ends = tuple(-1 if s is None else ports.index(s.name) for s in (arrives, leaves))
-        variables = node.variables(Site(1.0, 1.0))
-        key = (node.form(Site(1.0, 1.0)), tuple(v.kind for v in variables), ends)
+        site = Site(1.0, 1.0, weather=m.weather)
+        variables = node.variables(site)
+        key = (node.form(site), tuple(v.kind for v in variables), ends)
         if key not in self.support_forms:
-            self.support_forms[key] = (len(self.support_forms), _support_form(_Node(key, node), ends))
+            self.support_forms[key] = (len(self.support_forms), _support_form(_Node(key, node, m.weather), ends))
         row = m.r.index[f"{node.name}.{balance}"]
         speed = self._speed(node, leaves or arrives)
         discrete = self.first.get((node.name, Kind.DISCRETE), 0)
@@ -236,27 +246,39 @@ def _symbols(count: int) -> tuple[ca.SX, list[ca.SX]]:
     return vector, ca.vertsplit(vector) if count else []
 
 
-def _called(component: Component, function: ca.Function, gravity: Any, given: dict[Kind, Any], ports: list[Any]) -> Any:
+def _count(*, weather: bool) -> int:
+    """Number of quantities that all components share."""
+    return 1 + (len(SHARED) if weather else 0)
+
+
+def _shared(v: list[ca.SX], *, weather: bool) -> tuple[ca.SX, list[ca.SX]]:
+    """What all components share, as their functions take it, and the other entries."""
+    count = _count(weather=weather)
+    return ca.vertcat(v[0], *(Weather.of(v[1:count]) if weather else ())), v[count:]
+
+
+def _called(component: Component, function: ca.Function, shared: Any, given: dict[Kind, Any], ports: list[Any]) -> Any:
     """Results of a component's function; of what is not given it has none."""
     empty = ca.SX(0, 1)
     vectors = [given.get(kind, empty) for kind in VECTORS]
     if any(function.size1_in(2 + i) != vector.numel() for i, vector in enumerate(vectors)) or function.size1_in(7):
         raise _UnfitError(f"{component.name!r} has variables of its own besides its travel")
-    return function.call([ca.SX(0.0), gravity, *vectors, empty, *ports])
+    return function.call([ca.SX(0.0), shared, *vectors, empty, *ports])
 
 
 @lru_cache(maxsize=64)
 def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
-    variables = form.first.variables(Site(1.0, 1.0, slots))
-    function = component_function(form.first, variables)
-    count = 4 + form.parameters + 3 * slots + 8
-    vector, v = _symbols(count)
-    gravity, force, rest = v[0], ca.vertcat(*v[1:4]), v[4:]
+    variables = form.first.variables(Site(1.0, 1.0, slots, weather=form.weather))
+    function = component_function(form.first, variables, weather=form.weather)
+    slotted = (4 if form.weather else 3) * slots
+    vector, v = _symbols(_count(weather=form.weather) + 3 + form.parameters + slotted + 8)
+    shared, rest = _shared(v, weather=form.weather)
+    force, rest = ca.vertcat(*rest[:3]), rest[3:]
     own, rest = ca.vertcat(*rest[: form.parameters]), rest[form.parameters :]
-    discrete, rest = ca.vertcat(ca.SX(0, 1), *rest[: 3 * slots], ca.SX.zeros(slots)), rest[3 * slots :]
+    discrete, rest = ca.vertcat(ca.SX(0, 1), *rest[:slotted], ca.SX.zeros(slots)), rest[slotted:]
     ends = [ca.vertcat(*rest[:4]), ca.vertcat(*rest[4:])]
     given = {Kind.ALGEBRAIC: force, Kind.PARAMETER: own, Kind.DISCRETE: discrete}
-    results = _called(form.first, function, gravity, given, ends)
+    results = _called(form.first, function, shared, given, ends)
     closure, going, coming = results[1], results[3][:3], results[4][:3]
     unknowns = ca.vertcat(force, rest[3], rest[7])
     if not ca.is_equal(ca.simplify(going), force, 2):
@@ -282,28 +304,30 @@ class _Node:
 
     key: Hashable
     node: Node = field(compare=False)
+    weather: bool
 
 
 @lru_cache(maxsize=64)
 def _support_form(form: _Node, ends: tuple[int, ...]) -> SupportForm:
     node = form.node
-    variables = node.variables(Site(1.0, 1.0))
-    function = component_function(node, variables)
+    variables = node.variables(Site(1.0, 1.0, weather=form.weather))
+    function = component_function(node, variables, weather=form.weather)
     sizes = {kind: sum(v.size for v in variables if v.kind is kind) for kind in (*VECTORS, Kind.RESIDUAL)}
     if sizes[Kind.ALGEBRAIC] != 1 or sizes[Kind.RESIDUAL] != 1 or sizes[Kind.STATE] or sizes[Kind.INPUT]:
         raise _UnfitError(f"{node.name!r} has unknowns or states of its own besides its travel")
     parameters, discrete = sizes[Kind.PARAMETER], sizes[Kind.DISCRETE]
-    vector, v = _symbols(1 + parameters + discrete + 8)
-    own, rest = ca.vertcat(ca.SX(0, 1), *v[1 : 1 + parameters]), v[1 + parameters :]
+    vector, v = _symbols(_count(weather=form.weather) + parameters + discrete + 8)
+    shared, rest = _shared(v, weather=form.weather)
+    own, rest = ca.vertcat(ca.SX(0, 1), *rest[:parameters]), rest[parameters:]
     switches, rest = ca.vertcat(ca.SX(0, 1), *rest[:discrete]), rest[discrete:]
     travel, speed = rest[0], rest[7]
-    carried = ca.SX.sym("carried", 2)
-    ports = [ca.vertcat(0.0, 0.0, 0.0, 0.0, speed) for _ in node.ports]
+    carried, expansion = ca.SX.sym("carried", 2), ([1.0] if form.weather else [])
+    ports = [ca.vertcat(0.0, 0.0, 0.0, 0.0, *expansion, speed) for _ in node.ports]
     for side, port in enumerate(ends):
         if port >= 0:
-            ports[port] = ca.vertcat(*rest[1 + 3 * side : 4 + 3 * side], carried[side], speed)
+            ports[port] = ca.vertcat(*rest[1 + 3 * side : 4 + 3 * side], carried[side], *expansion, speed)
     given = {Kind.ALGEBRAIC: travel, Kind.PARAMETER: own, Kind.DISCRETE: switches}
-    residual = _called(node, function, v[0], given, ports)[1]
+    residual = _called(node, function, shared, given, ports)[1]
     if ca.jacobian(residual, carried).nnz():
         raise _UnfitError(f"the balance of {node.name!r} reads the energy that its rope carries")
     result = ca.vertcat(*ca.cse([residual, ca.jacobian(residual, ca.vertcat(*rest)).T]))

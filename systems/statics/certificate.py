@@ -19,7 +19,7 @@ from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of, residuals_of
-from ropeway.systems.statics.certificate_layout import CertificateLayout, SpanPlaces, layout_of
+from ropeway.systems.statics.certificate_layout import CertificateLayout, layout_of
 from ropeway.systems.statics.certificate_spans import (
     LoadsInSpans,
     Shape,
@@ -28,7 +28,9 @@ from ropeway.systems.statics.certificate_spans import (
     hung,
     pulls,
     read_spans,
+    read_weather,
     shape,
+    shape_in_weather,
 )
 from ropeway.systems.statics.certificate_stability import least_pivots
 from ropeway.systems.statics.line_state import find
@@ -270,10 +272,10 @@ def _checks(
     with np.errstate(all="ignore"):  # what is not a number fails its check
         if places.names:
             spans = read_spans(places, values, gravity)
-            loads = hung(places, values, spans, runs, passed, masses)
-            found = shape(spans, loads, gravity)
+            loads = hung(places, values, spans, runs, passed, masses, weather=layout.weather is not None)
+            found, ends = shape_of(layout, values, spans, loads, gravity)
             checks += _span_checks(layout, values, spans, loads, found, rope)
-            pull = pulls(spans, found)
+            pull = pulls(spans, found, ends)
         else:
             pull = np.zeros((3, len(values), 1))
         checks += _law_checks(layout, values, pull)
@@ -283,9 +285,20 @@ def _checks(
             return checks
         quick = None
         # Where ropes move a node, as a wheel on its slide, this is a part of what a state needs: it serves for runs.
-        if places.names and not held and (layout.plain or (len(points) > 1 and not has_free_nodes(model))):
+        serves = layout.plain or (len(points) > 1 and not has_free_nodes(model))
+        if places.names and not held and serves and layout.weather is None:
             quick = least_pivots(layout, values, spans, found)
     return checks + _stability(model, layout, points, quick, held)
+
+
+def shape_of(
+    layout: CertificateLayout, values: np.ndarray, spans: Spans, loads: LoadsInSpans | None, gravity: np.ndarray
+) -> tuple[Shape, np.ndarray | None]:
+    """The catenaries, and in weather the tension vectors at their ends (records, 3, spans)."""
+    if layout.weather is None:
+        return shape(spans, loads, gravity), None
+    weather = read_weather(layout.weather, values, spans, gravity)
+    return shape_in_weather(spans, loads, weather, gravity)
 
 
 def _stability(
@@ -338,13 +351,13 @@ def _span_checks(
         _worst(LEAST_ROPE, spans.length / spans.chord, 0.0, places.names, lower=True),
         _worst(
             UTILISATION,
-            np.maximum(found.tension[0, :, 0], found.tension[1, :, -1]) / spans.breaking_load,
+            found.tension.max(axis=(0, 2)) / spans.breaking_load,
             1.0,
             places.names,
         ),
     ]
     if loads is not None:
-        checks += _load_checks(places, values, spans, loads)
+        checks += _load_checks(layout, values, spans, loads)
     if rope:
         missing = np.abs(np.add.reduceat(spans.whole, places.runs[:-1], axis=1) - rope) / np.asarray(rope)
         missing[:, np.isnan(rope)] = 0.0
@@ -352,14 +365,16 @@ def _span_checks(
     return checks
 
 
-def _load_checks(places: SpanPlaces, values: np.ndarray, spans: Spans, loads: LoadsInSpans) -> list[Check]:
+def _load_checks(layout: CertificateLayout, values: np.ndarray, spans: Spans, loads: LoadsInSpans) -> list[Check]:
     """The slots of the model hold the loads of the runs, and these hang within their spans."""
-    used = loads.distance.shape[1]
+    places, used = layout.spans, loads.distance.shape[1]
     slots = values.take(places.slots[:, :used], axis=1)
     read = slots[:, 2] * spans.travel_a[:, None] + slots[:, 3] * spans.length[:, None]
     read += slots[:, 1]
     away = np.abs(read - loads.distance) * loads.there
     away[slots[:, 0] != loads.mass] = np.inf
+    if layout.weather is not None and loads.drag is not None:
+        away[values.take(layout.weather.drag[:used], axis=1) != loads.drag] = np.inf
     away, mean = away.max(axis=1), spans.chord.sum(axis=1)[:, None] / len(places.names)
     away /= mean
     lost = loads.lost

@@ -4,6 +4,7 @@ model does not have."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -46,10 +47,20 @@ class SpanPlaces:
 
 
 @dataclass(frozen=True, eq=False)
+class WeatherPlaces:
+    """Places of the weather: `shared` (7,) of what all components have in common, without gravity; `of_rope` (3, spans)
+    of each rope's diameter, thermal expansion and drag coefficient; `drag` (slots, spans): of the loads' drag areas."""
+
+    shared: np.ndarray
+    of_rope: np.ndarray
+    drag: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Kindred:
     """Components of one kind: `first` stands for all `names`. `variables`: places of each (components,); `seats`:
-    for each seat the rope end that sits there, a number of `pulls`, and the places of the rope's speed and of its two
-    strain coefficients;
+    for each seat the rope end that sits there, a number of `pulls`, and the places of the rope's speed, of its two
+    strain coefficients and of its thermal expansion; `weather`: places of what all components share, without gravity;
     `titles`: what each law says, by the name of its residual."""
 
     first: Component
@@ -57,6 +68,7 @@ class Kindred:
     variables: dict[str, np.ndarray]
     seats: dict[str, tuple[np.ndarray, ...]]
     titles: dict[str, str]
+    weather: dict[str, np.ndarray] | None
 
     def laws(self, values: np.ndarray, pulls: np.ndarray) -> Any:
         """Laws of the components for values (records, all) and pulls (3, records, ends)."""
@@ -68,11 +80,14 @@ class _Reading:
 
     def __init__(self, kind: Kindred, values: np.ndarray, pulls: np.ndarray) -> None:
         self._kind, self._values, self._pulls = kind, values, pulls
+        self.weather: SimpleNamespace | None = None
+        if kind.weather is not None:
+            self.weather = SimpleNamespace(**{n: values.take(place, axis=1) for n, place in kind.weather.items()})
 
     def __getattr__(self, name: str) -> Any:
         seat = self._kind.seats.get(name)
         if seat is not None:
-            return _Seat(self._values, self._pulls, *seat)
+            return _Seat(self._values, self._pulls, self.weather, *seat)
         place = self._kind.variables.get(name)
         if place is None:
             raise AttributeError(name)
@@ -83,9 +98,10 @@ class _Seat:
     """What `Component.laws` reads of a seat, when it is asked for."""
 
     def __init__(
-        self, values: np.ndarray, pulls: np.ndarray, end: np.ndarray, speed: np.ndarray, c1: np.ndarray, c2: np.ndarray
+        self, values: np.ndarray, pulls: np.ndarray, weather: Any, end: np.ndarray, speed: np.ndarray, *rope: np.ndarray
     ) -> None:
-        self._values, self._pulls, self._end, self._speed, self._c1, self._c2 = values, pulls, end, speed, c1, c2
+        self._values, self._pulls, self._weather = values, pulls, weather
+        self._end, self._speed, self._rope = end, speed, rope
 
     @property
     def force(self) -> np.ndarray:
@@ -98,15 +114,19 @@ class _Seat:
     @property
     def stretched(self) -> np.ndarray:
         """Stretched over unstretched length of the rope where it lies on a shoe."""
-        size, c1, c2 = tension(self.force), *(self._values.take(c, axis=1) for c in (self._c1, self._c2))
-        return np.asarray(1.0 + size * (c1 + 2.0 / 3.0 * c2 * size))
+        size = tension(self.force)
+        c1, c2, expansion = (self._values.take(c, axis=1) for c in self._rope)
+        stretched = np.asarray(1.0 + size * (c1 + 2.0 / 3.0 * c2 * size))
+        if self._weather is None:
+            return stretched
+        return stretched + expansion * (self._weather.temperature - self._weather.strung_temperature)
 
 
 @dataclass(frozen=True, eq=False)
 class CertificateLayout:
     """All places of a model. `kinds`: components with laws of their own; `others`: residuals that no law stands
     for; `free`: whether a support, run after run, is an idler or a drum that keeps its tension; `held`: place of what
-    says that a load stands on it; `plain`: whether ropes hold no node."""
+    says that a load stands on it; `plain`: whether ropes hold no node; `weather`: None without."""
 
     spans: SpanPlaces
     kinds: tuple[Kindred, ...]
@@ -115,6 +135,7 @@ class CertificateLayout:
     held: np.ndarray
     supports: tuple[str, ...]
     plain: bool
+    weather: WeatherPlaces | None
 
 
 @kept_with_model
@@ -140,6 +161,26 @@ def layout_of(model: Model) -> CertificateLayout:
         held=np.array([places(f"{run.nodes[k].name}.held") for run, k in supports], dtype=int),
         supports=tuple(run.nodes[k].name for run, k in supports),
         plain=all(f"{node.name}.{axis}" in model.p.index for run in model.runs for node in run.nodes for axis in "xyz"),
+        weather=_weather_places(model, places) if model.weather else None,
+    )
+
+
+_WEATHER = ("temperature", "wind_pressure", "wind_from", "strung_temperature", "ice_thickness", "ice_density", "north")
+
+
+def _weather_places(model: Model, places: _Places) -> WeatherPlaces:
+    counts = [n for layout in model.layouts for n in layout.slots.count]
+    rope = ("diameter", "thermal_expansion", "drag_coefficient")
+    return WeatherPlaces(
+        np.array([places(name) for name in _WEATHER]),
+        np.array([[places(f"{span}.{name}") for span in places.spans] for name in rope], dtype=int),
+        np.array(
+            [
+                [places(f"{name}.slot_drag[{j + 1}]") for name in places.spans]
+                for j in range(int(np.max(counts, initial=0)))
+            ],
+            dtype=int,
+        ).reshape(-1, len(places.spans)),
     )
 
 
@@ -193,7 +234,7 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
     groups: dict[Any, list[Component]] = {}
     for c in model.system.components.values():
         if c.has_laws:
-            groups.setdefault(c.form(Site(1.0, 1.0)), []).append(c)
+            groups.setdefault(c.form(Site(1.0, 1.0, weather=model.weather)), []).append(c)
     numbers = {name: k for k, name in enumerate(places.spans)}
     sits = {
         seat: numbers[span] + (len(numbers) if end == "b" else 0)
@@ -222,12 +263,13 @@ def _kinds(model: Model, places: _Places) -> tuple[Kindred, ...]:
                         np.array([places(".".join(speeds.get((name, seat.name), ("", "")))) for name in names]),
                         *(
                             np.array([places(f"{spans.get((name, seat.name))}.{c}") for name in names])
-                            for c in ("compliance", "construction")
+                            for c in ("compliance", "construction", "thermal_expansion")
                         ),
                     )
                     for seat in seats
                 },
                 {},
+                {n: np.full(len(names), places(n)) for n in _WEATHER} if model.weather else None,
             )
         )
     return tuple(found)

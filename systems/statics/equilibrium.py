@@ -22,7 +22,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify
-from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, support_points
+from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, load_force, span_rope, support_points
 from ropeway.systems.statics.pending_events import Pending
 
 
@@ -229,19 +229,19 @@ class Equilibrium(Tabular):
         """The curve of span k of run r, and its points (n, 3)."""
         run, beyond, force = self.runs[r], self.passed[r], int(self.model.layouts[r].force[k])
         name = run.spans[k].name
-        read, p = self.outputs, self.model.p.index
+        read = self.outputs
         count = int(beyond[k] - beyond[k + 1])
-        gravity, length = float(self.point.p[0]), self[f"{name}.length"]
+        length = self[f"{name}.length"]
         at = [float(read[self.model.y.index[f"{name}.slot_distance[{j + 1}]"]]) for j in range(count)]
         at = [min(max(distance, 0.0), length) for distance in at]  # a load that crosses is there but for rounding
-        mass = [float(run.loads.mass[beyond[k] - 1 - j]) for j in range(count)]
+        loads, on = run.loads, [beyond[k] - 1 - j for j in range(count)]
+        pulls = [load_force(self.model, float(loads.mass[i]), float(loads.drag[i]), self.__getitem__) for i in on]
         spread = np.linspace(0.0, length, stations) if isinstance(stations, int) else np.asarray(stations, float)
         if isinstance(stations, int):
             spread = np.union1d(spread, at)
         if spread.size and (spread.min() < 0.0 or spread.max() > length * (1.0 + 1e-12)):
             raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
-        strain = catenary.Strain(self.point.p[p[f"{name}.compliance"]], run.rope.strain.c2)
+        rope = span_rope(self.model, run, k, self.__getitem__)
         tension = self.point.z[force : force + 3]
-        weight = self.point.p[p[f"{name}.mass_per_length"]] * gravity
-        curve = catenary.profile(tuple(tension), weight, strain, length, at, [m * gravity for m in mass], spread)
+        curve = catenary.profile(tuple(tension), rope.weight, rope.strain, length, at, pulls, spread)
         return curve, run.start(k, self.__getitem__) + curve.reach

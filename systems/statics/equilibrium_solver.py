@@ -9,10 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import CompiledError, EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import interruptible
-from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.modelling.user_code import caller
@@ -37,6 +38,7 @@ def equilibrium(
     parameters: Mapping[str, float] | None = None,
     start: Equilibrium | None = None,
     compiled: bool = False,
+    environment: Environment | None = None,
 ) -> Equilibrium:
     """Solve for the stable, taut equilibrium of a system at rest.
 
@@ -61,6 +63,8 @@ def equilibrium(
     compiled : bool, default False
         Whether to solve in compiled code, which needs a C compiler at first use; for lines of spans over standing
         supports, without `given`.
+    environment : Environment, optional
+        Weather, instead of that of the system; its values are then inputs and parameters of the model.
 
     Returns
     -------
@@ -93,7 +97,7 @@ def equilibrium(
     for name, value in wanted.items():
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
-    model = system if isinstance(system, Model) else assemble(system)
+    model = in_weather(system, environment)
     if compiled:
         require_compiled(model, wanted)
     freed = [model.swaps.get(name, name) for name in freed]

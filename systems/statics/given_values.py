@@ -65,7 +65,7 @@ def _pull_straight(state: LineState, lengths: Sequence[int], given: Mapping[str,
                 tension = max(near, default=0.1 * run.rope.breaking_load)
                 chord = float(np.linalg.norm(np.subtract(a.at, b.at)))
                 state.point.p[layout.length_start[k]] = chord / (1.0 + run.rope.strain.at(tension))
-                if run.rope.strain == (0.0, 0.0):
+                if run.rope.strain.none:
                     sag = run.rope.mass_per_length * state.point.p[0] * chord / tension
                     state.point.p[layout.length_start[k]] *= 1.0 + sag**2 / 24.0
     state.restart()

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from ropeway.components.catenary import Strain, Uniform, Weight
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
+from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
@@ -231,6 +234,12 @@ def _coordinates(model: Model, r: int) -> np.ndarray:
     return np.array([[index[f"{node.name}.{axis}"] for axis in "xyz"] for node in model.runs[r].nodes])
 
 
+def read_value(model: Model, point: Point, outputs: np.ndarray, name: str) -> float:
+    """A variable or output by its name. Raises UnknownNameError."""
+    kind, k = find(model, (), (), name)
+    return float(outputs[k] if kind is Kind.OUTPUT else point.vector(kind)[k])
+
+
 def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: str) -> Slot:
     """The vector entry of a variable, an output or a quantity of a load (x, y, z, distance, mass).
 
@@ -252,3 +261,40 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             return kind, model.tables[kind].index[slot]
     known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
     raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))
+
+
+Read = Callable[[str], Any]
+"""The value of a variable or output, by its name."""
+
+
+class SpanRope(NamedTuple):
+    """Weight of a rope [N/m], with wind a `Uniform` force, and its strain."""
+
+    weight: Weight
+    strain: Strain
+
+
+def span_rope(model: Model, run: Run, k: int, read: Read) -> SpanRope:
+    """The rope in span k of a run."""
+    name = run.spans[k].name
+    strain = Strain(read(f"{name}.compliance"), run.rope.strain.c2)
+    if not model.weather:
+        return SpanRope(read(f"{name}.mass_per_length") * read("gravity"), strain)
+    pull = (read(f"{name}.load_x"), read(f"{name}.load_y"), read(f"{name}.load_z"))
+    return SpanRope(Uniform.of(pull), strain._replace(expansion=read(f"{name}.expansion")))
+
+
+def end_force(model: Model, run: Run, k: int, read: Read) -> np.ndarray:
+    """Tension vector at end b of span k of a run, (3,) [N]."""
+    name = run.spans[k].name
+    ends = ("pull_b_x[1]", "pull_b_y[1]") if model.weather else ("force_x", "force_y")
+    return np.array([read(f"{name}.{variable}") for variable in (*ends, "vertical_b")])
+
+
+def load_force(model: Model, mass: float, drag_area: float, read: Read) -> Any:
+    """A load on a rope as `loaded` takes it [N]: its weight; in weather a vector, with wind on it."""
+    down = mass * read("gravity")
+    if not model.weather:
+        return down
+    x, y, _ = Weather.of([read(name) for name in SHARED]).drag(drag_area)
+    return (x, y, -down)

@@ -28,6 +28,7 @@ _DRIVEN = ("response", "speed")
 
 _DECLARED = {
     "gravity": "gravity",
+    "temperature": "temperature of stringing",
     "connections": "joints",
     "supplies": "supplies",
     "links": "links",
@@ -38,13 +39,13 @@ _DECLARED = {
 
 
 def declared_alike(start: Equilibrium, system: System) -> bool:
-    """Whether a start has the same declarations; False where drives differ. Raises InputError where other declarations
-    differ.
+    """Whether a start has the same declarations; False where drives or the weather differ. Raises InputError where
+    other declarations differ.
     """
     old = start.model.system
     if old is system:
         return True
-    alike = old.precedences == system.precedences
+    alike = old.precedences == system.precedences and old.environment == system.environment
     for name in {**old.components, **system.components}:
         one, other = old.components.get(name), system.components.get(name)
         if one is other or one == other:

@@ -19,6 +19,8 @@ from ropeway.systems.studies.control.scheduling.plan_data import Gap, PlanHistor
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 from ropeway.systems.studies.control.tune_response import TunedResponse
+from ropeway.systems.studies.load_cases.load_case import LoadCase
+from ropeway.systems.studies.load_cases.study import LoadCases, load_cases
 from ropeway.systems.studies.skyline.inhaul.study import Inhaul, inhaul
 from ropeway.systems.studies.skyline.load_path import load_path
 from ropeway.systems.studies.skyline.payload.study import PayloadStudy, payload
@@ -28,14 +30,24 @@ from ropeway.systems.studies.skyline.support_layout import Candidate, SupportPla
 _CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
-        Candidate, Disturbance, Gap, Inhaul, PayloadStudy, RecedingHorizon, PlanHistory, Round, ScheduleLimits,
-        SchedulePlan, SetUp, SupportPlan, TunedResponse,
+        Candidate, Disturbance, Gap, Inhaul, LoadCase, LoadCases, PayloadStudy, RecedingHorizon, PlanHistory, Round,
+        ScheduleLimits, SchedulePlan, SetUp, SupportPlan, TunedResponse,
     )
 }  # fmt: skip
 
 STUDIES: Mapping[str, Callable[..., Any]] = {
     study.__name__: study
-    for study in (equilibrium, inhaul, load_path, optimise_schedule, optimise_supports, payload, set_up, simulate)
+    for study in (
+        equilibrium,
+        inhaul,
+        load_cases,
+        load_path,
+        optimise_schedule,
+        optimise_supports,
+        payload,
+        set_up,
+        simulate,
+    )
 }
 """Studies that `run_study` knows, by the name of their function."""
 

@@ -18,7 +18,7 @@ from support.drum_oracle import GRAVITY, drum_ends, holds_tension
 from support.oracle import Material
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
-MATERIAL = Material(ROPE.mass_per_length * GRAVITY, *ROPE.strain)
+MATERIAL = Material(ROPE.mass_per_length * GRAVITY, *ROPE.strain[:2])
 
 
 def heavy_line(seed: int) -> rw.System:

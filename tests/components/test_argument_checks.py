@@ -111,7 +111,7 @@ def test_numbers_of_numpy_and_pandas_become_those_of_python() -> None:
 def test_signature_and_help_are_those_of_the_function() -> None:
     assert boat.__doc__ == "A boat."
     assert list(inspect.signature(boat).parameters)[:3] == ["beam", "rig", "logs"]
-    assert list(inspect.signature(rw.Load).parameters) == ["name", "mass"]
+    assert list(inspect.signature(rw.Load).parameters) == ["name", "mass", "drag_area"]
 
 
 def test_overflow_is_a_typed_error() -> None:

@@ -20,6 +20,7 @@ from support.call_objects import (
     STATIONS,
     TAIL,
     THIN,
+    cases,
     drive,
     endless_supports,
     exported,
@@ -67,6 +68,9 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Disturbance": lambda: rw.Disturbance("heavy", mass=1.1),
         "Drum": lambda: rw.Drum("drum", speed=0.5, **at),
         "Elastic": rw.Elastic,
+        "Environment": lambda: rw.Environment(
+            "iced", temperature=-20.0, ice_thickness=0.01, wind_pressure=250.0, wind_from=270.0
+        ),
         "Equilibrium": rest,
         "GuyedSpar": guyed,
         "Guyline": lambda: guyed().guylines[0],
@@ -78,6 +82,8 @@ def instances() -> dict[str, Callable[[], Any]]:
         "IntermediateSupport": lambda: rw.IntermediateSupport("jack", station=125.0, height=8.0),
         "Intervention": lambda: rw.Intervention(1.0, "brake", "c"),
         "Joint": lambda: rw.Joint("knot", mass=40.0, **at),
+        "LoadCase": lambda: rw.LoadCase("cold", rw.Environment("cold", temperature=-20.0), "empty", 2.5),
+        "LoadCases": cases,
         "Load": lambda: rw.Load("turn", 500.0),
         "LoadedSpan": lambda: rw.LoadedSpan(180.0, 20.0, 0.1, 0.4),
         "Log": log,
@@ -118,10 +124,14 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
     payload = {"rig": rig(), "payload": 900.0}
     optional = {"target": 3e4, "settle": 1.0, "start": None, "progress": False}
     ends = {"headspar": HEAD, "tailspar": TAIL, "mainline": THIN, "carriage": CARRIAGE, "name": "rig", "gravity": 9.81}
+    ends["temperature"] = 5.0
+    cold = {"environment": rw.Environment("cold", temperature=-20.0)}
     return {
         "Profile": lambda: {"station": [0.0, 50.0, 120.0], "elevation": [3.0, 5.0, -4.0], "map_frame": MAP},
         "Schedule": lambda: {"times": [0.0, 4.0], "speeds": [0.5, 1.0]},
-        "System": lambda: {"name": "line", "gravity": 9.8, "precedence": "worst first", "terrain": GROUND},
+        "System": lambda: {
+            "name": "line", "gravity": 9.8, "precedence": "worst first", "terrain": GROUND, "temperature": 5.0,
+        },
         "assemble": lambda: {"system": one_span(), "slots": None},
         "balanced": lambda: {"line": line()},
         "catenary_for_horizontal": lambda: {**CURVE, "horizontal": 30e3, "weight": 30.0},
@@ -137,11 +147,11 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "endless": lambda: {
             "rope": ROPE, "supports": endless_supports(), "tension": 22e3, "speed": 0.9, "load_mass": 90.0,
             "load_spacing": 40.0, "take_up": None, "drive": None, "name": "ring", "gravity": 9.8,
-            "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
+            "crs": None, "terrain": LOW_GROUND, "clearance": 1.0, "temperature": 5.0, "load_drag_area": 0.5,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
-            "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False,
+            "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False, **cold,
         },
         "exact_load": lambda: {**LOADED, "joint": "clamped", "pull_slope": 0.0},
         "fit_construction_stretch": lambda: {"safety_factors": [8.0, 5.0, 3.0], "elongations": [0.001, 0.002, 0.005]},
@@ -154,7 +164,18 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "live_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "standing_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "running_skyline": lambda: {"terrain": GROUND, **ends, "haulback": ROPE, "tension": 60e3},
-        "load_path": lambda: {**payload, "stations": STATIONS, "height": None},
+        "load_path": lambda: {**payload, "stations": STATIONS, "height": None, **cold},
+        "load_cases": lambda: {
+            "of": one_span(), "cases": [rw.Environment("calm")], "loadings": ["full"], "safety_factor": 2.5,
+            "payload": None, "stations": None,
+        },
+        "support_table": lambda: {
+            "of": one_span(), "cases": [rw.Environment("calm")], "rollers": {"a": 2}, "payload": None, "stations": None,
+        },
+        "stringing_table": lambda: {
+            "of": ROPE, "temperatures": [-20.0, 15.0], "span": 120.0, "rise": 4.0, "tension": 30e3, "length": None,
+            "strung": 10.0, "gravity": 9.8,
+        },
         "load": lambda: {"path": rw.save(one_span(), folder() / "one.json"), "components": []},
         "load_path_report": lambda: {
             "rig": rig(), "payload": 900.0, "frame": rw.load_path(rig(), 900.0, stations=[70.0]),
@@ -172,6 +193,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "rope": ROPE, "supports": supports(), "tension": 22e3, "speed": 0.8, "load_mass": [90.0, 0.0],
             "load_spacing": 33.0, "name": "line", "drive": drive(), "response": {"c": response()},
             "precedence": "all at once", "gravity": 9.8, "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
+            "temperature": 5.0, "load_drag_area": 0.5,
         },
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
@@ -188,7 +210,8 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         },
         "payload": lambda: {
             "rig": rig(), "safety_factor": 3.0, "clearance": 0.5, "rope_clearance": 0.0, "stations": [150.0],
-            "mainline_safety_factor": 3.0, "lift_off": True,
+            "mainline_safety_factor": 3.0, "lift_off": True, **cold, "saddle_angle": (-0.2, 1.2), "roller_force": 60e3,
+            "rollers": {"jack": 2},
         },
         "payload_for_tension": lambda: {
             "method": METHODS["rigid link"], "line": LOADED["line"], "rope": ROPE, "tension": 150e3,
@@ -209,12 +232,14 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "run_study": lambda: {"inputs": rw.StudyInputs("equilibrium", one_span())},
         "save": lambda: {"value": one_span(), "path": folder() / "saved.json"},
         "sensitivities": lambda: {"solution": rest(), "of": "c.tension_in", "to": ["a_c.mass_per_length"]},
-        "set_up": lambda: {"rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None},
+        "set_up": lambda: {
+            "rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None, **cold,
+        },
         "tension_history": lambda: {"rig": new_rig(), "turns": [(150.0, 500.0)]},
         "simulate": lambda: {
             "system": line(), "until": 2.0, "every": 1.0, "inputs": {"c.speed": 0.6}, "start": None,
             "tolerance": 1e-5, "interventions": [rw.Intervention(1.0, "brake", "c")], "stop_at": (),
-            "progress": False, "compiled": False,
+            "progress": False, "compiled": False, **cold,
         },
         "solve_span": lambda: {
             "problem": rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7), "method": "Newton-Raphson",

@@ -14,6 +14,7 @@ from support.call_objects import (
     MAP,
     ROPE,
     THIN,
+    cases,
     corridor,
     exported,
     exported_line,
@@ -139,6 +140,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Inhaul.report": lambda: Call(
             rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0).report, {"path": folder() / "inhaul.html"}
         ),
+        "LoadCases.report": lambda: Call(cases().report, {"path": folder() / "cases.html"}),
         "PayloadStudy.report": lambda: Call(
             rw.payload(rig(), stations=[150.0]).report, {"path": folder() / "payload.html"}
         ),
@@ -181,9 +183,13 @@ def methods() -> dict[str, Callable[[], Call]]:
         ),
         "SpanProblem.reach": lambda: Call(problem.reach, {"horizontal": 9e3, "vertical": 2e3}),
         "SpanProblem.stretched": lambda: Call(problem.stretched, {"horizontal": 9e3, "vertical": 2e3}),
+        "SkylineRig.in_weather": lambda: Call(
+            rig().in_weather, {"environment": rw.Environment("cold", temperature=-9.0)}
+        ),
         "System.add": lambda: Call(rw.System().add, {"component": rw.System("inner"), "name": "part"}),
         "System.connect": connecting,
-        "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0]),
+        "System.feed": lambda: on_line("feed", spans=..., spacing=20.0, masses=[90.0, 0.0], drag_area=0.5),
+        "System.in_weather": lambda: Call(line().in_weather, {"environment": rw.Environment("cold", temperature=-9.0)}),
         "System.hang": lambda: on_line("hang", load=rw.Load("turn", 90.0), spans=..., at=30.0),
         "System.origin": lambda: on_line("origin", name="a", text="at {}"),
         "System.string": lambda: Call(

@@ -63,6 +63,10 @@ def one_span() -> rw.System:
     return s
 
 
+def cases() -> rw.LoadCases:
+    return rw.load_cases(one_span(), [rw.Environment("calm"), rw.Environment("cold", temperature=-20.0)])
+
+
 def rig_parts() -> dict[str, Any]:
     return {
         "headspar": HEAD,

@@ -126,7 +126,7 @@ def random_line(seed: int, *, most: int = 20, controlled: bool = True) -> Case:
     )
     points = _supports(rng, n)
     weight = mass * GRAVITY
-    material = Material(weight, *rope.strain)
+    material = Material(weight, *rope.strain[:2])
     cuts = [k for k in range(1, n) if rng.random() < 0.25] if controlled and rng.random() < 0.5 else []
     sections = []
     for first, last in zip([0, *cuts], [*cuts, n], strict=True):
@@ -158,7 +158,7 @@ def unknown_line(seed: int) -> tuple[rw.System, Line]:
     spans = system.string(made, *nodes, length=length)
     for k, (place, load) in enumerate(zip(places, loads, strict=True)):
         system.hang(rw.Load(f"l{k}", mass=float(load / GRAVITY)), spans, at=float(place))
-    return system, Line(points, length, places, loads, Material(mass * GRAVITY, *made.strain))
+    return system, Line(points, length, places, loads, Material(mass * GRAVITY, *made.strain[:2]))
 
 
 def _supports(rng: np.random.Generator, n: int) -> np.ndarray:

@@ -64,7 +64,7 @@ class SpanModel:
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
         self._outputs, self.output_index = outputs_of(m), m.y.index
         declared = LineState.declared(m)
-        self._declared, self._passed = declared.point, declared.passed
+        self._declared, self.passed = declared.point, declared.passed
         self.roles = tuple(_role(rig, run) for run in m.runs)
         log_places = ("x", "z", "rear_x", "rear_z") if self.log else ()
         self.places = (self.axes[2], *(self.slot(f"{self.log}.{variable}") for variable in log_places))
@@ -124,14 +124,14 @@ class SpanModel:
             sum(span.length for span in run.spans) if role == "skyline" and keeps_length else np.nan
             for run, role in zip(self.model.runs, self.roles, strict=True)
         ]
-        states = ((point, self._passed) for point in points)
+        states = ((point, self.passed) for point in points)
         return certify_records(self.model, self.model.runs, states, rope=rope, held=None)
 
     def rest(self, point: Point) -> Equilibrium:
         """An equilibrium from a solved point, with all travels reset to zero. Raises EquilibriumError if its
         certificate fails."""
         self.certificate([point]).require(self.model)
-        state = LineState(self.model, point.copy(), self.model.runs, self._passed)
+        state = LineState(self.model, point.copy(), self.model.runs, self.passed)
         state.rezero()
         return Equilibrium(self.model, state.point, tuple(state.runs), tuple(state.passed), state.held)
 

@@ -7,9 +7,11 @@ from operator import itemgetter
 
 import numpy as np
 
+from ropeway.components.catenary import end_of
 from ropeway.components.clearance import above_tangents, least_height
 from ropeway.components.rope_piece import Piece
 from ropeway.components.terrain import Profile
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 
@@ -63,14 +65,15 @@ def _pieces(solved: Solved, role: str) -> Iterator[tuple[Piece, tuple[float, flo
     for r, run in enumerate(at.model.runs):
         if at.roles[r] != role:
             continue
-        weight, strain = run.rope.mass_per_length * rig.gravity, run.rope.strain
         first = next((k for k, node in enumerate(run.nodes) if node.name == rig.headspar.name), 0)
         for k, span in enumerate(run.spans[first:], first):
             start, end = solved.start(r, k), solved.end(r, k)
             force, length = np.array(at.curve(solved.point, k, r)), solved[f"{span.name}.length"]
+            rope = span_rope(at.model, run, k, solved.__getitem__)
             if force[0] < 0.0:  # a returning rope: swap its ends
-                start, end, force = end, start, -force - np.array([0.0, 0.0, weight * length])
+                start, end = end, start
+                force = -np.array(end_of(tuple(force), rope.weight, length))
             if force[0] > 0.0:
-                yield Piece((start[0], start[2]), tuple(force), weight, length, strain), (end[0], end[2])
+                yield Piece((start[0], start[2]), tuple(force), rope.weight, length, rope.strain), (end[0], end[2])
             if role == "skyline" and run.nodes[k + 1].name == rig.tailspar.name:
                 break

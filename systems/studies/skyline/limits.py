@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.clearances import front_clearance, load_clearance, rope_clearance
-from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, guyline_tension, highest_tension, load_on
+from ropeway.systems.studies.skyline.rope_tensions import (
+    anchor_tension,
+    break_angle,
+    force_per_roller,
+    guyline_tension,
+    highest_tension,
+    load_on,
+)
 
 LimitMargin = Callable[[Solved], float]
 """Margin of a solved state to a limit, relative to the limit (to 10 m for clearances); negative if exceeded."""
@@ -29,13 +37,18 @@ Margins = Iterator[tuple[str, LimitMargin]]
 class LoadLimits:
     """Requested limits. `safety_factor` applies to the skyline, `other_safety_factor` to all other ropes (None: each
     rope's own). `clearance` of the load and `rope_clearance` of the skyline are heights over the ground [m]; None
-    disables both. `lift_off`: the skyline must stay in its saddles, a guyed spar on its foot."""
+    disables both. `lift_off`: the skyline must stay in its saddles, a guyed spar on its foot. `saddle_angle`: least and
+    largest break angle of the skyline over its saddles [rad]. `roller_force`: largest force on each of the `rollers` at
+    a support [N], one by default."""
 
     safety_factor: float
     other_safety_factor: float | None = None
     clearance: float | None = None
     rope_clearance: float = 0.0
     lift_off: bool = True
+    saddle_angle: tuple[float, float] | None = None
+    roller_force: float | None = None
+    rollers: Mapping[str, int] = field(default_factory=dict)
 
     def working_load(self, rope: Rope) -> float:
         """Safe working load of a rope other than the skyline [N]."""
@@ -92,6 +105,18 @@ def _supports(rig: SkylineRig, limits: LoadLimits) -> Margins:
         if limits.lift_off:
             yield f"lift-off at {support.name}", _compression(f"{support.name}.support_force", strength)
         yield from _capacity(support, support.capacity)
+        yield from _saddle(support, limits)
+
+
+def _saddle(support: IntermediateSupport, limits: LoadLimits) -> Margins:
+    name = support.name
+    if limits.saddle_angle is not None:
+        least, most = limits.saddle_angle
+        yield f"least break angle at {name}", lambda s: (break_angle(s, support) - least) / most
+        yield f"break angle at {name}", _upper(lambda s: break_angle(s, support), most)
+    if limits.roller_force is not None:
+        count = limits.rollers.get(name, 1)
+        yield f"roller force at {name}", _upper(lambda s: force_per_roller(s, support, count), limits.roller_force)
 
 
 def _spars(rig: SkylineRig, limits: LoadLimits) -> Margins:

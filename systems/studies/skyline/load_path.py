@@ -9,6 +9,7 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -26,6 +27,7 @@ def load_path(
     stations: Sequence[float] | np.ndarray | None = None,
     *,
     height: float | None = None,
+    environment: Environment | None = None,
 ) -> pd.DataFrame:
     """The path of the loaded carriage along all spans, with the tensions of all ropes.
 
@@ -41,6 +43,8 @@ def load_path(
     height : float, optional
         Height of the load over the ground [m], set by the yarder of a live or running skyline; with a log, height of
         the carriage.
+    environment : Environment, optional
+        Weather, instead of that of the rig.
 
     Returns
     -------
@@ -55,7 +59,8 @@ def load_path(
           at its drum, mainline_highest; haulback_pull, haulback_tension, haulback_highest likewise
         - clearance of the load over the ground (of a log's lower end, or of its front while the rear drags),
           rope_clearance of the skyline; on a terrain mainline_clearance and haulback_clearance
-        - `NAME_force` of each support, upward on the rope, negative where it lifts off
+        - `NAME_force` of each support, upward on the rope, negative where it lifts off; `NAME_break_angle` by which the
+          skyline bends down over it [rad]
         - held_by: mainline, clamp (beyond the rest point the carriage is clamped to the skyline) or holding
         - for a guyed headspar spar_compression and spar_lean, for a guyed tailspar tailspar_compression and
           tailspar_lean, for each guyline `NAME_tension` at the top
@@ -82,6 +87,7 @@ def load_path(
     check.not_negative(payload, rig.name, "payload", "kg")
     if height is not None and not rig.kind.sets_height:
         raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
+    rig = rig if environment is None else rig.in_weather(environment)
     solver = Stations(rig, by_height=height is not None)
     positions, solved = stations_of(rig, stations), list[Solved]()
 

@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
@@ -67,6 +68,7 @@ def set_up(
     payload: float,
     tension: float | None = None,
     deflection: float | None = None,
+    environment: Environment | None = None,
 ) -> SetUp:
     """Solve for the unstretched length of a skyline that gives a desired loaded state.
 
@@ -82,6 +84,8 @@ def set_up(
         Desired highest tension of the skyline [N]. Give either this or `deflection`.
     deflection : float, optional
         Desired sag below the chord [% of the span].
+    environment : Environment, optional
+        Weather of the loaded state, instead of that of the rig. The tension of the bare rope is that of stringing.
 
     Returns
     -------
@@ -105,6 +109,7 @@ def set_up(
     4.95
     """
     _require_one_target(rig, payload, tension, deflection)
+    rig = rig if environment is None else rig.in_weather(environment)
     state = partial(at, rig, station=station, payload=payload)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
@@ -114,7 +119,7 @@ def set_up(
 
     chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
     strain = rig.skyline.strain.at(rig.skyline.breaking_load)
-    inextensible = rig.skyline.strain == (0.0, 0.0)
+    inextensible = rig.skyline.strain.none
     low = chords * (1.0 + 1e-6) if inextensible else chords / (1.0 + 0.9 * strain)
     high = chords * 1.001
     while sign * residual(high) < 0.0:

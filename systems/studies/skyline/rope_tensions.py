@@ -10,6 +10,8 @@ from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.span import Span
+from ropeway.systems.results.support_rows import roller_force
+from ropeway.systems.statics.line_state import end_force
 from ropeway.systems.studies.skyline.carriage_model import Solved
 
 
@@ -34,6 +36,28 @@ def guyline_tension(solved: Solved, guyline: str, spar: GuyedSpar) -> float:
     return max(solved[f"{guyline}_{spar.name}.tension_{end}"] for end in "ab")
 
 
+def break_angle(solved: Solved, support: IntermediateSupport) -> float:
+    """Angle by which the skyline bends down over a saddle [rad]; with the carriage on its shoe, over both."""
+    run = solved.at.model.runs[solved.at.skyline]
+    k = [node.name for node in run.nodes].index(_node_at(solved, support))
+    before, after = run.spans[k - 1].name, run.spans[k].name
+    rises = solved[f"{before}.vertical_b"] / solved[f"{before}.tension_b"]
+    falls = solved[f"{after}.vertical_a"] / solved[f"{after}.tension_a"]
+    return float(np.arcsin(rises) + np.arcsin(falls))
+
+
+def force_per_roller(solved: Solved, support: IntermediateSupport, count: int) -> float:
+    """Force on each of `count` rollers under the skyline at a support [N]."""
+    bearing, wrap = (np.array(solved[f"{support.name}.{name}"]) for name in ("bearing_load", "wrap"))
+    return float(roller_force(bearing, wrap, count))
+
+
+def _node_at(solved: Solved, support: IntermediateSupport) -> str:
+    """Name of the skyline's node at a support: the carriage where it stands on the shoe."""
+    rig, on = solved.at.rig, solved.at.on
+    return rig.carriage.name if on is not None and rig.supports[on].name == support.name else support.name
+
+
 def load_on(solved: Solved, stand: Node) -> float:
     """Load on a spar or support [N]: the resultant of all ropes at its top, the compression of a guyed spar, or the
     load on a shoe plus that of the mainline on its roller."""
@@ -44,13 +68,11 @@ def load_on(solved: Solved, stand: Node) -> float:
         return solved[f"{stand.name}.bearing_load"] + (solved[roller] if solved.has(roller) else 0.0)
     total = np.zeros(3)
     for r, run in enumerate(solved.at.model.runs):
-        weight = run.rope.mass_per_length * solved.at.rig.gravity
         for k, node in enumerate(run.nodes):
             if node.at != stand.at:
                 continue
             if k < len(run.spans):
                 total += solved.at.curve(solved.point, k, r)
             if k > 0:
-                total -= solved.at.curve(solved.point, k - 1, r)
-                total[2] -= weight * solved[f"{run.spans[k - 1].name}.length"]
+                total -= end_force(solved.at.model, run, k - 1, solved.__getitem__)
     return float(np.linalg.norm(total))

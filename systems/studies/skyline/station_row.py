@@ -9,7 +9,7 @@ from ropeway.components.clearance import deflection
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.clearances import drags, front_clearance, load_clearance, rope_clearance
-from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, end_tensions, highest_tension
+from ropeway.systems.studies.skyline.rope_tensions import anchor_tension, break_angle, end_tensions, highest_tension
 
 StationRow = dict[str, float | str | int]
 
@@ -27,12 +27,13 @@ UNITS = {
     "deflection": "%",
     "payload": "kg",
 }
-"""Units of the columns; those of supports, guylines and logs end in _force or _tension [N]."""
+"""Units of the columns; those of supports, guylines and logs end in _force, _tension [N] or _angle [rad]."""
+_ENDINGS = {"_force": "N", "_tension": "N", "_angle": "rad"}
 
 
 def units_of(frame: pd.DataFrame) -> dict[str, str]:
     """The unit of each column."""
-    return {c: UNITS.get(c, "N" if c.endswith(("_force", "_tension")) else "") for c in frame.columns}
+    return {c: UNITS.get(c, next((u for end, u in _ENDINGS.items() if c.endswith(end)), "")) for c in frame.columns}
 
 
 def station_row(solved: Solved, station: float) -> StationRow:
@@ -120,6 +121,7 @@ def _supports(solved: Solved) -> StationRow:
     supports = solved.at.rig.supports
     return {
         **{f"{s.name}_force": solved[f"{s.name}.support_force"] for s in supports},
+        **{f"{s.name}_break_angle": break_angle(solved, s) for s in supports},
         "span": _span(solved) + 1,
         "held_by": solved.held_by,
     }

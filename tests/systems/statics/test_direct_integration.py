@@ -27,7 +27,7 @@ class Single:
 
     @property
     def material(self) -> Material:
-        return Material(self.rope.mass_per_length * GRAVITY, *self.rope.strain)
+        return Material(self.rope.mass_per_length * GRAVITY, *self.rope.strain[:2])
 
     def solve(self) -> rw.Equilibrium:
         s = rw.System("single")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ropeway.components.carriage import Carriage
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.rope import Rope
@@ -30,7 +31,7 @@ class CorridorRequest:
     `tail` are stations of the spars [m], by default the ends of the profile; heights are in m. Each support is
     "STATION:HEIGHT" [m]. `carriage_mass` is in kg. `load_depth` is the distance from the skyline to the lowest point of
     the load [m]. `clearance` of the load and `spacing` of the stations are in m. `kind` is standing, live, gravity or
-    running.
+    running; `environment` its weather.
     """
 
     corridor: str | Path
@@ -50,6 +51,7 @@ class CorridorRequest:
     kind: str = "standing"
     start: str | None = None
     end: str | None = None
+    environment: Environment | None = None
 
     def ground(self) -> Profile:
         """The ground. Raises InputError."""
@@ -90,7 +92,13 @@ def payload_command(request: CorridorRequest, out: str | Path) -> tuple[PayloadS
     paths. Raises InputError, SlackRopeError, WriteError."""
     rig = request.rig()
     stations = default_stations(rig, request.spacing)
-    study = payload(rig, safety_factor=request.safety_factor, clearance=request.clearance, stations=stations)
+    study = payload(
+        rig,
+        safety_factor=request.safety_factor,
+        clearance=request.clearance,
+        stations=stations,
+        environment=request.environment,
+    )
     return study, write_payload(study, out)
 
 

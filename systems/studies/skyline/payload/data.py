@@ -33,6 +33,8 @@ class PayloadData(Tabular):
     safety_factor: float
     mainline_safety_factor: float
     clearance: float | None
+    saddle_angle: tuple[float, float] | None = None
+    roller_force: float | None = None
 
     @property
     def hauled(self) -> bool:

@@ -15,6 +15,7 @@ from ropeway.components.notebook_figure import new_figure
 from ropeway.components.rounding import at_most
 from ropeway.systems.results.limit_lines import ABOVE, LimitLine, draw_limits
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.load_path import load_path
@@ -91,16 +92,10 @@ def _ropes(axis: Axes, shown: Solved) -> None:
         sky, role = r == shown.at.skyline, shown.at.roles[r]
         colour, width = ("black", 2.2) if sky else (_ROPES.get(role, "0.45"), 1.0)
         name = rig.kind.carrying_rope if sky else role or "guylines"
-        for k, span in enumerate(run.spans):
-            start = shown.start(r, k)
-            length = shown[f"{span.name}.length"]
-            weight = run.rope.mass_per_length * rig.gravity
-            stations = np.linspace(0.0, length, 60)
-            curve = catenary.profile(
-                shown.at.curve(shown.point, k, r), weight, run.rope.strain, length, (), (), stations
-            )
+        for k in range(len(run.spans)):
+            points = _curve(shown, r, k)
             label = None if name in named else name
-            axis.plot(start[0] + curve.reach[:, 0], start[2] + curve.reach[:, 2], color=colour, lw=width, label=label)
+            axis.plot(points[:, 0], points[:, 2], color=colour, lw=width, label=label)
             named.add(name)
     name = rig.carriage.name
     x, z = shown[f"{name}.x"], shown[f"{name}.z"]
@@ -112,6 +107,30 @@ def _ropes(axis: Axes, shown: Solved) -> None:
         axis.plot(*zip(front, rear, strict=True), color="tab:brown", lw=3.5, solid_capstyle="butt", label="log")
 
 
+def _sideways(axis: Axes, rig: SkylineRig, paths: Sequence[CarriagePath], shown: Solved | None) -> None:
+    """Ropes and paths of the carriage in plan, where wind blows them aside."""
+    if shown is not None:
+        for r, run in enumerate(shown.at.model.runs):
+            colour = "black" if r == shown.at.skyline else _ROPES.get(shown.at.roles[r], "0.45")
+            for k in range(len(run.spans)):
+                points = _curve(shown, r, k)
+                axis.plot(points[:, 0], points[:, 1], color=colour, lw=1.2)
+    for drawn in paths:
+        axis.plot(drawn.path["carriage_x"], drawn.path["carriage_y"], color=drawn.colour, lw=1.2, ls="--")
+    axis.plot(*rig.points[: rig.spans + 1, :2].T, "^", color="tab:brown", ms=5)
+    axis.set_ylabel("sideways [m]")
+    axis.grid(alpha=0.3)
+
+
+def _curve(shown: Solved, r: int, k: int) -> np.ndarray:
+    """Points of the rope in span k of run r, (n, 3) [m]."""
+    model, run = shown.at.model, shown.at.model.runs[r]
+    length = shown[f"{run.spans[k].name}.length"]
+    rope, stations = span_rope(model, run, k, shown.__getitem__), np.linspace(0.0, length, 60)
+    curve = catenary.profile(shown.at.curve(shown.point, k, r), *rope, length, (), (), stations)
+    return np.asarray(shown.start(r, k) + curve.reach)
+
+
 def payload_figure(study: PayloadData) -> Figure:
     """Corridor, payload by station in the colour of its limit, and the tensions with the corridor's payload
     against their safe working loads."""
@@ -119,14 +138,18 @@ def payload_figure(study: PayloadData) -> Figure:
     paths = _paths(study)
     (x0, x1), (low, high) = _extent(rig, paths)
     needed = 10.7 * (high - low) / (x1 - x0)
-    figure = new_figure(figsize=(11.0, needed + 7.2), layout="constrained")
-    top, middle, bottom = figure.subplots(3, 1, height_ratios=[needed, 2.7, 2.5])
+    sways = rig.environment is not None
+    figure = new_figure(figsize=(11.0, needed + 7.2 + 1.5 * sways), layout="constrained")
+    ratios = [needed, *([1.3] if sways else []), 2.7, 2.5]
+    top, *plan, middle, bottom = figure.subplots(len(ratios), 1, height_ratios=ratios)
     corridor(top, rig, paths, _shown(study))
     figure.suptitle(_headline(study))
     top.set_title("\n".join([_given(study), *_remarks(study)]), fontsize="small")
     _payloads(middle, study)
     _tensions(bottom, study, paths[-1].path if paths else study.frame)
-    for axis in (middle, bottom):
+    if plan:
+        _sideways(plan[0], rig, paths, _shown(study))
+    for axis in (*plan, middle, bottom):
         axis.set_xlim(x0, x1)
     bottom.set_xlabel("station [m]")
     return figure

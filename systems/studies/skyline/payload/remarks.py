@@ -28,7 +28,7 @@ def bare_rope(rig: SkylineRig) -> BareRope | None:
     """Point of a rig's bare skyline nearest to the ground; None without a terrain or a separate skyline."""
     if not rig.kind.keeps_length or rig.terrain is None:
         return None
-    x, z = bare_profile(rig)
+    x, _, z = bare_profile(rig)
     inside = (x >= rig.terrain.station[0]) & (x <= rig.terrain.station[-1])
     heights = z[inside] - rig.terrain.elevations(x[inside])
     k = int(np.argmin(heights))

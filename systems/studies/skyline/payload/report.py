@@ -25,6 +25,12 @@ def sections_of(study: PayloadData, style: Style) -> list[Section]:
     rig, frame = study.rig, study.frame
     clearance = style.text("none") if study.clearance is None else style.value(study.clearance, "length")
     given = [(style.text("clearance_asked"), clearance)]
+    if study.saddle_angle is not None:
+        least, most = study.saddle_angle
+        angles = f"{style.value(least, 'angle', 'up')} - {style.value(most, 'angle', 'down')}"
+        given.append((style.text("saddle_angle_asked"), angles))
+    if study.roller_force is not None:
+        given.append((style.text("roller_force_asked"), style.value(study.roller_force, "force", "down")))
     return [
         Section(style.text("payload"), (Text((_headline(study, style),)),)),
         warnings_of(study.remarks_in(style), style),

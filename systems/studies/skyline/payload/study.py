@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +13,14 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
+from ropeway.systems.results.support_rows import require_rollers
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
@@ -51,6 +54,10 @@ class PayloadStudy(PayloadData):
         Safety factor of the other ropes.
     clearance : float or None
         Requested clearance [m].
+    saddle_angle : (float, float), optional
+        Least and largest break angle over a saddle [rad].
+    roller_force : float, optional
+        Largest force on a roller of a support [N].
 
     Examples
     --------
@@ -138,6 +145,10 @@ def payload(
     stations: Sequence[float] | np.ndarray | None = None,
     mainline_safety_factor: float | None = None,
     lift_off: bool = True,
+    saddle_angle: tuple[float, float] | None = None,
+    roller_force: float | None = None,
+    rollers: Mapping[str, int] | None = None,
+    environment: Environment | None = None,
 ) -> PayloadStudy:
     """Find the largest payload at stations along a corridor within all limits.
 
@@ -163,6 +174,15 @@ def payload(
         Safety factor of mainline, haulback, dropline and guylines; by default `safety_factor`.
     lift_off : bool, default True
         Whether the skyline must stay in its saddles, and a guyed spar on its foot.
+    saddle_angle : (float, float), optional
+        Least and largest angle by which the skyline bends down over a saddle, with the carriage at any of the stations
+        [rad].
+    roller_force : float, optional
+        Largest force of the skyline on a roller of a support [N].
+    rollers : mapping of str to int, optional
+        Number of rollers under the skyline at supports, for `roller_force`; 1 by default.
+    environment : Environment, optional
+        Weather, instead of that of the rig.
 
     Returns
     -------
@@ -194,16 +214,38 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
+    rig = rig if environment is None else rig.in_weather(environment)
     where = stations_of(rig, stations)
-    search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off))
+    _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
+    saddles = (saddle_angle, roller_force, rollers or {})
+    search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles))
     rows: list[StationRow] = []
 
     def study() -> PayloadStudy:
         frame = pd.DataFrame(rows)
         frame.attrs["units"] = units_of(frame)
-        return PayloadStudy(rig, frame, safety_factor, others, clearance)
+        return PayloadStudy(rig, frame, safety_factor, others, clearance, saddle_angle, roller_force)
 
     with keeping(lambda: study().frame):
         for x in where:
             rows.append(search.at(float(x)))
     return study()
+
+
+def _require_saddle_limits(
+    rig: SkylineRig,
+    saddle_angle: tuple[float, float] | None,
+    roller_force: float | None,
+    rollers: Mapping[str, int] | None,
+) -> None:
+    """Raises InputError, UnknownNameError."""
+    if saddle_angle is not None:
+        least, most = saddle_angle
+        check.number(least, rig.name, "the least saddle_angle", "rad")
+        if not max(least, 0.0) < most < math.pi:
+            raise InputError(
+                f"{rig.name}: saddle_angle is from {least:g} to {most:g} rad", "Give the least one first, in radians"
+            )
+    if roller_force is not None:
+        check.positive(roller_force, rig.name, "roller_force", "N")
+    require_rollers(rollers, [support.name for support in rig.supports])

@@ -13,6 +13,7 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.systems.reporting.blocks import Chart, Moving, Player, axis, curve, dots
 from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_solver import Stations
@@ -88,15 +89,15 @@ def _name(rig: SkylineRig, role: str, style: Style) -> str:
 
 def _ropes(solved: Solved) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Curves of the ropes by role: stations and heights [m], with NaN between spans."""
-    rig, model = solved.at.rig, solved.at.model
+    model = solved.at.model
     parts: dict[str, list[np.ndarray]] = {}
     for r, run in enumerate(model.runs):
-        weight = run.rope.mass_per_length * rig.gravity
         for k, span in enumerate(run.spans):
             length = solved[f"{span.name}.length"]
             along = np.linspace(0.0, length, _POINTS)
             force = solved.at.curve(solved.point, k, r)
-            reach = catenary.profile(force, weight, run.rope.strain, length, (), (), along).reach
+            rope = span_rope(model, run, k, solved.__getitem__)
+            reach = catenary.profile(force, *rope, length, (), (), along).reach
             own = parts.setdefault(solved.at.roles[r], [])
             own += [(solved.start(r, k) + reach)[:, [0, 2]], np.full((1, 2), np.nan)]
     joined = {role: np.concatenate(own) for role, own in parts.items()}

@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
+from ropeway.components.errors import EquilibriumError, SlackRopeError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.map_frame import MapFrame
@@ -19,6 +20,7 @@ from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.result_report import ropes_table
 from ropeway.systems.rigs.bare_skyline import bare_tension
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.stringing_table import report_table
 
 TENSIONS = (
     ("highest_tension", "skyline", "#111"), ("mainline_highest", "mainline", "#d62728"),
@@ -66,27 +68,28 @@ def _factor(rope: Rope, use: str, factors: tuple[float | None, float | None]) ->
 
 
 def supports(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Section:
-    """Spars and supports: heights, break angles of the bare rope's chords, forces over all rows, saddles."""
+    """Spars and supports: heights, break angles and forces over all rows, saddles."""
     rows = []
-    for k, node in enumerate(rig.stands):
+    for node in rig.stands:
         x, _, z = node.at
         ground = None if rig.terrain is None else float(rig.terrain.elevations(x))
         low, high = _range(frame, f"{node.name}_force")
+        least, most = _range(frame, f"{node.name}_break_angle")
         saddle = _saddle(node, style) if isinstance(node, IntermediateSupport) else ""
         rows.append(
             (
                 node.name, style.number(x, "length"), style.number(ground, "length"),
                 style.number(None if ground is None else z - ground, "length"), style.number(z, "length"),
-                style.number(_break_angle(rig, k), "angle"), style.number(high, "force", "up"),
-                style.number(low, "force", "down"), style.number(getattr(node, "capacity", None), "force", "down"),
-                saddle,
+                style.number(least, "angle", "down"), style.number(most, "angle", "up"),
+                style.number(high, "force", "up"), style.number(low, "force", "down"),
+                style.number(getattr(node, "capacity", None), "force", "down"), saddle,
             )
         )  # fmt: skip
     head = (
         style.text("support"), style.head("station", "length"), style.head("ground_elevation", "length"),
-        style.head("height", "length"), style.head("top", "length"), style.head("break_angle", "angle"),
-        style.head("highest_force", "force"), style.head("lowest_force", "force"), style.head("capacity", "force"),
-        style.text("saddle"),
+        style.head("height", "length"), style.head("top", "length"), style.head("least_break_angle", "angle"),
+        style.head("largest_break_angle", "angle"), style.head("highest_force", "force"),
+        style.head("lowest_force", "force"), style.head("capacity", "force"), style.text("saddle"),
     )  # fmt: skip
     return Section(style.text("supports"), (Table(head, rows),))
 
@@ -105,14 +108,6 @@ def _saddle(support: IntermediateSupport, style: Style) -> str:
     if support.friction > 0.0:
         shape += f", {style.text('saddle_friction', friction=f'{support.friction:g}')}"
     return shape
-
-
-def _break_angle(rig: SkylineRig, k: int) -> float | None:
-    """Angle between the chords before and after a support, positive for a loaded support [rad]."""
-    if not 0 < k < rig.spans:
-        return None
-    (x0, _, z0), (x1, _, z1), (x2, _, z2) = rig.points[k - 1 : k + 2]
-    return float(np.arctan2(z1 - z0, x1 - x0) - np.arctan2(z2 - z1, x2 - x1))
 
 
 def anchors(rig: SkylineRig, frame: pd.DataFrame, style: Style) -> Section:
@@ -158,7 +153,17 @@ def set_up(rig: SkylineRig, style: Style) -> Section:
         rows.append((style.text("mainline_needed"), style.value(reach, "length", "up")))
     if rig.haulback is not None or not rig.kind.keeps_length:
         rows.append((style.text("haulback_needed"), style.value(2.0 * reach, "length", "up")))
-    return Section(style.text("set_up"), (values_of(rows, style),))
+    return Section(style.text("set_up"), (values_of(rows, style), *_stringing(rig, style)))
+
+
+def _stringing(rig: SkylineRig, style: Style) -> tuple[Table, ...]:
+    """The stringing table of the bare skyline; none of a rope whose drum keeps its tension, or that would be slack."""
+    if not rig.kind.keeps_length:
+        return ()
+    try:
+        return (report_table(rig, style),)
+    except (EquilibriumError, SlackRopeError):
+        return ()
 
 
 def staking(rig: SkylineRig, style: Style) -> list[Section]:
