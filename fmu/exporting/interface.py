@@ -51,6 +51,7 @@ class References:
     limit: int
     passed: int
     switch: int
+    stop: int
     end: int
 
 
@@ -59,6 +60,7 @@ class Interface:
 
     `inputs`, `outputs`, `parameters`: their names; None: all inputs without a Schedule; all outputs, states, travels
     and coordinates; all parameters and load masses. Switches (`c1.brake`, `c1.pressure_lost`) can be inputs: Booleans.
+    `stops`: an emergency stop is an input too.
     Raises InputError, UnknownNameError.
     """
 
@@ -68,14 +70,18 @@ class Interface:
         inputs: Sequence[str] | None,
         outputs: Sequence[str] | None,
         parameters: Sequence[str] | None,
+        *,
+        stops: bool = False,
     ) -> None:
         m = equations.model
-        self.equations = equations
+        self.equations, self.stops = equations, stops
+        if stops and not equations.commanded:
+            raise InputError(f"{m.name!r} has no drive with a commanded speed", "Omit emergency_stop")
         self.supports = [(r, k) for r, run in enumerate(equations.state.runs) for k in range(len(run.nodes))]
         sizes = [1, len(m.x), len(m.x), len(m.z), len(m.u), len(m.p), len(equations.masses), len(m.y)]
         sizes += [len(self.supports) + len(m.limits.output) + equations.borders]
         sizes += [len(m.limits.output), len(self.supports)]
-        sizes += [len(equations.switches)]
+        sizes += [len(equations.switches), int(stops)]
         self.first = References(*(int(n) for n in np.cumsum(sizes)))
         self.mass_names = [name for names in equations.mass_names for name in names]
         self.limit_names = [_limit_name(c, e) for c, e in zip(m.limits.components, m.limits.events, strict=True)]
@@ -301,7 +307,14 @@ class Interface:
             for i, (name, entry) in enumerate(self.equations.switches.items())
             if name in self.inputs
         ]
-        return [*limits, *passed, *switches]
+        return [*limits, *passed, *switches, *self._emergency_stop()]
+
+    def _emergency_stop(self) -> list[FmuVariable]:
+        """It has no direct effect: speeds go down from their present values."""
+        if not self.stops:
+            return []
+        what = "true: ramps all commanded speeds down to zero, and stops all responses"
+        return [FmuVariable("emergency_stop", self.first.stop, "Boolean", "input", "discrete", what, start=False)]
 
     @cached_property
     def known_references(self) -> list[int]:

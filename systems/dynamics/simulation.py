@@ -14,6 +14,7 @@ from ropeway.components.errors import CompiledError, InputError, RopewayError, S
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.dynamics.external_parts import ExternalParts
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
@@ -216,6 +217,7 @@ class _Simulation:
             state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
         )
         self.line = self.stepper.line
+        self.external = ExternalParts(state.model.system, self.stepper, self.recorder)
         self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
@@ -267,7 +269,10 @@ class _Simulation:
                         return
                     continue
             stop = min(grid, quiet)
-            self.stepper.run_to(stop)
+            self.external.run_to(stop)
+            if self.external.ended:
+                self.record(on_grid=True)
+                return
             if stop == bend:  # inputs are linear between records
                 self.record()
             ticked = self.act()

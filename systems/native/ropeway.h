@@ -53,6 +53,8 @@ typedef struct {
     int place;                         /* place of the carriage at the held point */
     double slope[RW_NU + 1], slope_from; /* rates of inputs within the next step of Co-Simulation, from a time on */
     rw_ahead ahead;
+    int stopping;                      /* emergency stop: the commanded speeds are ramped down to zero */
+    double stop_time, stop_speed[RW_NE + 1];
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
@@ -117,7 +119,8 @@ rw_status rw_lengths(rw_instance *m);
 void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
-void rw_input_rates(double t, double factor, double *du);
+void rw_input_rates(const rw_instance *m, double t, double factor, double *du);
+double rw_stop_end(const rw_instance *m, int i);
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_sample(rw_instance *m, int clock);

@@ -1,6 +1,6 @@
 /* An instance: creation, variables, initialisation, saved states. Value references are consecutive: time, states, rates,
  * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
- * (integer), switches (Boolean inputs). */
+ * (integer), switches and the emergency stop (Boolean inputs). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,8 @@ enum {
     LIMIT = EI + RW_NK + RW_NL + RW_NB,
     PASSED = LIMIT + RW_NL,
     SWITCH = PASSED + RW_NK,
-    END = SWITCH + RW_NSW
+    STOP = SWITCH + RW_NSW,
+    END = STOP + (RW_NE > 0)
 };
 
 enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
@@ -245,7 +246,11 @@ void rw_inputs_reach(rw_instance *m, const double *end, double size)
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
-    if (vr >= SWITCH && vr < END && rw_switch_shown[vr - SWITCH]) {
+    if (vr >= STOP && vr < END) {
+        *value = m->s.stopping;
+        return RW_OK;
+    }
+    if (vr >= SWITCH && vr < STOP && rw_switch_shown[vr - SWITCH]) {
         *value = m->s.on[vr - SWITCH];
         return RW_OK;
     }
@@ -255,11 +260,33 @@ rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
     return status;
 }
 
+/* Begins an emergency stop: all commanded speeds go to zero from their present values, responses end. Or ends it: the
+ * inputs count again. */
+static void emergency_stop(rw_instance *m, int on)
+{
+    if (on) rw_inputs_at(m, m->s.now.t, m->us);
+    for (int i = 0; on && i < RW_NE; i++) {
+        int correction = rw_stop_correction[i];
+        m->s.stop_speed[i] = m->us[rw_stop_input[i]] + (correction < 0 ? 0.0 : m->s.d[correction]);
+        if (correction >= 0) m->s.d[correction] = 0.0;
+    }
+    if (!on) rw_start_clocks(m);
+    m->s.stop_time = m->s.now.t;
+    m->s.stopping = on;
+    m->s.solved = m->s.rated = m->s.shown = 0;
+}
+
 /* Sets a switch; the line continues from its present state. */
 rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value)
 {
     if (vr >= LIMIT && vr < PASSED) return not_now(m, vr);
-    if (vr < SWITCH || vr >= END || !rw_switch_shown[vr - SWITCH]) return unknown(m, vr);
+    if (vr >= STOP && vr < END) {
+        if (m->s.stopping == (value != 0)) return RW_OK;
+        if (m->s.mode <= RW_INITIALIZATION || m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
+        emergency_stop(m, value != 0);
+        return RW_OK;
+    }
+    if (vr < SWITCH || vr >= STOP || !rw_switch_shown[vr - SWITCH]) return unknown(m, vr);
     if (m->s.on[vr - SWITCH] == (value != 0)) return RW_OK;
     if (m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
     m->s.on[vr - SWITCH] = value != 0;
@@ -296,7 +323,7 @@ rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
     else if (access == PARAMETER) *(vr < MASS ? &m->dp[vr - P] : &m->dm[vr - MASS]) = seed;
     else if (vr == 0) {
         m->dt = seed;
-        rw_input_rates(m->s.now.t, seed, m->du);
+        rw_input_rates(m, m->s.now.t, seed, m->du);
     } else {
         rw_message(m, RW_ERROR, "logStatusError", "The variable %s (value reference %u) is not an input, a state or a parameter", name_of(vr), vr);
         return RW_ERROR;

@@ -172,7 +172,7 @@ static rw_status tick(rw_instance *m)
     int any = 0;
     memset(m->changes, 0, sizeof m->changes);
     for (int i = 0; i < RW_NC; i++) {
-        if (next_tick(m, i) > m->s.now.t + 1e-9) continue;
+        if (m->s.stopping || next_tick(m, i) > m->s.now.t + 1e-9) continue;
         rw_status status = rw_solve(m);
         if (status != RW_OK) return status;
         m->s.ticks[i]++;
@@ -201,7 +201,7 @@ static rw_status tick(rw_instance *m)
 static int tick_due(const rw_instance *m)
 {
     for (int i = 0; i < RW_NC; i++)
-        if (next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
+        if (!m->s.stopping && next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
     return 0;
 }
 
@@ -298,7 +298,9 @@ double rw_next_time_event(const rw_instance *m)
     double next = INFINITY;
     for (int i = 0; i < rw_schedule_first[RW_NS]; i++)
         if (rw_schedule_time[i] > m->s.now.t + LEAST_STEP && rw_schedule_time[i] < next) next = rw_schedule_time[i];
-    for (int i = 0; i < RW_NC; i++) next = fmin(next, next_tick(m, i));
+    for (int i = 0; !m->s.stopping && i < RW_NC; i++) next = fmin(next, next_tick(m, i));
+    for (int i = 0; m->s.stopping && i < RW_NE; i++)
+        if (rw_stop_end(m, i) > m->s.now.t + LEAST_STEP) next = fmin(next, rw_stop_end(m, i));
     return next;
 }
 
