@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropeway.components.external_events import ExternalEvents, ExternalPoint
+from ropeway.components.external_events import ExternalPoint
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.recorder import Checkpoint, Recorder
 from ropeway.systems.modelling.system import System
