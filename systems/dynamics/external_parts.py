@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from ropeway.components.external_events import ExternalEvents, ExternalPoint
+from ropeway.components.external_events import ExternalPoint
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.recorder import Checkpoint, Recorder
 from ropeway.systems.modelling.system import System
 from ropeway.systems.results.run_data import Event
 from ropeway.systems.statics.line_state import LineState
 
-_LONGEST_STEP = 1.0
-"""Longest time between two checks of the event indicators [s]."""
+_FIRST_STEP, _LONGEST_STEP, _GROWTH = 0.05, 1.0, 1.5
+"""Time between two checks of the event indicators after an event, at most [s], and the factor by which it grows."""
 _RESOLUTION = 1e-9
 """Resolution of the time of an event [s]."""
 _TRIALS = 60
@@ -28,6 +28,7 @@ class ExternalParts:
         found = ((name, component.external_events) for name, component in system.components.items())
         self._parts = {name: events for name, events in found if events is not None}
         self.ended = False
+        self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
             stepper.line.tiny = _RESOLUTION
 
@@ -39,12 +40,14 @@ class ExternalParts:
             return
         state = self._stepper.state
         while state.point.t < stop and not self.ended:
-            goal = min(stop, state.point.t + _LONGEST_STEP, max(self._next_time(), state.point.t))
+            goal = min(stop, state.point.t + self._step, max(self._next_time(), state.point.t))
             if goal > state.point.t:
                 before, mark, margin = state.copy(), self._recorder.checkpoint(), self._margin()
                 self._stepper.run_to(goal)
+                self._step = min(_GROWTH * self._step, _LONGEST_STEP)
                 if self._margin() <= 0.0 < margin:
                     self._locate(before, mark, margin)
+                    self._step = _FIRST_STEP
             self._handle()
             state = self._stepper.state
 

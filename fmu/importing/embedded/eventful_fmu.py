@@ -145,7 +145,7 @@ class FmuEvents(ExternalEvents):
         return found._replace(states=self._x[:, 0] * found.states + self._x[:, 1])
 
 
-class _Called(ca.Callback):
+class _Called(ca.Callback):  # type: ignore[misc]  # CasADi has no types
     """(t, x, u, p, mode) -> (ode, y), in the units of the FMU; it has no parameters p."""
 
     def __init__(self, name: str, opened: EventfulFmu, nominals: Sequence[np.ndarray]) -> None:
@@ -184,7 +184,7 @@ class _Called(ca.Callback):
         return made
 
 
-class _Jacobian(ca.Callback):
+class _Jacobian(ca.Callback):  # type: ignore[misc]
     """Derivatives of the rates and outputs by states and inputs, by central differences."""
 
     def __init__(self, name: str, of: _Called, sizes: tuple[tuple[int, ...], tuple[int, ...]]) -> None:
