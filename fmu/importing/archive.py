@@ -39,6 +39,11 @@ class ArchiveLimits:
     ------
     InputError
         A limit that is not positive.
+
+    Examples
+    --------
+    >>> rw.fmu.load("span.fmu", limits=rw.fmu.ArchiveLimits(unpacked=50e6)).fmi
+    '2.0'
     """
 
     unpacked: float = 2e9
