@@ -45,6 +45,11 @@ class RopeEnd(Port):
         The component.
     name : str
         Identifier of the port.
+
+    Examples
+    --------
+    >>> rw.Span("a_b", rope=rope, length=90.0).a.name
+    'a'
     """
 
 
@@ -89,6 +94,11 @@ class Seat(Port):
     offset : str, optional
         Prefix of the variables with the point where the rope leaves the node: `OFFSET_x` and `OFFSET_z` from the
         position of the node [m]; `OFFSET_rope` adds to the travel there [m].
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).seats[0].travel
+    'travel'
     """
 
     travel: str | None = None
@@ -133,6 +143,11 @@ class Component(ABC):
     ----------
     name : str
         Identifier; dotted names of results begin with it.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).output("wrap").name
+    'wrap'
     """
 
     external: ClassVar[bool] = False

@@ -67,6 +67,13 @@ class CoSimulation:
     ------
     InputError
         A step or tolerance that is not positive, or no iterations.
+
+    Examples
+    --------
+    >>> master = rw.fmu.CoSimulation(step=1.0)
+    >>> part = master.add("span", "span.fmu")
+    >>> master.run(5.0).columns.tolist()
+    ['span.a.tension', 'span.b.tension']
     """
 
     def __init__(

@@ -116,7 +116,8 @@ def export(
 
     Examples
     --------
-    >>> rw.fmu.export(line, "line.fmu", fmi="3.0", platforms=("x86_64-linux", "x86_64-windows"))
+    >>> rw.fmu.export(span, "span.fmu", outputs=["a.tension", "b.tension"]).name
+    'span.fmu'
     """
     check.positive(tolerance, "export", "tolerance")
     if emergency_stop is not None:

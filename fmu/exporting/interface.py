@@ -59,8 +59,8 @@ class Interface:
     """The variables of an FMU.
 
     `inputs`, `outputs`, `parameters`: their names; None: all inputs without a Schedule; all outputs, states, travels
-    and coordinates; all parameters and load masses. Switches (`c1.brake`, `c1.pressure_lost`) can be inputs: Booleans.
-    `stops`: an emergency stop is an input too.
+    and coordinates; all parameters and load masses. `stops`: an emergency stop is an input too. Switches (`c1.brake`,
+    `c1.pressure_lost`) can be inputs: Booleans.
     Raises InputError, UnknownNameError.
     """
 

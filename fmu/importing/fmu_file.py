@@ -58,6 +58,12 @@ class Fmu(FmuInterface):
         Whether its slaves run in processes of their own.
     timeout : float, optional
         Longest time of one call of an isolated slave [s].
+
+    Examples
+    --------
+    >>> fmu = rw.fmu.load("span.fmu")
+    >>> fmu.names("output")
+    ['a.tension', 'b.tension']
     """
 
     variables: pd.DataFrame = field(default_factory=pd.DataFrame)
@@ -139,7 +145,8 @@ def load(
 
     Examples
     --------
-    >>> rw.fmu.load("line.fmu").variables
+    >>> rw.fmu.load("span.fmu").variables["unit"]["a.tension"]
+    'N'
     """
     if timeout is not None:
         check.positive(timeout, "load", "timeout", "s")

@@ -248,6 +248,12 @@ class Slave(OpenFmu):
     ------
     FmuImportError
         The FMU cannot be used on this platform, or in this way.
+
+    Examples
+    --------
+    >>> slave = rw.fmu.Slave(rw.fmu.load("span.fmu"))
+    >>> slave.name
+    'slave'
     """
 
     __init__ = OpenFmu.__init__

@@ -273,6 +273,12 @@ class Model:
         Positions in the discrete vector that do not follow from the loads.
     free_states : tuple of str, default ()
         States that `equilibrium` solves for.
+
+    Examples
+    --------
+    >>> model = rw.assemble(line)
+    >>> len(model.z.names), model.x.names[:2]
+    (19, ('c1.travel', 'c2.travel'))
     """
 
     system: System

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm
 
 import ropeway as rw
 from support.call_objects import (
@@ -18,6 +19,7 @@ from support.call_objects import (
     corridor,
     exported,
     exported_line,
+    fitted,
     fmu,
     folder,
     grounded,
@@ -30,6 +32,7 @@ from support.call_objects import (
     run,
     shod_rig,
     speeds,
+    watch,
 )
 
 
@@ -94,12 +97,17 @@ def methods() -> dict[str, Callable[[], Call]]:
             rw.Disturbance("late", sheave="c", delay=1.0).schedules, {"planned": {"c": schedule}}
         ),
         "Disturbance.start": lambda: Call(rw.Disturbance("heavy", mass=1.1).start, {"planned": rest()}),
+        "Environment.is_calm": lambda: Call(rw.Environment("calm").is_calm, {"strung": 15.0}),
         "Equilibrium.__getitem__": lambda: Call(rest().__getitem__, {"name": "c.tension_in"}),
         "Equilibrium.points": lambda: Call(rest().points, {"r": 0}),
         "Equilibrium.profile": lambda: Call(rest().profile, {"span": "a_c", "stations": [0.0, 20.0]}),
         "GuyedSpar.block": lambda: Call(guyed().block, {"rope": "mainline"}),
         "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
         "Equilibrium.heights_over_ground": lambda: Call(grounded().heights_over_ground, {"points": 21}),
+        "Fit.intervals": lambda: Call(fitted().intervals, {"confidence": 0.9}),
+        "Fit.report": lambda: Call(fitted().report, {"path": folder() / "fit.html"}),
+        "Monitor.follow": lambda: Call(watch().follow, {"rows": [{"t": 0.0, "A": 22e3}]}),
+        "Monitor.update": lambda: Call(watch().update, {"row": {"t": 0.0, "A": 22e3}}),
         "MapFrame.straight": lambda: Call(
             rw.MapFrame.straight,
             {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},
@@ -198,6 +206,13 @@ def methods() -> dict[str, Callable[[], Call]]:
                 "rope": ROPE, "one": rw.Anchor("a", at=(0.0, 0.0)), "other": rw.Anchor("b", at=(60.0, 3.0)),
                 "length": 62.0, "tension": None, "name": "main",
             },
+        ),
+        "Uncertain.cases": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).cases, {"samples": 4, "method": "sobol", "seed": 3}
+        ),
+        "Uncertain.normal": lambda: Call(rw.Uncertain.normal, {"means": {"a": 3.0}, "covariance": [[2.0]]}),
+        "Uncertain.values": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).values, {"scores": np.array([[0.5], [1.0]])}
         ),
         "Turn.under": lambda: Call(
             rw.Turn(log(), dropline=THIN, length=6.0).under,

@@ -47,6 +47,12 @@ class FmuComponent(Component):
         Factor and offset of each variable to SI units.
     events : FmuEvents, optional
         Its events; `function` then has its mode as a further argument.
+
+    Examples
+    --------
+    >>> unit = rw.fmu.component("unit", "span.fmu", ignore_events=True)
+    >>> unit.name
+    'unit'
     """
 
     external: ClassVar[bool] = True
@@ -139,8 +145,8 @@ def component(
 
     Examples
     --------
-    >>> unit = system.add(rw.fmu.component("unit", "power_unit.fmu"))
-    >>> system.connect(unit.output("flow"), sheave.input("pump_flow"))
+    >>> rw.fmu.component("other", "span.fmu", ignore_events=True).output("a.tension").name
+    'a.tension'
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
