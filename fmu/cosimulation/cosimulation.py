@@ -263,7 +263,7 @@ class CoSimulation:
         --------
         >>> master = rw.fmu.CoSimulation(step=1.0)
         >>> part = master.add("span", "span.fmu")
-        >>> master.to_ssp("yard.ssp", until=60.0).name
+        >>> master.to_ssp("yard.ssp", until=5.0).name
         'yard.ssp'
         """
         target = Path(path)
@@ -328,7 +328,7 @@ class CoSimulation:
         --------
         >>> master = rw.fmu.CoSimulation(step=1.0)
         >>> part = master.add("span", "span.fmu")
-        >>> path = master.to_ssp("span.ssp")
+        >>> path = master.to_ssp("span.ssp", until=5.0)
         >>> rw.fmu.CoSimulation.from_ssp(path).run(5.0).columns.tolist()
         ['span.a.tension', 'span.b.tension']
         """
