@@ -307,7 +307,7 @@ def test_packages_that_mean_harm(pack: Pack) -> None:
     with pytest.raises(FmuImportError, match=r"SystemStructure\.ssd contains itself"):
         CoSimulation.from_ssp(pack(description(f"<ssd:Elements>{inside}</ssd:Elements>")), step=0.1)
     wrong = two_masses("2.0").replace('stopTime="3.0"', 'stopTime="soon"')
-    with pytest.raises(FmuImportError, match="has a value that cannot be read: .*soon"):
+    with pytest.raises(FmuImportError, match=r"has a value that cannot be read: .*soon"):
         CoSimulation.from_ssp(pack(wrong), step=0.1)
 
 
@@ -324,7 +324,7 @@ def test_a_description_within_another(pack: Pack, mass: Path) -> None:
     outer = '<ssd:Component name="pair" type="application/x-ssp-definition" source="resources/inner.ssd"/>'
     path = pack(description(f"<ssd:Elements>{outer}</ssd:Elements>"), inner__ssd=inner)
     frame = CoSimulation.from_ssp(path, step=0.05).run(1.0)
-    assert list(frame)[0] == "pair_one.x"
+    assert frame.columns[0] == "pair_one.x"
     assert as_coupled_here(frame, mass)
 
 
