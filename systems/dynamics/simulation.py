@@ -13,6 +13,7 @@ from ropeway.components.environment import Environment
 from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.external_parts import ExternalParts
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
@@ -184,6 +185,7 @@ class _Simulation:
         self.recorder = Recorder()
         self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
+        self.external = ExternalParts(state.model.system, self.stepper, self.recorder)
         self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
@@ -235,7 +237,10 @@ class _Simulation:
                         return
                     continue
             stop = min(grid, quiet)
-            self.stepper.run_to(stop)
+            self.external.run_to(stop)
+            if self.external.ended:
+                self.record(on_grid=True)
+                return
             if stop == bend:  # inputs are linear between records
                 self.record()
             ticked = self.act()
