@@ -9,36 +9,37 @@ import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.carriage import Carriage
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
+from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
-from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
-from ropeway.components.span import Span
-from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
-from ropeway.systems.dynamics.inertia.inertial_system import with_inertia
 from ropeway.systems.dynamics.inertia.support_zones import lose
-from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
+from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
+from ropeway.systems.dynamics.run_inputs import (
+    check_interventions,
+    is_speed,
+    require_compiled,
+    signals_of,
+    start_of,
+    started,
+)
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
-from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
 _TOGETHER = 100
 """Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
@@ -123,17 +124,17 @@ def simulate(
     model = in_weather(system, environment)
     if model.inertia is not None:
         raise InputError(f"{model.name!r} is a model with inertia", "Give the system and inertia=")
-    signals = _signals(model, inputs or {}, until)
+    signals = signals_of(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
-    _check_interventions(model, interventions, inertia)
+    check_interventions(model, interventions, inertia)
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
-        _require_compiled(model)
-    rest = equilibrium(model, compiled=compiled) if start is None else _start(start, model, inertia)
+        require_compiled(model)
+    rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
@@ -150,92 +151,6 @@ def simulate(
     result = run.result()
     result.require_certified()
     return result
-
-
-def _require_compiled(model: Model) -> None:
-    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if model.weather:
-        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
-    compiled_line(model)
-
-
-def _start(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equilibrium:
-    """Where a run starts, from an equilibrium or a state of another run. Raises InputError."""
-    if start.model.inertia is None:
-        return start if declared_alike(start, model.system) else carried_over(start, model)
-    if start.model.inertia != inertia:
-        raise InputError(f"start is of a run with {start.model.inertia}", "Give the same inertia=")
-    if not declared_alike(start, with_inertia(model.system, inertia)):
-        raise InputError(f"start is of another system than {model.name!r}", "Continue a run with inertia as it is")
-    return start
-
-
-def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
-    """The signal of each input of the model. Raises InputError, UnknownNameError."""
-    for name in inputs:
-        if name not in model.u.index:
-            raise UnknownNameError(f"{name!r} is not an input of {model.name!r}", nearest(name, model.u.names))
-    signals: list[Signal] = []
-    for name, own, within in zip(model.u.names, model.signals, model.u.ranges, strict=True):
-        signal = inputs.get(name, own)
-        if signal is None:
-            raise InputError(f"Input {name!r} is open", f"Give it: simulate(..., inputs={{{name!r}: 1.0}})")
-        if isinstance(signal, Schedule) and signal.times[-1] < until:
-            raise InputError(
-                f"The schedule of {name!r} ends at {signal.times[-1]:g} s, the run at {until:g} s",
-                "Make the schedule longer or the run shorter",
-            )
-        for value in signal.speeds if isinstance(signal, Schedule) else (signal,):
-            check.number(value, f"Input {name!r}", "value", within=within)
-        signals.append(signal)
-    return tuple(signals)
-
-
-def _is_speed(system: System, component: str, quantity: str) -> bool:
-    """Whether an input is the commanded speed of a drive."""
-    return quantity == "speed" and isinstance(system.components[component], Node)
-
-
-def _check_interventions(model: Model, interventions: Sequence[Intervention], inertia: Inertia | None) -> None:
-    """Raises InputError, UnknownNameError for an intervention that the system does not allow."""
-    for intervention in interventions:
-        if intervention.inertial:
-            _check_inertial(model, intervention, inertia)
-    interventions = [i for i in interventions if not i.inertial]
-    driven = [target for target in model.system.links if _is_speed(model.system, *target)]
-    for intervention in interventions:
-        if intervention.action == "emergency stop" and driven:
-            raise InputError(
-                f"An emergency stop cannot ramp down {'.'.join(driven[0])!r}, which another component drives",
-                "Brake that sheave",
-            )
-        if intervention.component is not None and intervention.entry[0] not in model.d.index:
-            known = [
-                component_of(n)
-                for n in model.d.names
-                if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]
-            ]
-            raise UnknownNameError(
-                f"{intervention.action!r} does not apply to {intervention.component!r}",
-                f"It applies to {', '.join(known) or 'nothing in this system'}",
-            )
-
-
-def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia | None) -> None:
-    """Raises InputError, UnknownNameError for an intervention that takes mass off the line."""
-    action, name = intervention.action, str(intervention.component)
-    if inertia is None:
-        raise InputError(f"{action!r} needs inertia", "Give simulate(..., inertia=rw.Inertia())")
-    if action == LOAD_LOST:
-        known = [load for run in model.runs for load in run.loads.names]
-    else:
-        kind = Carriage if action == "payload dropped" else Span
-        known = [n for n, c in model.system.components.items() if isinstance(c, kind)]
-    if name not in known:
-        raise UnknownNameError(
-            f"{action!r} does not apply to {name!r}",
-            f"It applies to {', '.join(known[:12]) or 'nothing in this system'}",
-        )
 
 
 @dataclass(frozen=True)
@@ -261,7 +176,7 @@ class _Simulation:
         if settings.inertia is not None:
             known = dict(zip(settings.inputs, signals, strict=True))
             if state.model.inertia is None:
-                state = _inertial(state, signals, settings.inertia)
+                state = started(state, signals, settings.inertia)
             # Rates of inputs follow from these: their own signals are not read.
             signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
         self.recorder = Recorder()
@@ -403,7 +318,7 @@ class _Simulation:
         model, t = self.state.model, self.line.time
         signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
-            if not _is_speed(model.system, *name.rpartition(".")[::2]):
+            if not is_speed(model.system, *name.rpartition(".")[::2]):
                 continue
             entry = model.d.index.get(f"{component_of(name)}.correction")
             if entry is not None:
@@ -426,14 +341,6 @@ class _Simulation:
             return False
         self.record()
         return True
-
-
-def _inertial(state: LineState, signals: Sequence[Signal], inertia: Inertia) -> LineState:
-    """A line with inertia that starts as the quasi-static line moves."""
-    line = LineStepper(state, signals, 1e-6)
-    line.set_time(0.0)
-    motion = line.solve(float(min(line.breaks[line.breaks > 0.0], default=1.0)))
-    return inertial_state(line.state, inertia, (motion.x, motion.z))
 
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:

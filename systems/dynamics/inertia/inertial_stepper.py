@@ -69,12 +69,13 @@ class InertialStepper:
         begin = line.state.copy()
         try:
             points, motion = line.integrate_along(stops[count - 1] - line.time, count, self._motion, stops[count - 1])
-            if any(e.gap < -_OVERRUN for e in self._coming(motion)):
-                raise SimulationError("A load comes near a support", "Take a shorter stretch", line.time)
-            self.state.require_rope("End the run before, or turn the drive")
+            line.state.require_rope("End the run before, or turn the drive")
+            late = any(e.gap < -_OVERRUN for e in self._coming(motion))
         except FinalError:
             raise
-        except (EquilibriumError, SimulationError):  # it is tried again from stop to stop
+        except (EquilibriumError, SimulationError):
+            late = True
+        if late:  # it is tried again from stop to stop
             line.state = begin
             return 0
         for point in points:
