@@ -47,6 +47,11 @@ class RopeEnd(Port):
         The component.
     name : str
         Identifier of the port.
+
+    Examples
+    --------
+    >>> rw.Span("a_b", rope=rope, length=90.0).a.name
+    'a'
     """
 
 
@@ -95,6 +100,11 @@ class Seat(Port):
     speed, acceleration : str, optional
         Variables of the node with the rate of the rope's travel [m/s] and the rate of that [m/s2]; None where they are
         zero or unknown.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).seats[0].travel
+    'travel'
     """
 
     travel: str | None = None
@@ -150,6 +160,11 @@ class Component(ABC):
     ----------
     name : str
         Identifier; dotted names of results begin with it.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).output("wrap").name
+    'wrap'
     """
 
     external: ClassVar[bool] = False
