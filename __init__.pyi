@@ -18,7 +18,9 @@ from .components.environment import Environment as Environment
 from .components.errors import (
     CompiledError as CompiledError,
     CompilerError as CompilerError,
+    DesignPointError as DesignPointError,
     EquilibriumError as EquilibriumError,
+    FitError as FitError,
     InfeasibleScheduleError as InfeasibleScheduleError,
     InputError as InputError,
     Interrupted as Interrupted,
@@ -99,6 +101,10 @@ from .systems.studies.control.scheduling.limits import ScheduleLimits as Schedul
 from .systems.studies.control.scheduling.robustness import Disturbance as Disturbance
 from .systems.studies.control.scheduling.schedule_plan import SchedulePlan as SchedulePlan
 from .systems.studies.control.tune_response import TunedResponse as TunedResponse, tune_response as tune_response
+from .systems.studies.fitting.fit import fit as fit
+from .systems.studies.fitting.fit_result import Fit as Fit
+from .systems.studies.fitting.information import Combination as Combination
+from .systems.studies.fitting.monitor import Estimate as Estimate, Monitor as Monitor, monitor as monitor
 from .systems.studies.handbook.cable_stretch import (
     UnstretchedLength as UnstretchedLength,
     fit_construction_stretch as fit_construction_stretch,
@@ -125,6 +131,7 @@ from .systems.studies.handbook.payload_methods import (
     payload_for_tension as payload_for_tension,
     tension_for_payload as tension_for_payload,
 )
+from .systems.studies.handbook.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
 from .systems.studies.inertia.emergency_stop import (
     EmergencyStops as EmergencyStops,
@@ -149,5 +156,10 @@ from .systems.studies.skyline.support_layout import (
 )
 from .systems.studies.sweeps.cases import latin_hypercube as latin_hypercube
 from .systems.studies.sweeps.sweep import sweep as sweep
+from .systems.studies.uncertainty.assured_payload import assured_payload as assured_payload
+from .systems.studies.uncertainty.exceedance import exceedance as exceedance
+from .systems.studies.uncertainty.reliability import Reliability as Reliability, reliability as reliability
+from .systems.studies.uncertainty.sobol_indices import sobol_indices as sobol_indices
+from .systems.studies.uncertainty.uncertain import Uncertain as Uncertain
 
 __version__: str

@@ -2,7 +2,7 @@
 
 Mass [kg]: POUND, SHORT_TON, TONNE; length [m]: INCH, FOOT, MILE; force [N]: POUND_FORCE, KIP, KILOGRAM_FORCE,
 TONNE_FORCE; mass per length [kg/m]: POUND_PER_FOOT; speed [m/s]: FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR;
-pressure [Pa]: PSI; power [W]: HORSEPOWER.
+pressure [Pa]: PSI; power [W]: HORSEPOWER; angle [rad]: DEGREE, GON.
 """
 
 from ropeway.components.units import factor
@@ -14,3 +14,4 @@ POUND_FORCE, KIP, KILOGRAM_FORCE, TONNE_FORCE = (factor(unit, "N") for unit in (
 POUND_PER_FOOT = POUND / FOOT
 FOOT_PER_MINUTE, MILE_PER_HOUR, KILOMETRE_PER_HOUR = (factor(unit, "m/s") for unit in ("fpm", "mph", "kmh"))
 PSI, HORSEPOWER = factor("psi", "Pa"), factor("hp", "W")
+DEGREE, GON = factor("deg", "rad"), factor("gon", "rad")

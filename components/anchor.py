@@ -35,6 +35,11 @@ class Anchor(Node):
     ------
     InputError
         An invalid name or position.
+
+    Examples
+    --------
+    >>> rw.Anchor("valley", at=(0.0, 12.0)).at
+    (0.0, 0.0, 12.0)
     """
 
     role: ClassVar[str] = "anchor"
@@ -90,6 +95,14 @@ class SpringAnchor(Node):
     ------
     InputError
         An invalid name or position, or a stiffness that is not positive.
+
+    Examples
+    --------
+    >>> s = rw.System("soft ground")
+    >>> stump = rw.SpringAnchor("stump", at=(0.0, 0.0), stiffness=2e6)
+    >>> spans = s.string(rope, stump, rw.Anchor("b", at=(100.0, 5.0)), length=100.2)
+    >>> print(f"{rw.equilibrium(s)['stump.x']:.4f} m")
+    0.0094 m
     """
 
     stiffness: float

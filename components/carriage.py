@@ -73,6 +73,11 @@ class Carriage(Node):
     ------
     InputError
         A negative mass, payload, depth or area, or a clamped carriage with a holding force.
+
+    Examples
+    --------
+    >>> rw.Carriage("carriage", mass=450.0, clamped=True).clamped
+    True
     """
 
     hangs: ClassVar[bool] = True

@@ -59,6 +59,12 @@ class CarriageOnShoe(Carriage):
     ------
     InputError
         The support has no radius, or friction; or invalid values of a `Carriage`.
+
+    Examples
+    --------
+    >>> jack = rw.IntermediateSupport("jack", at=(120.0, -2.0), radius=1.5)
+    >>> rw.CarriageOnShoe("carriage", mass=450.0, support=jack).support.radius
+    1.5
     """
 
     hangs: ClassVar[bool] = False

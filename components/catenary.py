@@ -112,9 +112,9 @@ def segment(force: Vector, weight: Weight, length: Any, strain: Strain) -> Segme
     if isinstance(weight, Uniform):
         level, v0 = weight.along(force)
         h2 = level[0] * level[0] + level[1] * level[1] + level[2] * level[2] + _VERTICAL
-        across, rise, v1 = _piece(h2, v0, weight.size, length, strain)
+        across, rise, _ = _piece(h2, v0, weight.size, length, strain)
         reach = weight.added((level[0] * across, level[1] * across, level[2] * across), rise)
-        return Segment(reach, weight.added(force, v1 - v0))
+        return Segment(reach, end_of(force, weight, length))
     fx, fy, v0 = force
     across, rise, v1 = _piece(fx * fx + fy * fy + _VERTICAL, v0, weight, length, strain)
     return Segment((fx * across, fy * across, rise), (fx, fy, v1))

@@ -47,6 +47,11 @@ class RopeEnd(Port):
         The component.
     name : str
         Identifier of the port.
+
+    Examples
+    --------
+    >>> rw.Span("a_b", rope=rope, length=90.0).a.name
+    'a'
     """
 
 
@@ -98,6 +103,11 @@ class Seat(Port):
     rates : str, default ""
         Prefix of the variables `velocity_x` ... `acceleration_z` with which the end of the rope moves there; by default
         those of the node.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).seats[0].travel
+    'travel'
     """
 
     travel: str | None = None
@@ -154,6 +164,11 @@ class Component(ABC):
     ----------
     name : str
         Identifier; dotted names of results begin with it.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0)).output("wrap").name
+    'wrap'
     """
 
     external: ClassVar[bool] = False

@@ -69,6 +69,12 @@ class ControlSheave(Wheel):
     ------
     InputError
         An invalid name, position, speed, friction or number of turns.
+
+    Examples
+    --------
+    >>> drive = rw.IdealDrive()
+    >>> rw.ControlSheave("c1", at=(180.0, 14.0), speed=1.0, drive=drive, grip_friction=0.25).grip_friction
+    0.25
     """
 
     role: ClassVar[str] = "control sheave"

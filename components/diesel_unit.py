@@ -69,6 +69,13 @@ class DieselHydraulicUnit(Component):
     ------
     InputError
         A value out of its range, or a charge pressure above the relief pressure.
+
+    Examples
+    --------
+    >>> rw.DieselHydraulicUnit(
+    ...     "unit", rated_power=90e3, rated_speed=230.0, inertia=4.0, displacement=1e-4, relief_pressure=30e6
+    ... ).rated_power
+    90000.0
     """
 
     rated_power: float

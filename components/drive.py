@@ -38,6 +38,11 @@ class DriveMotion(NamedTuple):
         Time derivatives of the drive's states.
     outputs : mapping of str, optional
         Outputs of the drive.
+
+    Examples
+    --------
+    >>> rw.DriveMotion(speed=1.0, force=2e3, outputs={"power": 2e3}).outputs["power"]
+    2000.0
     """
 
     speed: Any
@@ -53,6 +58,11 @@ class Drive(ABC):
     Its equations read `v`: its own variables; `tension_in`, `tension_out` and `bearing_load` of the sheave [N], the
     input `speed` [m/s], the `correction` of the response [m/s], `brake` (1: applied); and, with a power unit, the
     shares `flow_share` and `power_share`.
+
+    Examples
+    --------
+    >>> issubclass(rw.HydraulicDrive, rw.Drive)
+    True
     """
 
     rope_speed: ClassVar[str] = "speed"
@@ -136,7 +146,13 @@ class Drive(ABC):
 @checked
 @dataclass(frozen=True, slots=True)
 class IdealDrive(Drive):
-    """Turns its sheave at the commanded speed, whatever the force."""
+    """Turns its sheave at the commanded speed, whatever the force.
+
+    Examples
+    --------
+    >>> rw.ControlSheave("c1", at=(180.0, 14.0)).drive
+    IdealDrive()
+    """
 
     def motion(self, v: Any) -> DriveMotion:
         return DriveMotion((v.speed + v.correction) * (1 - v.brake), v.tension_in - v.tension_out)
@@ -187,6 +203,15 @@ class HydraulicDrive(Drive):
     ------
     InputError
         A value out of its range, or neither brake_force nor relief_pressure.
+
+    Examples
+    --------
+    >>> drive = rw.HydraulicDrive(
+    ...     displacement=1e-4, gear_ratio=10.0, sheave_radius=0.5, relief_pressure=30e6, pump_flow=5e-3,
+    ...     engine_power=60e3, inertia=2000.0,
+    ... )
+    >>> print(f"{drive.relief_force / 1e3:.1f} kN, {drive.top_speed:.1f} m/s")
+    55.2 kN, 2.4 m/s
     """
 
     rope_speed: ClassVar[str] = "rope_speed"

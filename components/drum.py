@@ -47,6 +47,11 @@ class Drum(Node):
     ------
     InputError
         An invalid value, or both speed and tension.
+
+    Examples
+    --------
+    >>> rw.Drum("mainline", at=(0.0, 3.0), tension=20e3).tension
+    20000.0
     """
 
     role: ClassVar[str] = "drum"

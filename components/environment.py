@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -23,7 +23,8 @@ class Environment:
     """Temperature, ice and wind, the same at all places of a system.
 
     Temperature, wind pressure and direction may be a `Schedule` of their values over a simulation; at rest the first
-    one counts. Assumptions: `docs/weather.md`.
+    one counts. A calm environment at the temperature of stringing gives what a system without environment gives, bit
+    for bit. Assumptions: `docs/weather.md`.
 
     Parameters
     ----------
@@ -97,9 +98,35 @@ class Environment:
         return most > 0.0 or self.ice_thickness > 0.0
 
     @property
-    def varies(self) -> bool:
-        """Whether a value changes over time."""
-        return any(isinstance(getattr(self, f.name), Schedule) for f in fields(self))
+    def words(self) -> str:
+        """Its name and values, for reports."""
+
+        def value(quantity: Changing) -> str:
+            if isinstance(quantity, Schedule):
+                return f"{min(quantity.speeds):g} to {max(quantity.speeds):g}"
+            return f"{quantity:g}"
+
+        parts = [] if self.temperature is None else [f"{value(self.temperature)} °C"]
+        if self.ice_thickness > 0.0:
+            parts.append(f"{1e3 * self.ice_thickness:g} mm of ice of {self.ice_density:g} kg/m³")
+        if self.pressure != 0.0:
+            parts.append(f"wind of {value(self.pressure)} Pa from {value(self.wind_from)}°")
+        return f"{self.name}: {', '.join(parts)}" if parts else self.name
+
+    def is_calm(self, strung: float) -> bool:
+        """Whether there is neither wind nor ice, and ropes are as warm as when they were strung.
+
+        Parameters
+        ----------
+        strung : float
+            Temperature of stringing [degrees C].
+
+        Returns
+        -------
+        bool
+            False also where a value changes over time.
+        """
+        return self.temperature in (None, strung) and self.pressure == 0.0 and self.ice_thickness == 0.0
 
 
 CALM = Environment("calm")

@@ -83,7 +83,15 @@ class RopewayWarning(UserWarning):
 
 
 class InputError(RopewayError, ValueError):
-    """Invalid input. Raised before anything is solved."""
+    """Invalid input. Raised before anything is solved.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(100.0, 5.0), friction=-0.02)
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.InputError: Sheave 's1': friction is -0.02. Give a number of zero or more
+    """
 
 
 class CompilerError(RopewayError):
@@ -91,22 +99,60 @@ class CompilerError(RopewayError):
 
 
 class UnbalancedSystemError(InputError):
-    """Numbers of equations and unknowns differ: an open port, or an over-determined system."""
+    """Numbers of equations and unknowns differ: an open port, or an over-determined system.
+
+    Examples
+    --------
+    >>> rw.equilibrium(line, given={"c1.tension_in": 50e3})
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.UnbalancedSystemError: 1 values are given and 0 are solved for. Free one for
+    each one given
+    """
 
 
 class WriteError(RopewayError, OSError):
-    """A file could not be written (full disk, no permission). An earlier version of the file is unchanged."""
+    """A file could not be written (full disk, no permission). An earlier version of the file is unchanged.
+
+    Examples
+    --------
+    >>> rw.Schedule([0.0, 10.0], [0.5, 1.0]).to_csv("no folder/start.csv")
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.WriteError: no folder/start.csv cannot be written: No such file or
+    directory. Choose a folder with write permission and free space
+    """
 
 
 class UnknownNameError(InputError, KeyError):
-    """A name that the system does not have."""
+    """A name that the system does not have.
+
+    Examples
+    --------
+    >>> rw.equilibrium(line)["c1.tension_inn"]
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.UnknownNameError: 'c1.tension_inn' is not in system 'mono-cable line'. Did
+    you mean c1.tension_in, c1.tension_out, c1.differential_tension, c1.bearing_load, c1.support_force,
+    c1.wrap, c1.drive_force, c1.power, c1.grip_margin, c1.travel, c1.speed, c1.x?
+    """
 
     def __str__(self) -> str:  # KeyError shows the repr of its arguments
         return Exception.__str__(self)
 
 
 class SlackRopeError(RopewayError):
-    """The rope is too long, or its tension too low, to hang between its supports."""
+    """The rope is too long, or its tension too low, to hang between its supports.
+
+    Examples
+    --------
+    >>> s = rw.System("slack")
+    >>> s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0)), tension=1.0)
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.SlackRopeError: 1 N at 'a_b' is too low for the weight of the rope in that
+    span. Raise the tension or add a support
+    """
 
 
 class EquilibriumError(RopewayError):
@@ -159,6 +205,24 @@ class SimulationError(RopewayError):
 
     def __str__(self) -> str:
         return super().__str__() if self.time is None else f"At t = {self.time:.6g} s: {super().__str__()}"
+
+
+class DesignPointError(RopewayError):
+    """The search for the most probable failure did not converge, or the study fails on its way.
+
+    Examples
+    --------
+    >>> from scipy.stats import norm
+    >>> rw.reliability(lambda load: 5.0, rw.Uncertain({"load": norm(10.0, 2.0)}), above=6.0)
+    Traceback (most recent call last):
+        ...
+    ropeway.components.errors.DesignPointError: The result does not change with the inputs. Name inputs
+    that it depends on
+    """
+
+
+class FitError(RopewayError):
+    """A fit to measured values did not converge."""
 
 
 class WorkerError(RopewayError):

@@ -45,6 +45,11 @@ class Guyline:
     ------
     InputError
         An invalid value, or a pretension above the minimum breaking load.
+
+    Examples
+    --------
+    >>> rw.Guyline("g1", rope=rope, at=(-15.0, 10.0, 0.0), pretension=20e3, stiffness=5e6).stiffness
+    5000000.0
     """
 
     name: str
@@ -105,6 +110,14 @@ class GuyedSpar(HeadSpar):
     ------
     InputError
         No height, no position, fewer than two guylines, or an invalid value.
+
+    Examples
+    --------
+    >>> guys = [
+    ...     rw.Guyline(f"g{k}", rope=rope, at=(-15.0, y, 0.0), pretension=20e3) for k, y in enumerate((-15.0, 15.0))
+    ... ]
+    >>> rw.GuyedSpar("mast", height=12.0, foot=(0.0, 0.0), mass=800.0, guylines=guys).guylines[1].pretension
+    20000.0
     """
 
     foot: tuple[float, ...] = ()

@@ -61,6 +61,11 @@ class IntermediateSupport(Standing, Wheel):
     ------
     InputError
         An invalid value, or no position.
+
+    Examples
+    --------
+    >>> rw.IntermediateSupport("jack", station=150.0, height=9.0, radius=1.5).radius
+    1.5
     """
 
     friction: float = 0.0

@@ -41,6 +41,15 @@ class Joint(Node):
     ------
     InputError
         A negative mass, or fewer than two ends.
+
+    Examples
+    --------
+    >>> s = rw.System("bridle")
+    >>> knot = s.add(rw.Joint("knot", at=(50.0, -20.0), mass=800.0))
+    >>> for name, x in (("p", 0.0), ("q", 100.0)):
+    ...     spans = s.string(rope, rw.Anchor(name, at=(x, 0.0)), knot, length=55.0)
+    >>> print(f"{rw.equilibrium(s)['knot.z']:.2f} m")
+    -22.84 m
     """
 
     interchangeable: ClassVar[bool] = True

@@ -26,6 +26,11 @@ class Load:
     ------
     InputError
         A mass that is not positive, a negative area, or an invalid name.
+
+    Examples
+    --------
+    >>> rw.Load("turn", mass=400.0).mass
+    400.0
     """
 
     name: str

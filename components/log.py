@@ -70,6 +70,11 @@ class Log(Node):
     ------
     InputError
         A value out of its range.
+
+    Examples
+    --------
+    >>> rw.Log("log", mass=900.0, length=7.0, friction=0.5).length
+    7.0
     """
 
     hangs: ClassVar[bool] = True

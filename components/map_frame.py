@@ -44,7 +44,7 @@ class MapFrame:
 
     Examples
     --------
-    >>> frame = MapFrame.straight("EPSG:2056", (2600000.0, 1200000.0), (2600300.0, 1200400.0))
+    >>> frame = rw.MapFrame.straight("EPSG:2056", (2600000.0, 1200000.0), (2600300.0, 1200400.0))
     >>> round(frame.azimuth, 3)
     36.87
     """

@@ -27,6 +27,11 @@ class Node(Component):
         Position, (x, z) or (x, y, z) [m].
     label : str, optional
         Text in pictures and messages; by default the name.
+
+    Examples
+    --------
+    >>> rw.Anchor("a", at=(3.0, 5.0)).position
+    (3.0, 0.0, 5.0)
     """
 
     interchangeable: ClassVar[bool] = False

@@ -35,6 +35,11 @@ class HydraulicPowerUnit(Component):
     ------
     InputError
         A value that is not positive.
+
+    Examples
+    --------
+    >>> rw.HydraulicPowerUnit("unit", pump_flow=4e-3, engine_power=30e3).pump_flow
+    0.004
     """
 
     pump_flow: float

@@ -175,6 +175,11 @@ class ThresholdResponse(Response):
     ------
     InputError
         A value out of its range, or an initiation that exceeds the range.
+
+    Examples
+    --------
+    >>> rw.ThresholdResponse(low=44e3, high=66e3, increment=0.02, delay=1.0).hold
+    3.0
     """
 
     low: float
@@ -270,6 +275,11 @@ class ProportionalResponse(Response):
     ------
     InputError
         A value out of its range, or both target and difference.
+
+    Examples
+    --------
+    >>> rw.ProportionalResponse(gain=1e-5, limit=0.1).period
+    1.0
     """
 
     gain: float

@@ -59,6 +59,11 @@ class TensionedReturn(Wheel):
     ------
     InputError
         A force that is not positive, or an invalid direction.
+
+    Examples
+    --------
+    >>> rw.TensionedReturn("return", at=(400.0, 20.0), take_up=90e3).take_up
+    90000.0
     """
 
     direction: tuple[float, float, float] = (1.0, 0.0, 0.0)

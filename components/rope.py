@@ -32,7 +32,13 @@ class StretchLaw(Protocol):
 @checked
 @dataclass(frozen=True, slots=True)
 class Elastic:
-    """Elastic stretch eps = T/EA: a used rope, without construction stretch left."""
+    """Elastic stretch eps = T/EA: a used rope, without construction stretch left.
+
+    Examples
+    --------
+    >>> rw.Rope(3.48, 34.8e6, 576.6e3).stretch
+    Elastic()
+    """
 
     def strain(self, axial_stiffness: Unbounded, breaking_load: float) -> Strain:
         """Coefficients of the strain of a rope.
@@ -69,6 +75,11 @@ class ConstructionStretch:
     ------
     InputError
         A negative coefficient.
+
+    Examples
+    --------
+    >>> rw.Rope(3.48, 34.8e6, 576.6e3, stretch=rw.ConstructionStretch(0.0414)).stretch.coefficient
+    0.0414
     """
 
     coefficient: float = 0.0414
@@ -124,6 +135,12 @@ class Rope:
     ------
     InputError
         A value that no rope has, such as one in kg/km, MN, kN or mm.
+
+    Examples
+    --------
+    >>> rope = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+    >>> print(f"{rope.safe_working_load / 1e3:.1f} kN")
+    192.2 kN
     """
 
     mass_per_length: float

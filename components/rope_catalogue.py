@@ -166,9 +166,8 @@ def ropes(*own: table.Source) -> pd.DataFrame:
 
     Examples
     --------
-    >>> import ropeway as rw
-    >>> round(rw.ropes().loc["6x19 IWRC 22 1960", "breaking_load"] / 1e3, 1)
-    337.7
+    >>> print(f"{rw.ropes().loc['6x19 IWRC 22 1960', 'breaking_load'] / 1e3:.1f} kN")
+    337.7 kN
     """
     import pandas as pd
 
@@ -202,7 +201,8 @@ def carriages(*own: table.Source) -> pd.DataFrame:
 
     Examples
     --------
-    >>> rw.carriages()
+    >>> rw.carriages().columns.tolist()
+    ['mass', 'payload', 'source']
     """
     return _machines("carriages", own)
 
@@ -229,7 +229,8 @@ def yarders(*own: table.Source) -> pd.DataFrame:
 
     Examples
     --------
-    >>> rw.yarders()
+    >>> print(rw.yarders()["tower_height"].max(), "m")
+    13.716 m
     """
     return _machines("yarders", own)
 

@@ -33,6 +33,11 @@ class Schedule:
     ------
     InputError
         Unequal numbers of values, values that are not finite, or times that do not increase.
+
+    Examples
+    --------
+    >>> rw.Schedule([0.0, 10.0], [0.5, 1.0]).at(4.0)
+    0.7
     """
 
     times: tuple[float, ...]

@@ -141,6 +141,11 @@ class Sheave(Wheel):
     ------
     InputError
         An invalid name, position, friction or inertia.
+
+    Examples
+    --------
+    >>> rw.Sheave("s1", at=(90.0, 8.0), friction=0.02).friction
+    0.02
     """
 
     role: ClassVar[str] = "idler sheave"

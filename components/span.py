@@ -39,6 +39,11 @@ class Span(Component):
     ------
     InputError
         A length that is not positive, or an invalid name.
+
+    Examples
+    --------
+    >>> rw.Span("a_b", rope=rope, length=90.0).length
+    90.0
     """
 
     rope: Rope
@@ -237,7 +242,7 @@ class Span(Component):
         def potential(load: Any, reach: tuple[Any, ...], size: Any = 1) -> Any:
             """Of a load [N], downward or a vector, at a place seen from end a."""
             at = [v.a.position[i] + reach[i] for i in range(3)]
-            return -size * sum(load[i] * at[i] for i in range(3)) if isinstance(load, tuple) else load * size * at[2]
+            return -sum(load[i] * size * at[i] for i in range(3)) if isinstance(load, tuple) else load * size * at[2]
 
         pull = weight.force if isinstance(weight, catenary.Uniform) else weight
         elastic, gravity, at, n = 0, 0, 0, distance.numel()

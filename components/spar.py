@@ -117,6 +117,11 @@ class HeadSpar(Standing, Anchor):
     ------
     InputError
         No position, or an invalid value.
+
+    Examples
+    --------
+    >>> rw.HeadSpar("head", station=0.0, height=15.0).height
+    15.0
     """
 
     def limits(self) -> tuple[Limit, ...]:
@@ -147,6 +152,11 @@ class Tailhold(Standing, Anchor):
     ------
     InputError
         No position, or an invalid value.
+
+    Examples
+    --------
+    >>> rw.Tailhold("stump", at=(320.0, -24.0)).at
+    (320.0, 0.0, -24.0)
     """
 
     def limits(self) -> tuple[Limit, ...]:
@@ -179,6 +189,12 @@ class TailSpar(Standing, Anchor):
     ------
     InputError
         No position, or an invalid value.
+
+    Examples
+    --------
+    >>> stump = rw.Tailhold("stump", station=308.0, height=0.0)
+    >>> rw.TailSpar("tail", station=300.0, height=8.0, tailhold=stump).tailhold.name
+    'stump'
     """
 
     tailhold: Tailhold | None = None
@@ -217,6 +233,11 @@ class Block(Standing, Sheave):
     ------
     InputError
         No position, or an invalid value.
+
+    Examples
+    --------
+    >>> rw.Block("corner", at=(10.0, 3.0), friction=0.02).friction
+    0.02
     """
 
     hold_down: bool = True

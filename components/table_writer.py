@@ -80,8 +80,8 @@ def write_table(table: pd.DataFrame | HasFrame, path: str | Path) -> Path:
 
     Examples
     --------
-    >>> import tempfile, ropeway as rw
-    >>> print(write_table(rw.ropes().iloc[:1, :2], f"{tempfile.mkdtemp()}/ropes.csv").read_text())
+    >>> import tempfile
+    >>> print(rw.write_table(rw.ropes().iloc[:1, :2], f"{tempfile.mkdtemp()}/rw.ropes.csv").read_text())
     name,diameter [m],mass_per_length [kg/m]
     compacted skyline 20,0.02,1.98
     <BLANKLINE>

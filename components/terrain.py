@@ -44,6 +44,12 @@ class Profile:
     ------
     InputError
         Unequal numbers of values, values that are not finite, or stations that do not increase.
+
+    Examples
+    --------
+    >>> ground = rw.Profile([0.0, 50.0, 120.0], [3.0, 5.0, -4.0])
+    >>> float(ground.elevation_at(25.0))
+    4.0
     """
 
     station: np.ndarray

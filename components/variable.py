@@ -13,7 +13,13 @@ from ropeway.components.check import ANY, Range
 
 
 class Kind(Enum):
-    """The role of a variable in the differential-algebraic equations."""
+    """The role of a variable in the differential-algebraic equations.
+
+    Examples
+    --------
+    >>> rw.Kind.STATE
+    <Kind.STATE: 'state'>
+    """
 
     PARAMETER = "parameter"
     INPUT = "input"
@@ -55,6 +61,11 @@ class Variable:
         Whether results omit it.
     rate_of : str, optional
         Variable of the same component of which this one is the rate of change.
+
+    Examples
+    --------
+    >>> rw.Variable("tension", rw.Kind.OUTPUT, "N", "tension of the rope", nominal=1e4).unit
+    'N'
     """
 
     name: str
@@ -85,6 +96,11 @@ class Site:
         Initial guess of the tension vector at end a of a span [N].
     weather : bool, default False
         Whether equations read `v.weather`: temperature, ice and wind. Otherwise that is None.
+
+    Examples
+    --------
+    >>> rw.Site(force=50e3, length=90.0).force
+    50000.0
     """
 
     force: float
@@ -114,6 +130,11 @@ class Equations:
         Of an inertial component: inertia of the rope at each rope end, a vector [N].
     expansion : float, default 1
         Length of the rope without tension over that at which it was strung.
+
+    Examples
+    --------
+    >>> rw.Equations(outputs={"tension": 5e3}).outputs
+    {'tension': 5000.0}
     """
 
     rates: Mapping[str, Any] = field(default_factory=dict)
@@ -136,6 +157,11 @@ class Energies(NamedTuple):
         Power lost [W].
     supplied : array_like, default 0
         Work done from outside since the start [J], such as by a falling weight.
+
+    Examples
+    --------
+    >>> rw.Energies(kinetic=120.0, loss=3.0).kinetic
+    120.0
     """
 
     kinetic: Any = 0.0
@@ -173,6 +199,11 @@ class Limit:
         What is reported when it leaves the bounds.
     low, high : float, optional
         Bounds; by default none.
+
+    Examples
+    --------
+    >>> rw.Limit("tension", "too tight", high=60e3).high
+    60000.0
     """
 
     output: str

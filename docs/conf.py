@@ -6,6 +6,9 @@ MathML: a page needs neither a network nor a script.
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
 from numpydoc.xref import DEFAULT_LINKS
@@ -15,6 +18,9 @@ from sphinx.ext.autosummary import autosummary_toc
 from sphinx.writers.html5 import HTML5Translator
 
 import ropeway
+
+sys.path.insert(0, str(Path(__file__).parent))
+import gallery
 
 project = "ropeway"
 author = "the authors of ropeway"
@@ -55,6 +61,11 @@ numpydoc_xref_aliases = {
     **{name.rpartition(".")[2]: full for name, full in PUBLIC.items() if name.rpartition(".")[2][0].isupper()},
 }
 """Types of parameters and results that become links."""
+
+
+def run_scripts(app: Sphinx) -> None:
+    """Makes the gallery and all pictures that scripts make."""
+    gallery.make()
 
 
 def link_public_names(app: Sphinx, doctree: nodes.document) -> None:
@@ -98,5 +109,6 @@ def mathml(node: nodes.Element, *, as_block: bool) -> str:
 def setup(app: Sphinx) -> None:
     """Called by Sphinx."""
     app.add_html_math_renderer("mathml", (visit_inline_math, None), (visit_block_math, None))
+    app.connect("builder-inited", run_scripts, priority=100)  # before autosummary
     app.connect("doctree-read", link_public_names)
     app.connect("doctree-read", shorten_sidebar, priority=400)  # before Sphinx collects the toctrees

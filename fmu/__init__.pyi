@@ -11,6 +11,7 @@ from .errors import (
     FmuVariableError as FmuVariableError,
 )
 from .exporting.export import export as export
+from .importing.archive import ArchiveLimits as ArchiveLimits
 from .importing.fmu_component import FmuComponent as FmuComponent, component as component
 from .importing.fmu_file import Fmu as Fmu, load as load
 from .importing.participant import Slave as Slave

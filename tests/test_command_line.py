@@ -346,14 +346,15 @@ def test_load_cases_of_a_line_and_of_a_project(tmp_path: Path, command: Command)
 
 def test_weather_of_runs_and_payloads(tmp_path: Path, command: Command) -> None:
     (tmp_path / "line.csv").write_text(SHORT)
-    for options, out in (((), "calm"), (("--temperature", "-5", "--ice", "0.02", "--wind-pressure", "90"), "iced")):
-        assert command("simulate", "line.csv", "--until", "2", *options, "--out", out).exit_code == 0
+    iced_up = ("--temperature", "-5", "--ice", "0.02", "--wind-pressure", "90")
+    for out, weather in {"calm": (), "iced": iced_up}.items():
+        assert command("simulate", "line.csv", "--until", "2", *weather, "--out", out).exit_code == 0
     calm, iced = (pd.read_csv(tmp_path / out / "tensions.csv") for out in ("calm", "iced"))
     assert iced["c1.tension_in [N]"].iloc[0] > 1.005 * calm["c1.tension_in [N]"].iloc[0]  # more weight to the drum
     corridor = (str(EXAMPLES / "corridor.csv"), "--tail", "480", "--support", "260:9", "--spacing", "160")
     payloads = []
-    for options in ((), ("--ice", "0.015")):
-        done = command("payload", *corridor, *options, "--out", "p")
+    for thickness in ("0", "0.015"):
+        done = command("payload", *corridor, "--ice", thickness, "--out", "p")
         assert done.exit_code == 0, done.stderr
         payloads.append(pd.read_csv(tmp_path / "p" / "payload.csv")["payload [kg]"].min())
     assert payloads[1] < 0.95 * payloads[0]

@@ -1,9 +1,13 @@
-"""Every public name has a docstring in numpydoc's sections, as its signature has it."""
+"""Every public name has a docstring in numpydoc's sections, as its signature has it, and an example that runs."""
 
 from __future__ import annotations
 
+import doctest
 import inspect
+import re
+from collections.abc import Iterator
 from enum import Enum
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -77,3 +81,45 @@ def _attributes(kind: type) -> list[str]:
 @pytest.mark.parametrize("name", names())
 def test_a_docstring_has_its_sections(name: str) -> None:
     assert faults(name) == []
+
+
+ROOT = Path(__file__).resolve().parents[1]
+LONG = ("RecedingHorizon", "SchedulePlan", "TunedResponse", "optimise_schedule", "receding_horizon", "tune_response")
+"""Names whose examples run in the slow tests."""
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+    """What the script of docs/api.md defines, in a folder with its files."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("examples"))
+        Path("examples").symlink_to(ROOT / "examples")
+        defined: dict[str, Any] = {}
+        exec(re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "api.md").read_text(), re.DOTALL)[0], defined)
+        yield defined
+
+
+def examples() -> list[Any]:
+    """All public names, and their methods with an example."""
+    found = [name for name in names() if "." not in name.removeprefix("fmu.") or ">>>" in _text(name)]
+    return [pytest.param(name, marks=[pytest.mark.slow] if name in LONG else []) for name in found]
+
+
+def _text(name: str) -> str:
+    owner, _, member = name.removeprefix("fmu.").partition(".")
+    found = public(f"fmu.{owner}" if name.startswith("fmu.") else owner)
+    if member:
+        found = inspect.getattr_static(found, member)
+    return inspect.getdoc(getattr(found, "__func__", found)) or ""
+
+
+@pytest.mark.parametrize("name", examples())
+def test_the_example_of_a_name_runs(name: str, ready: dict[str, Any]) -> None:
+    """Errors that a short script cannot provoke have none."""
+    test = doctest.DocTestParser().get_doctest(_text(name), dict(ready), name, None, 0)
+    top = public(name) if "." not in name.removeprefix("fmu.") else None
+    assert test.examples or (isinstance(top, type) and issubclass(top, (BaseException, Warning)))
+    assert not any("SKIP" in example.source for example in test.examples)
+    failures: list[str] = []
+    doctest.DocTestRunner(verbose=False, optionflags=doctest.NORMALIZE_WHITESPACE).run(test, out=failures.append)
+    assert "".join(failures) == ""

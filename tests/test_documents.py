@@ -19,18 +19,22 @@ ROOT = Path(__file__).resolve().parents[1]
         "README.md",
         "docs/skylines.md",
         "docs/load_cases.md",
+        "docs/weather.md",
         "docs/components.md",
         "docs/projects.md",
         "docs/catalogue.md",
         "docs/reports.md",
         "docs/gis.md",
         "docs/index.md",
+        "docs/uncertainty.md",
         "docs/errors.md",
         "docs/modes.md",
         "docs/emergency_stop.md",
         "docs/faq.md",
         "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
+        pytest.param("docs/sweeps.md", marks=pytest.mark.slow),
+        *(pytest.param(f"docs/start/{name}.md", marks=pytest.mark.slow) for name in ("forest", "line", "control")),
     ],
 )
 def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,8 +43,9 @@ def test_scripts_run(document: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.chdir(tmp_path)
     scripts = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(), re.DOTALL)
     assert scripts
+    names: dict[str, object] = {"__name__": "__main__"}
     for script in scripts:
-        exec(compile(script, document, "exec"), {})
+        exec(compile(script, document, "exec"), names)
     assert list(tmp_path.glob("*.png")) or ".plot(" not in "".join(scripts)
 
 

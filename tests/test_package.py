@@ -80,3 +80,7 @@ def test_import_is_light() -> None:
     code = "import sys, ropeway; print([m for m in ('casadi', 'pandas', 'matplotlib', 'scipy') if m in sys.modules])"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT.parent)
     assert out.stdout.strip() == "[]"
+
+
+def test_the_citation_has_this_version() -> None:
+    assert f"\nversion: {rw.__version__}\n" in (ROOT / "CITATION.cff").read_text()

@@ -5,44 +5,38 @@ from __future__ import annotations
 import shutil
 import tempfile
 import weakref
-from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
 import pandas as pd
 
-from ropeway.components import check, units
+from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.fmu.cosimulation.coupling import Coupling, Master, Scheme
+from ropeway.fmu.cosimulation import ssp_exchange
+from ropeway.fmu.cosimulation.communication_points import multiple
+from ropeway.fmu.cosimulation.coupling import Master, Scheme, Span
 from ropeway.fmu.cosimulation.discrete_exchange import Connection
-from ropeway.fmu.cosimulation.input_signals import Inputs, Signal, next_break, signals
-from ropeway.fmu.cosimulation.recording import Recorder
-from ropeway.fmu.cosimulation.step_control import StepControl, Stepper
+from ropeway.fmu.cosimulation.input_signals import Inputs
+from ropeway.fmu.cosimulation.participants import Participant, conversion, started
+from ropeway.fmu.cosimulation.run import Request, Run
+from ropeway.fmu.cosimulation.scenario import Scenario
+from ropeway.fmu.cosimulation.step_control import StepControl
 from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting.export import export
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
-from ropeway.fmu.importing.participant import OpenFmu, require_connectable
-from ropeway.fmu.importing.variable_types import Value, fits
+from ropeway.fmu.importing.participant import require_connectable
+from ropeway.fmu.importing.variable_types import fits
+from ropeway.fmu.ssp.reading import SspSystem, read_ssp
+from ropeway.fmu.ssp.writing import write_ssp
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
-from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-
-
-@dataclass(frozen=True)
-class _Participant:
-    """A slave of a co-simulation; `open`: inputs that need a value."""
-
-    fmu: Fmu
-    kind: str
-    start: Mapping[str, Value]
-    open: tuple[str, ...]
 
 
 @checked
@@ -72,6 +66,13 @@ class CoSimulation:
     ------
     InputError
         A step or tolerance that is not positive, or no iterations.
+
+    Examples
+    --------
+    >>> master = rw.fmu.CoSimulation(step=1.0)
+    >>> part = master.add("span", "span.fmu")
+    >>> master.run(5.0).columns.tolist()
+    ['span.a.tension', 'span.b.tension']
     """
 
     def __init__(
@@ -90,10 +91,13 @@ class CoSimulation:
             raise InputError(f"iterations is {iterations!r}", "Give at least one")
         self.step, self.control = float(step), control
         self._scheme = Scheme(master, iterated, tolerance, iterations)
-        self._participants: dict[str, _Participant] = {}
+        self._participants: dict[str, Participant] = {}
         self._connections: list[Connection] = []
+        self.start_time = 0.0
+        self.stop_time: float | None = None
         self._folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._own_folders = {self._folder}
 
     def add(
         self,
@@ -102,6 +106,9 @@ class CoSimulation:
         *,
         kind: Literal["CoSimulation", "ModelExchange"] | None = None,
         start: Mapping[str, object] | None = None,
+        isolated: bool | None = None,
+        timeout: float | None = None,
+        step: float | None = None,
     ) -> Fmu:
         """Add an FMU, or a system, which is exported first.
 
@@ -118,6 +125,14 @@ class CoSimulation:
             Start values of parameters (also structural ones) and inputs: numbers, Booleans, texts, bytes, names or
             values of enumeration items; for an array one element ("u[1]") or all ("u"). An open input of a system must
             be connected, driven, or have a start value.
+        isolated : bool, optional
+            Whether it runs in a process of its own, so that a crash of it does not end the session; by default as it
+            was loaded.
+        timeout : float, optional
+            Longest time of one call of an isolated slave [s]; by default as it was loaded, 60 s.
+        step : float, optional
+            Its own communication step [s], a multiple of the master's, for a slow slave: its inputs and outputs change
+            at the ends of its steps only. Not with iterated or controlled steps.
 
         Returns
         -------
@@ -127,7 +142,7 @@ class CoSimulation:
         Raises
         ------
         InputError
-            A name that is used twice, or an invalid value.
+            A name that is used twice, an invalid value, or a step that is not a multiple.
         FmuImportError
             The file cannot be used.
         FmuVariableError
@@ -142,22 +157,35 @@ class CoSimulation:
             open_inputs = tuple(n for n, s in zip(rest.model.u.names, rest.model.signals, strict=True) if s is None)
             participant = export(rest, self._folder / f"{name}.fmu")
         fmu = participant if isinstance(participant, Fmu) else load(participant)
+        if timeout is not None:
+            check.positive(timeout, "add", "timeout", "s")
+            fmu = replace(fmu, timeout=timeout)
+        fmu = fmu if isolated is None else replace(fmu, isolated=isolated)
         if kind is None:
             kind = "ModelExchange" if fmu.kinds == ("ModelExchange",) else "CoSimulation"
         require_kind(fmu, kind)
-        fmu, values = _started(fmu, name, start or {})
-        self._participants[name] = _Participant(fmu, kind, values, open_inputs)
+        fmu, values = started(fmu, name, start or {})
+        if step is not None and (self._scheme.iterated or self.control is not None):
+            raise InputError(f"Slave {name!r} has a step of its own", "Use iterated=False without a step control")
+        own_step = multiple(name, step, self.step)
+        self._participants[name] = Participant(fmu, kind, values, open_inputs, own_step)
         return fmu
 
-    def connect(self, source: str, target: str) -> Connection:
+    def connect(
+        self, source: str, target: str, *, factor: float = 1.0, offset: float = 0.0, convert_units: bool = True
+    ) -> Connection:
         """Connect an output to an input.
 
-        Units are converted. A Boolean or an integer may drive a number.
+        A Boolean or an integer may drive a number.
 
         Parameters
         ----------
         source, target : str
             Output and input, "slave.variable" each.
+        factor, offset : float, default 1 and 0
+            The input is factor times the converted output plus offset; real variables only.
+        convert_units : bool, default True
+            Whether values are converted from the unit of the output to that of the input first.
 
         Returns
         -------
@@ -188,11 +216,122 @@ class CoSimulation:
                 "Connect variables of the same kind, or enumerations with the same items",
                 ends[1][1],
             )
-        conversion = _conversion(*ends[0], *ends[1]) if one.kind == other.kind == "Real" else (1.0, 0.0)
+        check.number(factor, "connect", "factor")
+        check.number(offset, "connect", "offset")
+        real = one.kind == other.kind == "Real"
+        if (factor, offset) != (1.0, 0.0) and not real:
+            raise FmuVariableError(f"{target!r} is driven by a value that cannot be scaled", "Scale real values only")
+        unit = conversion(*ends[0], *ends[1]) if real and convert_units else (1.0, 0.0)
+        if (factor, offset) != (1.0, 0.0):
+            unit = factor * unit[0], factor * unit[1] + offset
         held = one.kind != "Real" or not other.continuous
-        connection = Connection(source, target, *conversion, held)
+        connection = Connection(source, target, *unit, held)
         self._connections.append(connection)
         return connection
+
+    def to_ssp(
+        self, path: str | Path, *, until: float | None = None, start_time: float = 0.0, embed: bool = True
+    ) -> Path:
+        """Write the FMUs, their start values and connections as a system structure (SSP 1.0).
+
+        Other tools read it; `from_ssp` reads the settings of the master as well. Inputs over time are not part of it.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file to write; it ends in .ssp.
+        until, start_time : float, optional
+            Times of the default experiment [s].
+        embed : bool, default True
+            Whether the FMUs are in the file; otherwise it refers to them by their paths. FMUs without a file of their
+            own, as of systems of this library, are always in it.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            An invalid path or time, or no slave.
+        WriteError
+            The file could not be written.
+
+        Examples
+        --------
+        >>> master.to_ssp("yard.ssp", until=60.0)
+        """
+        target = Path(path)
+        if target.suffix != ".ssp":
+            raise InputError(f"{str(path)!r} does not end in .ssp", f"Rename it to {target.stem or 'yard'}.ssp")
+        if not target.parent.is_dir():
+            raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
+        if not self._participants:
+            raise InputError("There is no slave", "Add FMUs or systems")
+        for name, value in (("until", until), ("start_time", start_time)):
+            if value is not None:
+                check.number(value, "to_ssp", name, "s")
+        slaves = tuple(ssp_exchange.slave(name, p) for name, p in self._participants.items())
+        connections = tuple(ssp_exchange.connection(c, self._participants) for c in self._connections)
+        settings = ssp_exchange.settings_of(self.step, self._scheme, self.control)
+        system = SspSystem(slaves, connections, start_time, until, settings)
+        kept = {s.fmu.path for s in slaves if embed or not self._own_folders.isdisjoint(s.fmu.path.parents)}
+        write_ssp(system, target, name=target.stem, embedded=kept)
+        return target
+
+    @classmethod
+    def from_ssp(cls, path: str | Path, *, step: float | None = None) -> CoSimulation:
+        """Read a system structure (SSP).
+
+        Systems within systems become slaves with joined names: `winch.drum` becomes `winch_drum`. Values of parameter
+        sets that fit no variable are ignored, with a `RopewayWarning`.
+
+        Parameters
+        ----------
+        path : str or Path
+            A file .ssp, or .ssd with its FMUs beside it; of version 1.0 or 2.0.
+        step : float, optional
+            Communication step [s]; by default that of `to_ssp`, or the smallest one that an FMU suggests.
+
+        Returns
+        -------
+        CoSimulation
+            Its FMUs, start values and connections; with the master's settings, if `to_ssp` has written it. `start_time`
+            and `stop_time` are those of the default experiment [s].
+
+        Raises
+        ------
+        InputError
+            No step is known.
+        FmuImportError
+            The file, or an FMU in it, cannot be used.
+        FmuVariableError
+            A connection or parameter value does not fit its variables.
+
+        Examples
+        --------
+        >>> rw.fmu.CoSimulation.from_ssp("yard.ssp").run(60.0)
+        """
+        folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
+        try:
+            system = read_ssp(path, folder)
+            made = cls(**ssp_exchange.arguments_of(system, step))
+            for one in system.slaves:
+                options = ssp_exchange.options_of(one)
+                opened = tuple(options.pop("open", ()))
+                made.add(one.name, one.fmu, kind=one.kind, start=one.start, **options)  # type: ignore[arg-type]
+                made._participants[one.name] = replace(made._participants[one.name], open=opened)
+            for c in system.connections:
+                scale = {} if c.plain else {"factor": c.factor, "offset": c.offset, "convert_units": False}
+                made.connect(c.source, c.target, **scale)  # type: ignore[arg-type]
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+        weakref.finalize(made, shutil.rmtree, folder, ignore_errors=True)
+        made._own_folders.add(folder)
+        made.start_time, made.stop_time = system.start_time or 0.0, system.stop_time
+        return made
 
     @interruptible
     def run(
@@ -201,11 +340,16 @@ class CoSimulation:
         *,
         start_time: float = 0.0,
         inputs: Inputs | None = None,
+        scenario: Scenario | None = None,
+        outputs: Sequence[str] | None = None,
+        every: float | None = None,
+        pace: float | None = None,
         progress: bool | None = None,
     ) -> pd.DataFrame:
         """Run the co-simulation.
 
-        Communication points are added at vertices and jumps of the inputs if all slaves accept steps of any length.
+        Communication points are added at vertices and jumps of the inputs, and at changes of the scenario, if all
+        slaves accept steps of any length.
 
         Parameters
         ----------
@@ -218,140 +362,39 @@ class CoSimulation:
             value} with a Schedule, a pandas Series with times [s] as its index, or a constant; or a table with a column
             for each and one `time`. Continuous variables are linear between rows, and two rows of one time are a jump;
             others keep each value until the next.
+        scenario : DataFrame, str or Path, optional
+            Changes at given times: a table with the columns `time` [s], `variable` ("slave.variable") and `value`, in
+            its own unit, of inputs and tunable parameters. A changed input ignores its connection until an empty value
+            releases it.
+        outputs : sequence of str, optional
+            Variables to record, "slave.variable"; by default all outputs.
+        every : float, optional
+            Interval of the rows [s]: a row at the first communication point from each multiple on, and at the end; by
+            default at each communication point.
+        pace : float, optional
+            Simulated seconds for each second of the clock, 1: real time; by default as fast as possible.
         progress : bool, optional
             Whether to show a progress bar; by default only on a terminal.
 
         Returns
         -------
         DataFrame
-            All outputs over time, columns "slave.variable", real ones first. `attrs`: "units"; "ended", why an FMU
-            ended the run, or None; "left_out", outputs that cannot be shown, with reasons; with a step control the
-            number of "repeated" steps and the "inexact" times, at which the smallest step missed the tolerance.
+            The variables over time, columns "slave.variable", by default real ones first. `attrs`: "units"; "ended",
+            why an FMU ended the run, or None; "left_out", outputs that cannot be shown, with reasons; with a step
+            control the number of "repeated" steps and the "inexact" times, at which the smallest step missed the
+            tolerance; with a pace "late", the largest time by which it was behind the clock [s].
 
         Raises
         ------
         InputError
-            Invalid times, or an open input.
+            Invalid times, an open input, or steps that a slave does not accept.
         FmuImportError
             A binary cannot be loaded.
         FmuVariableError
-            Unknown variables in `inputs`.
+            Unknown variables in `inputs`, `scenario` or `outputs`.
         FmuRunError, Interrupted
             An FMU failed, or the user interrupted; `result` has the rows up to then.
         """
-        check.number(until, "run", "until", "s")
-        check.number(start_time, "run", "start_time", "s")
-        if until <= start_time:
-            raise InputError(f"run: until is {until!r} s", f"It must be above the start time, {start_time:g} s")
-        check.count((until - start_time) / self.step, "run", "steps")
-        if not self._participants:
-            raise InputError("There is no slave", "Add FMUs or systems")
-        driving = signals(
-            {} if inputs is None else inputs, {name: p.fmu for name, p in self._participants.items()}, until
-        )
-        self._require_driven(driving)
-        with ExitStack() as stack:
-            advance = stack.enter_context(bar("co-simulate", until, progress))
-            slaves = {name: stack.enter_context(OpenFmu(p.fmu, name, p.kind)) for name, p in self._participants.items()}
-            coupling = Coupling(slaves, self._connections, self._scheme, driving, start_time)
-            if self._scheme.iterated:
-                _require_rollback(slaves)
-            stepper = None if self.control is None else Stepper(coupling, self.control, self.step)
-            record = Recorder(coupling)
-            with record.kept():
-                self._begin(coupling, until)
-                record.add(start_time)
-                while record.times[-1] < until - 1e-9 * self.step and coupling.ended is None:
-                    time = self._take(coupling, stepper, driving, len(record.times), start_time, until)
-                    if not coupling.aligned:
-                        break
-                    record.add(time)
-                    advance(time)
-            frame = record.frame()
-        if stepper is not None:
-            frame.attrs |= {"repeated": stepper.repeated, "inexact": stepper.inexact}
-        return frame
-
-    def _require_driven(self, driving: Mapping[str, Signal]) -> None:
-        """Raises InputError if an input is open or driven twice."""
-        driven = {c.target for c in self._connections}
-        if twice := driven & driving.keys():
-            raise InputError(f"{min(twice)!r} is already driven", "An input takes a connection or values over time")
-        for name, participant in self._participants.items():
-            for entry in participant.open:
-                if entry not in participant.start and f"{name}.{entry}" not in driven | driving.keys():
-                    raise InputError(f"Input {entry!r} of {name!r} is open", "Connect it, or give it a start value")
-
-    def _begin(self, coupling: Coupling, until: float) -> None:
-        """Initialises all slaves. Raises FmuRunError."""
-        for name, slave in coupling.slaves.items():
-            slave.enter(coupling.time, self._participants[name].start, until)
-        coupling.initialise()
-        for slave in coupling.slaves.values():
-            slave.leave()
-        coupling.exchange()
-
-    def _take(
-        self,
-        coupling: Coupling,
-        stepper: Stepper | None,
-        driving: Mapping[str, Signal],
-        i: int,
-        start: float,
-        until: float,
-    ) -> float:
-        """Step to point i, or to where an FMU ends the run; returns the time reached."""
-        if stepper is not None:
-            return stepper.step(coupling.time, next_break(driving, coupling.time, until))
-        end = until if i >= (until - start) / self.step - 1e-9 else start + i * self.step
-        cuts = all(slave.varies_steps for slave in coupling.slaves.values())
-        while coupling.ended is None and coupling.time < end - 1e-9 * self.step:
-            stop = next_break(driving, coupling.time, end) if cuts else end
-            coupling.step(stop - coupling.time)
-            if coupling.ended is None:
-                coupling.time = stop
-        return coupling.time
-
-
-def _started(fmu: Fmu, name: str, start: Mapping[str, object]) -> tuple[Fmu, dict[str, Value]]:
-    """The FMU resized by structural parameters among its start values, and the other start values.
-
-    Raises InputError, FmuVariableError.
-    """
-    structural = [key for key in start if key in fmu.entries and fmu.entry(key).causality == "structuralParameter"]
-    if structural:
-        fmu = fmu.shaped(fmu.values({key: start[key] for key in structural}))
-    for key, value in start.items():
-        if key in fmu.entries and fmu.entry(key).kind == "Real":
-            check.number(value, f"Slave {name!r}", key)
-    values = fmu.values(start)
-    for key in start:
-        for entry in fmu.arrays.get(key, (key,)):
-            row = fmu.variable(entry)
-            if row["causality"] == "output" and pd.isna(row["start"]):
-                raise FmuVariableError(f"{key!r} of {fmu.path.name} is calculated", "Give parameters and inputs", key)
-    return fmu, {key: value for key, value in values.items() if key not in structural}
-
-
-def _require_rollback(slaves: Mapping[str, OpenFmu]) -> None:
-    for name, slave in slaves.items():
-        if not slave.can_restore:
-            raise InputError(
-                f"{name!r} cannot restore its state, so its steps cannot be repeated",
-                'Use iterated=False, or add it with kind="ModelExchange"',
-            )
-
-
-def _conversion(source: Fmu, output: str, target: Fmu, entry: str) -> tuple[float, float]:
-    """Factor and offset from one unit to another. Raises FmuVariableError."""
-    first, second = source.variable(output), target.variable(entry)
-    one, other = str(first["unit"]), str(second["unit"])
-    differences = bool(first["relative"]), bool(second["relative"])
-    try:
-        return units.conversion(one, other, source.units, target.units, differences=differences)
-    except InputError as error:
-        raise FmuVariableError(
-            f"{output!r} of {source.path.name} is in {one}, {entry!r} of {target.path.name} in {other}: {error.cause}",
-            error.remedy,
-            entry,
-        ) from error
+        span = Span(float(start_time), float(until), self.step)
+        run = Run(self._participants, self._connections, self._scheme, self.control, span)
+        return run.rows(Request(inputs, scenario, outputs, every, pace), progress)

@@ -5,17 +5,64 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 
+from ropeway.components import check
+from ropeway.components.errors import InputError
+from ropeway.fmu.cosimulation.algebraic_loops import loops, require_one_solution
 from ropeway.fmu.cosimulation.discrete_exchange import Connection, Exchange
 from ropeway.fmu.cosimulation.input_signals import Signal
+from ropeway.fmu.cosimulation.scenario import Change
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.importing.participant import OpenFmu
 
 Master = Literal["Jacobi", "Gauss-Seidel"]
+
+
+@dataclass(frozen=True)
+class Span:
+    """A run from `start` to `until` in steps [s]."""
+
+    start: float
+    until: float
+    step: float
+
+    def require(self) -> None:
+        """Raises InputError if there are no steps, or too many."""
+        check.number(self.until, "run", "until", "s")
+        check.number(self.start, "run", "start_time", "s")
+        if self.until <= self.start:
+            raise InputError(f"run: until is {self.until!r} s", f"It must be above the start time, {self.start:g} s")
+        check.count((self.until - self.start) / self.step, "run", "steps")
+
+    def count(self, every: float | None) -> int:
+        """Number of rows, one `every` so many seconds or at each communication point, and that of the end."""
+        return int((self.until - self.start) / max(every or 0.0, self.step)) + 2
+
+    def point(self, i: int) -> float:
+        """Time of communication point i."""
+        return self.until if i >= (self.until - self.start) / self.step - 1e-9 else self.start + i * self.step
+
+
+@dataclass(frozen=True)
+class Driving:
+    """What drives slaves from outside: `signals` of inputs and `changes` of a scenario, by "slave.variable".
+
+    `slow`: steps of slaves that take longer ones than the others [s].
+    """
+
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    changes: Mapping[str, Change] = field(default_factory=dict)
+    slow: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def breaks(self) -> np.ndarray:
+        """Times of all vertices, jumps and changes [s]."""
+        times = [s.times for s in self.signals.values()] + [c.times for c in self.changes.values()]
+        return np.unique(np.concatenate([np.empty(0), *times]))
 
 
 @dataclass(frozen=True)
@@ -43,7 +90,8 @@ class Coupling:
 
     `values`: those of the continuous connections; `missed`: their difference at the end of the last step from the
     values that the slaves used (constant, or extrapolated when iterated). `aligned`: all slaves are at `time`; they are
-    not if an FMU ended the run within a step after others had gone further.
+    not if an FMU ended the run within a step after others had gone further. Inputs and outputs of slow slaves change at
+    the ends of their own steps.
     """
 
     def __init__(
@@ -51,16 +99,21 @@ class Coupling:
         slaves: Mapping[str, OpenFmu],
         connections: Sequence[Connection],
         scheme: Scheme,
-        signals: Mapping[str, Signal] | None = None,
-        time: float = 0.0,
+        driving: Driving,
+        span: Span,
     ) -> None:
-        self.slaves, self.scheme, self.time, self.aligned = slaves, scheme, time, True
+        self.slaves, self.scheme, self.time, self.aligned = slaves, scheme, span.start, True
+        self._slow, self._until = driving.slow, span.until
+        self._begun: dict[str, dict[str, float]] = {}
         held = [c for c in connections if c.held]
         self.connections = connections = [c for c in connections if not c.held]
-        continuous = {t: s for t, s in (signals or {}).items() if s.linear}
+        continuous = {t: s for t, s in driving.signals.items() if s.linear}
         self._signals = {name: _owned(continuous, name) for name in slaves}
-        jumps = {t: s for t, s in (signals or {}).items() if not s.linear}
-        self.held = Exchange(slaves, held, jumps, scheme.iterations)
+        jumps = {t: s for t, s in driving.signals.items() if not s.linear}
+        places = {c.target: i for i, c in enumerate(connections)}
+        self._changes = {places[t]: change for t, change in driving.changes.items() if t in places}
+        changes = {t: change for t, change in driving.changes.items() if t not in places}
+        self.held = Exchange(slaves, held, jumps, scheme.iterations, changes, self._behind)
         self._sources = {name: _ends([c.source for c in connections], name) for name in slaves}
         self._targets = {name: _ends([c.target for c in connections], name) for name in slaves}
         self._factors = np.array([c.factor for c in connections])
@@ -88,6 +141,8 @@ class Coupling:
     def _read(self, name: str, values: np.ndarray) -> None:
         """Writes the outputs of a slave into `values`."""
         ends, slave = self._sources[name], self.slaves[name]
+        if not ends:
+            return
         found = slave.get(list(ends.values()))
         for (i, variable), value in zip(ends.items(), found.tolist(), strict=True):
             if not math.isfinite(value):
@@ -95,23 +150,37 @@ class Coupling:
                 raise FmuRunError(cause, "Check its inputs at that time", time=slave.time)
             values[i] = self._factors[i] * value + self._offsets[i]
 
+    def _change(self, values: np.ndarray) -> None:
+        """Writes the values of the scenario, which take precedence over connections."""
+        for i, change in self._changes.items():
+            if (value := change.at(self.time)) is not None:
+                values[i] = float(value)
+
     def _read_all(self) -> np.ndarray:
         values = np.zeros(len(self.connections))
         for name in self.slaves:
             self._read(name, values)
+        self._change(values)
         return values
 
     def _inputs(self, name: str, values: np.ndarray) -> dict[str, float]:
         return {variable: float(values[i]) for i, variable in self._targets[name].items()}
 
     def _now(self, name: str) -> dict[str, float]:
-        """Current values of the signals of a slave."""
-        return {variable: float(signal.after(self.time)) for variable, signal in self._signals[name].items()}
+        """Values of the signals of a slave at its time."""
+        time = min(self.time, self.slaves[name].time)
+        return {variable: float(signal.after(time)) for variable, signal in self._signals[name].items()}
+
+    def _behind(self, name: str) -> bool:
+        """Whether a slow slave has not reached the present time."""
+        return name in self._slow and self.slaves[name].time < self.time - 1e-9 * self._slow[name]
 
     def _residual(self, values: np.ndarray) -> np.ndarray:
         """Response of the slaves to values, minus these values."""
         for name, slave in self.slaves.items():
-            slave.set(self._inputs(name, values) | self._now(name))
+            if not self._behind(name):
+                self._begun[name] = self._inputs(name, values)
+                slave.set(self._begun[name] | self._now(name))
         return self._read_all() - values
 
     def exchange(self) -> None:
@@ -141,6 +210,7 @@ class Coupling:
         for _ in range(self.scheme.iterations):
             if self._agree(residual, values):
                 self.values = values
+                self._require_one_solution(values)
                 return
             newton, share = np.linalg.lstsq(self._jacobian(values), -residual, rcond=None)[0], 1.0
             before = np.linalg.norm(residual / self.input_nominals)
@@ -163,6 +233,15 @@ class Coupling:
             "Give start values closer to a solution; the algebraic loop may have none",
         )
 
+    def _require_one_solution(self, values: np.ndarray) -> None:
+        """Raises FmuRunError if an algebraic loop is singular."""
+        found = loops(self.slaves, self.connections)
+        if found:
+            scales = np.maximum(self.input_nominals, np.abs(values))
+            matrix = self._jacobian(values) * (scales / scales[:, None])
+            for loop in found:
+                require_one_solution(loop, matrix, self.connections, self.time)
+
     def _agree(self, change: np.ndarray, values: np.ndarray) -> bool:
         return bool(np.all(np.abs(change) <= self.scheme.tolerance * (1.0 + np.abs(values))))
 
@@ -174,6 +253,10 @@ class Coupling:
             if rows and columns:
                 direct = slave.derivatives(list(rows.values()), self._inputs(name, values))
                 matrix[np.ix_(list(rows), list(columns))] += self._factors[list(rows), None] * direct
+        for i, change in self._changes.items():
+            if change.at(self.time) is not None:
+                matrix[i] = 0.0
+                matrix[i, i] = -1.0
         return matrix
 
     @property
@@ -198,6 +281,8 @@ class Coupling:
         Returns the step reached: less than `size` if an FMU ends the run.
         """
         for name, slave in self.slaves.items():
+            if name in self._slow:
+                continue
             places = list(self._targets[name])
             sent[places] = end[places]
             if size > 0.0:
@@ -207,11 +292,33 @@ class Coupling:
                 size = min(size, slave.time - self.time)
             if self.scheme.master == "Gauss-Seidel":
                 self._read(name, end)
+                self._change(end)
+        return self._advance_slow(size) if self._slow else size
+
+    def _advance_slow(self, size: float) -> float:
+        """Advance the slow slaves whose steps end now, with inputs that go linearly to the newest values."""
+        time = self.time + size
+        due = [
+            name
+            for name, period in self._slow.items()
+            if time >= min(self.slaves[name].time + period, self._until) - 1e-9 * period
+        ]
+        newest = self._read_all() if due else self.values
+        for name in due:
+            slave = self.slaves[name]
+            given = {v: float(s.before(time)) for v, s in self._signals[name].items()}
+            begun = self._begun.get(name, self._inputs(name, self.values))
+            slave.step(time - slave.time, begun | self._now(name), self._inputs(name, newest) | given)
+            if slave.ended is not None:
+                size = min(size, slave.time - self.time)
         return size
 
     def _arrive(self, size: float) -> None:
         self.time += size
-        self.aligned = all(abs(slave.time - self.time) <= 1e-9 * (1.0 + size) for slave in self.slaves.values())
+        self.aligned = all(
+            abs(slave.time - self.time) <= 1e-9 * (1.0 + abs(size)) or self._behind(name)
+            for name, slave in self.slaves.items()
+        )
 
     def _once(self, size: float) -> None:
         values, given = self.values.copy(), self.values.copy()
@@ -248,6 +355,7 @@ class Coupling:
         self.missed = np.abs(end - extrapolated)
         self.values = end
         self._arrive(reached)
+        self._change(self.values)
         if self.aligned and self.held.settle(self.time):
             self.exchange()
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ropeway.fmu.cosimulation.input_signals import Signal
+from ropeway.fmu.cosimulation.scenario import Change
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.importing.participant import OpenFmu
 from ropeway.fmu.importing.variable_types import Entry, Value
@@ -29,13 +30,16 @@ class Connection:
 class Exchange:
     """Held connections and signals, and the values `given` last, by "slave.variable".
 
-    `switched`: a discrete output changed within the last step.
+    `changes`: of a scenario, which take precedence; `behind`: whether a slave has not reached the present time, so that
+    its inputs wait; `switched`: a discrete output changed within the last step.
     """
 
     slaves: Mapping[str, OpenFmu]
     connections: Sequence[Connection]
     signals: Mapping[str, Signal]
     iterations: int
+    changes: Mapping[str, Change] = field(default_factory=dict)
+    behind: Callable[[str], bool] = lambda name: False
     given: dict[str, Value] = field(default_factory=dict)
     switched: bool = False
 
@@ -48,11 +52,12 @@ class Exchange:
 
         Returns whether any value changed. Raises FmuRunError.
         """
-        changed = self._set_changed({target: signal.after(time) for target, signal in self.signals.items()})
+        changes = {t: v for t, change in self.changes.items() if (v := change.at(time)) is not None}
+        changed = self._set_changed({target: signal.after(time) for target, signal in self.signals.items()} | changes)
         if not self.connections:
             return bool(changed)
         for _ in range(self.iterations):
-            now = self._set_changed(self._read())
+            now = self._set_changed(self._read() | changes)
             if not now:
                 return bool(changed)
             changed = now
@@ -77,7 +82,12 @@ class Exchange:
 
     def _set_changed(self, values: Mapping[str, Value]) -> list[str]:
         """Sets the values that changed; returns their targets."""
-        changed = [target for target, value in values.items() if self.given.get(target) != value]
+        waiting = {name for name in self.slaves if self.behind(name)}
+        changed = [
+            target
+            for target, value in values.items()
+            if self.given.get(target) != value and target.partition(".")[0] not in waiting
+        ]
         for name, slave in self.slaves.items():
             own = {t.partition(".")[2]: values[t] for t in changed if t.startswith(f"{name}.")}
             if own:

@@ -18,7 +18,7 @@ from ropeway.components.table_file import name_and_unit
 from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.importing.variable_types import Entry, Value, from_text, taken_by
 
-_SAME = 1e-9
+SAME = 1e-9
 """Times closer than this are equal [s]."""
 _EXAMPLE = "time,line.c1.speed,line.c1.brake\n0,1.5,false\n60,1.5,true"
 Inputs: TypeAlias = Mapping[str, Schedule | pd.Series | Value] | pd.DataFrame | str | Path
@@ -38,11 +38,11 @@ class Signal:
 
     def after(self, time: float) -> Value:
         """Value from a time on."""
-        return self._at(time, int(np.searchsorted(self.times, time + _SAME, side="right")))
+        return self._at(time, int(np.searchsorted(self.times, time + SAME, side="right")))
 
     def before(self, time: float) -> Value:
         """Value up to a time."""
-        return self._at(time, int(np.searchsorted(self.times, time - _SAME, side="left")))
+        return self._at(time, int(np.searchsorted(self.times, time - SAME, side="left")))
 
     def _at(self, time: float, later: int) -> Value:
         """Value at a time; `later`: index of the next one."""
@@ -54,10 +54,10 @@ class Signal:
         return low + share * (high - low)
 
 
-def next_break(signals: Mapping[str, Signal], time: float, until: float) -> float:
-    """First time after `time` at which a signal has a vertex or jump, at most `until` [s]."""
-    later = (s.times[np.searchsorted(s.times, time + _SAME, side="right") :][:1] for s in signals.values())
-    return min([float(t[0]) for t in later if len(t) and t[0] < until - _SAME], default=until)
+def next_break(breaks: np.ndarray, time: float, until: float) -> float:
+    """First of the sorted times `breaks` after `time`, at most `until` [s]."""
+    later = breaks[np.searchsorted(breaks, time + SAME, side="right") :][:1]
+    return float(later[0]) if len(later) and later[0] < until - SAME else until
 
 
 def signals(inputs: Inputs, fmus: Mapping[str, Fmu], until: float) -> dict[str, Signal]:
@@ -77,7 +77,7 @@ def _columns(inputs: Inputs, fmus: Mapping[str, Fmu]) -> Mapping[str, Schedule |
 
 
 def _signal(target: str, given: Schedule | pd.Series | Value, fmus: Mapping[str, Fmu], until: float) -> Signal:
-    entry, file = _entry(target, fmus)
+    entry, file = tunable_entry(target, fmus)
     if isinstance(given, Schedule):
         if not entry.continuous:
             raise InputError(
@@ -98,7 +98,8 @@ def _signal(target: str, given: Schedule | pd.Series | Value, fmus: Mapping[str,
     return Signal(times, [taken_by(entry, target, file, v) for v in given], linear)
 
 
-def _entry(target: str, fmus: Mapping[str, Fmu]) -> tuple[Entry, str]:
+def tunable_entry(target: str, fmus: Mapping[str, Fmu]) -> tuple[Entry, str]:
+    """Type of an input or tunable parameter, and its file. Raises InputError, FmuVariableError."""
     slave, _, variable = target.partition(".")
     if slave not in fmus:
         raise InputError(f"{target!r}: no slave is named {slave!r}", f"Slaves are {', '.join(fmus)}")
@@ -129,7 +130,7 @@ def _read(path: str | Path, fmus: Mapping[str, Fmu]) -> pd.DataFrame:
     first = table.read(path, TableLayout({"time": "s"}, _EXAMPLE))
     known = {f"{slave}.{variable}" for slave, fmu in fmus.items() for variable in fmu.entries}
     names = [c if c in known else name_and_unit(c)[0] for c in first.columns]  # the index of an element is not a unit
-    found = {n: _entry(n, fmus)[0] for n in names if n.casefold() != "time"}
+    found = {n: tunable_entry(n, fmus)[0] for n in names if n.casefold() != "time"}
     reals = [n for n, entry in found.items() if entry.kind == "Real"]
     units = {n: str(_variable(n, fmus)["unit"]) if n in reals else None for n in found}
     differences = frozenset(n for n in reals if _variable(n, fmus)["relative"])

@@ -64,7 +64,10 @@ def run_report(
 
     Examples
     --------
-    >>> rw.fmu.run_report(master.run(60.0), "run.html")
+    >>> master = rw.fmu.CoSimulation(step=1.0)
+    >>> part = master.add("span", "span.fmu")
+    >>> rw.fmu.run_report(master.run(5.0), "run.html").name
+    'run.html'
     """
     options = ReportOptions(project, units, labels, more)
     style = options.style

@@ -44,6 +44,11 @@ class StepControl:
     ------
     InputError
         An unknown method, a value that is not positive, or a smallest step above the largest.
+
+    Examples
+    --------
+    >>> rw.fmu.StepControl("Richardson", tolerance=1e-5).most
+    10.0
     """
 
     method: Method

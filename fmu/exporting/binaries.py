@@ -17,7 +17,8 @@ def binary_folder(fmi: str, platform: str, platforms: Sequence[str]) -> str:
         return f"{architecture}-{'darwin' if system == 'macos' else system}"
     if system == "linux" and architecture != "x86_64" and "x86_64-linux" in platforms:
         return platform
-    return {"linux": "linux64", "windows": "win64", "macos": "darwin64"}[system]
+    bits = 32 if architecture == "x86" else 64
+    return {"linux": "linux", "windows": "win", "macos": "darwin"}[system] + str(bits)
 
 
 _MACHO = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}  # CPU type and subtype

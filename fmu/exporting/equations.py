@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.errors import InputError
+from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.systems.modelling.dae_model import Model
@@ -147,6 +148,15 @@ class ModelEquations:
         """Discrete variables that can be set during a run, by name: brakes and losses of pressure."""
         own = {variable for variable, _ in SWITCHED.values()}
         return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
+
+    @cached_property
+    def commanded(self) -> dict[int, int]:
+        """Commanded speeds among the inputs, which an emergency stop ramps down, and the places of their corrections by
+        responses among the discrete variables, -1 if there are none."""
+        m = self.model
+        owners = {i: name.rpartition(".")[0] for i, name in enumerate(m.u.names) if name.rpartition(".")[2] == "speed"}
+        driven = {i: owner for i, owner in owners.items() if isinstance(m.system.components[owner], Node)}
+        return {i: m.d.index.get(f"{owner}.correction", -1) for i, owner in driven.items()}
 
     @property
     def borders(self) -> int:

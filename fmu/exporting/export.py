@@ -25,6 +25,7 @@ from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
 from ropeway.fmu.exporting.interface import Interface
+from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
@@ -56,6 +57,7 @@ def export(
     tolerance: float = 1e-6,
     station: float | None = None,
     payload: float | None = None,
+    emergency_stop: float | None = None,
 ) -> Path:
     """Export a system as an FMU for Model Exchange and Co-Simulation.
 
@@ -79,14 +81,18 @@ def export(
     parameters : sequence of str, optional
         Names of the parameters; by default all, and the masses of the loads.
     platforms : sequence of str, default ("host",)
-        Platforms of the binaries: "host", "x86_64-linux", "aarch64-linux", "x86_64-windows", "x86_64-macos",
-        "aarch64-macos"; () for sources only.
+        Platforms of the binaries: "host", "x86_64-linux", "aarch64-linux", "x86-linux", "x86_64-windows",
+        "x86-windows", "x86_64-macos", "aarch64-macos"; () for sources only.
     tolerance : float, default 1e-6
-        Tolerance of the integrator in Co-Simulation, relative and absolute on scaled variables.
+        Tolerance of the integrator in Co-Simulation, relative and absolute on scaled variables, unless the importer
+        gives one.
     station : float, optional
         Start of the carriage of a skyline rig [m]; by default the middle of the first span.
     payload : float, optional
         Payload of a skyline rig [kg]; by default that of its carriage.
+    emergency_stop : float, optional
+        Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
+        an `Intervention` does; by default there is none.
 
     Returns
     -------
@@ -110,9 +116,12 @@ def export(
 
     Examples
     --------
-    >>> rw.fmu.export(line, "line.fmu", fmi="3.0", platforms=("x86_64-linux", "x86_64-windows"))
+    >>> rw.fmu.export(span, "span.fmu", outputs=["a.tension", "b.tension"]).name
+    'span.fmu'
     """
     check.positive(tolerance, "export", "tolerance")
+    if emergency_stop is not None:
+        check.positive(emergency_stop, "export", "emergency_stop", "m/s2")
     target = Path(path)
     if target.suffix != ".fmu":
         raise InputError(f"{str(path)!r} does not end in .fmu", f"Rename it to {target.stem or 'line'}.fmu")
@@ -141,9 +150,10 @@ def export(
             f"{rest.model.name!r} is a line with inertia, which an FMU does not have",
             "Export the system, or an equilibrium of it",
         )
-    interface = Interface(equations, inputs, outputs, parameters)
+    interface = Interface(equations, inputs, outputs, parameters, stops=emergency_stop is not None)
+    settings = model_tables.Settings(tolerance, emergency_stop)
     with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well
-        content = _content(interface, rest, fmi, tolerance, names)
+        content = _content(interface, rest, fmi, settings, names)
         with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
             for name, data in content.items():
                 archive.writestr(name, data)
@@ -151,11 +161,11 @@ def export(
 
 
 def _content(
-    interface: Interface, rest: Equilibrium, fmi: str, tolerance: float, platforms: Sequence[str]
+    interface: Interface, rest: Equilibrium, fmi: str, settings: model_tables.Settings, platforms: Sequence[str]
 ) -> dict[str, bytes]:
     """All files of an FMU, by their path in the archive."""
-    sources = write_sources(interface, fmi, tolerance)
-    about = _about(rest, sources["model_data.c"], tolerance)
+    sources = write_sources(interface, fmi, settings)
+    about = _about(rest, sources["model_data.c"], settings.tolerance)
     compiled = tuple(name for name in sources if name.endswith(".c"))
     place, seen = ("model.png", "../model.png") if fmi == "2.0" else ("documentation/diagram.png", "diagram.png")
     return {
@@ -164,17 +174,24 @@ def _content(
         "documentation/index.html": documentation.page(about, interface, seen if rest.runs else None).encode(),
         **{f"sources/{name}": text.encode() for name, text in sources.items()},
         "sources/buildDescription.xml": model_description.build_description(about, compiled),
+        **_terminals(interface, fmi),
         **_binaries(sources, compiled, fmi, about.identifier, platforms),
     }
 
 
-def write_sources(interface: Interface, fmi: str, tolerance: float) -> dict[str, str]:
+def _terminals(interface: Interface, fmi: str) -> dict[str, bytes]:
+    """The terminals of FMI 3.0."""
+    found = terminals(interface) if fmi == "3.0" else []
+    return {"terminalsAndIcons/terminalsAndIcons.xml": terminals_and_icons(found)} if found else {}
+
+
+def write_sources(interface: Interface, fmi: str, settings: model_tables.Settings) -> dict[str, str]:
     """All C files and headers of an FMU, by name. The fingerprint identifies their content."""
     import fmpy
 
     headers = Path(fmpy.__file__).with_name("c-code")
     model, functions = _model_code(interface.equations)
-    data = model_tables.fill(interface, tolerance)
+    data = model_tables.fill(interface, settings)
     templates = {**core_files(), "fmi_shared.h": (_TEMPLATES / "fmi_shared.h").read_text()}
     wrapper = f"fmi{fmi[0]}.c"
     content = hashlib.sha256("".join([fmi, *model.values(), data.source(), *templates.values()]).encode()).hexdigest()

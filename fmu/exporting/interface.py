@@ -51,6 +51,7 @@ class References:
     limit: int
     passed: int
     switch: int
+    stop: int
     end: int
 
 
@@ -58,7 +59,8 @@ class Interface:
     """The variables of an FMU.
 
     `inputs`, `outputs`, `parameters`: their names; None: all inputs without a Schedule; all outputs, states, travels
-    and coordinates; all parameters and load masses. Switches (`c1.brake`, `c1.pressure_lost`) can be inputs: Booleans.
+    and coordinates; all parameters and load masses. `stops`: an emergency stop is an input too. Switches (`c1.brake`,
+    `c1.pressure_lost`) can be inputs: Booleans.
     Raises InputError, UnknownNameError.
     """
 
@@ -68,16 +70,20 @@ class Interface:
         inputs: Sequence[str] | None,
         outputs: Sequence[str] | None,
         parameters: Sequence[str] | None,
+        *,
+        stops: bool = False,
     ) -> None:
         m = equations.model
-        self.equations = equations
+        self.equations, self.stops = equations, stops
+        if stops and not equations.commanded:
+            raise InputError(f"{m.name!r} has no drive with a commanded speed", "Omit emergency_stop")
         self.supports = [(r, k) for r, run in enumerate(equations.state.runs) for k in range(len(run.nodes))]
         sizes = [1, len(m.x), len(m.x), len(m.z), len(m.u), len(m.p), len(equations.masses), len(m.y)]
         sizes += [len(self.supports) + len(m.limits.output) + equations.borders]
         sizes += [len(m.limits.output), len(self.supports)]
-        sizes += [len(equations.switches)]
+        sizes += [len(equations.switches), int(stops)]
         self.first = References(*(int(n) for n in np.cumsum(sizes)))
-        self._mass_names = [name for names in equations.mass_names for name in names]
+        self.mass_names = [name for names in equations.mass_names for name in names]
         self.limit_names = [_limit_name(c, e) for c, e in zip(m.limits.components, m.limits.events, strict=True)]
         self.passed_names = self._passed_names()
         self.inputs = self._inputs(inputs)
@@ -105,7 +111,7 @@ class Interface:
         return tuple(_known(names, (*m.y.names, *everywhere, *m.x.names, *discrete), "an output"))
 
     def _parameters(self, names: Sequence[str] | None) -> tuple[str, ...]:
-        every = (*self.equations.model.p.names, *self._mass_names)
+        every = (*self.equations.model.p.names, *self.mass_names)
         return every if names is None else tuple(_known(names, every, "a parameter"))
 
     def _passed_names(self) -> dict[int, str]:
@@ -186,26 +192,33 @@ class Interface:
             for i, (v, signal) in enumerate(zip(_rows(m.u), m.signals, strict=True))
             if v.name in self.inputs
         ]
-        fixed = FmuVariable("", -1, "Real", "parameter", "fixed", "mass of the load", "kg", initial="exact")
+        known = FmuVariable("", -1, "Real", "parameter", "tunable", "mass of the load", "kg", initial="exact")
         parameters = [
             replace(
-                fixed,
+                known,
                 name=v.name,
                 reference=first.p + i,
                 description=v.description,
                 unit=v.unit,
                 nominal=v.nominal,
                 start=float(point.p[i]),
+                variability="tunable" if self.is_tunable(v.name) else "fixed",
             )
             for i, v in enumerate(_rows(m.p))
             if v.name in self.parameters
         ]
         masses = [
-            replace(fixed, name=name, reference=first.mass + i, start=float(mass))
-            for i, (name, mass) in enumerate(zip(self._mass_names, self.equations.masses, strict=True))
+            replace(known, name=name, reference=first.mass + i, start=float(mass))
+            for i, (name, mass) in enumerate(zip(self.mass_names, self.equations.masses, strict=True))
             if name in self.parameters
         ]
         return [*inputs, *parameters, *masses]
+
+    def is_tunable(self, parameter: str) -> bool:
+        """Whether a parameter may change during a run: all but the unstretched lengths, which place the loads."""
+        m = self.equations.model
+        i = m.p.index.get(parameter)
+        return i is None or not any(i in layout.length_start for layout in m.layouts)
 
     def _results(self) -> list[FmuVariable]:
         return [
@@ -294,7 +307,14 @@ class Interface:
             for i, (name, entry) in enumerate(self.equations.switches.items())
             if name in self.inputs
         ]
-        return [*limits, *passed, *switches]
+        return [*limits, *passed, *switches, *self._emergency_stop()]
+
+    def _emergency_stop(self) -> list[FmuVariable]:
+        """It has no direct effect: speeds go down from their present values."""
+        if not self.stops:
+            return []
+        what = "true: ramps all commanded speeds down to zero, and stops all responses"
+        return [FmuVariable("emergency_stop", self.first.stop, "Boolean", "input", "discrete", what, start=False)]
 
     @cached_property
     def known_references(self) -> list[int]:

@@ -38,7 +38,7 @@ class About:
 def model_description(fmi: str, about: About, interface: Interface, sources: Sequence[str]) -> bytes:
     """modelDescription.xml of FMI version `fmi`; `sources`: C files to compile."""
     root = _fmi2(about, interface, sources) if fmi == "2.0" else _fmi3(about, interface)
-    return _written(root)
+    return written(root)
 
 
 def build_description(about: About, sources: Sequence[str]) -> bytes:
@@ -49,10 +49,11 @@ def build_description(about: About, sources: Sequence[str]) -> bytes:
     for name in sources:
         ElementTree.SubElement(files, "SourceFile", name=name)
     ElementTree.SubElement(build, "Library", name="m")
-    return _written(root)
+    return written(root)
 
 
-def _written(root: ElementTree.Element) -> bytes:
+def written(root: ElementTree.Element) -> bytes:
+    """A document with indentation."""
     ElementTree.indent(root)
     written: bytes = ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
     return written
@@ -112,7 +113,8 @@ def _fmi2(about: About, interface: Interface, sources: Sequence[str]) -> Element
         "canSerializeFMUstate": True,
         "providesDirectionalDerivative": True,
     }
-    for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": True})):
+    steps = {"canHandleVariableCommunicationStepSize": True, "canInterpolateInputs": True}
+    for kind, more in (("ModelExchange", {}), ("CoSimulation", steps)):
         element = ElementTree.SubElement(root, kind, _attributes(**can, **more))
         files = ElementTree.SubElement(element, "SourceFiles")
         for name in sources:
@@ -155,17 +157,23 @@ def _fmi3(about: About, interface: Interface) -> ElementTree.Element:
     # A carriage continues from the last accepted step.
     accepted = {"needsCompletedIntegratorStep": True} if interface.equations.corridor else {}
     ElementTree.SubElement(root, "ModelExchange", _attributes(**can, **accepted))
-    ElementTree.SubElement(root, "CoSimulation", _attributes(**can, canHandleVariableCommunicationStepSize=True))
+    own = {
+        "canHandleVariableCommunicationStepSize": True,
+        "providesIntermediateUpdate": True,
+        "hasEventMode": True,
+    }
+    ElementTree.SubElement(root, "CoSimulation", _attributes(**can, **own))
     _common(root, about, interface)
     by_name = {v.name: v for v in interface.variables}
     variables = ElementTree.SubElement(root, "ModelVariables")
     for v in interface.variables:
         real = {"unit": v.unit, "nominal": v.nominal} if v.kind == "Real" else {}
         of = by_name[v.state].reference if v.state else None
+        within = True if v.kind == "Real" and v.causality == "input" and v.variability == "continuous" else None
         ElementTree.SubElement(
             variables,
             _TYPES[v.kind],
-            _attributes(**_attributes_of(v), **real, start=v.start, derivative=of),
+            _attributes(**_attributes_of(v), **real, start=v.start, derivative=of, intermediateUpdate=within),
         )
     structure = ElementTree.SubElement(root, "ModelStructure")
     groups = (

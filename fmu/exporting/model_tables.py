@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,11 +17,21 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import loads_once
 from ropeway.systems.statics.pending_events import Pending
 
+
+@dataclass(frozen=True)
+class Settings:
+    """Tolerance of the integrator; deceleration of an emergency stop [m/s2], None if it is not an input."""
+
+    tolerance: float
+    emergency_stop: float | None = None
+
+
 _HIDDEN, _READ, _PARAMETER, _INPUT, _STATE = range(5)
 
 
-def fill(interface: Interface, tolerance: float) -> Tables:
+def fill(interface: Interface, settings: Settings) -> Tables:
     """The tables of an FMU."""
+    tolerance = settings.tolerance
     tables = Tables()
     equations = interface.equations
     m, state, point = equations.model, equations.state, equations.state.point
@@ -37,7 +48,10 @@ def fill(interface: Interface, tolerance: float) -> Tables:
     tables.integers("switch", equations.switches.values())
     tables.integers("switch_shown", [name in interface.inputs for name in equations.switches])
     tables.integers("access", _access(interface))
+    tables.integers("tunable", [interface.is_tunable(name) for name in (*m.p.names, *interface.mass_names)])
+    tables.texts("variable_name", _names(interface))
     _schedules(tables, interface)
+    _stops(tables, equations.commanded if interface.stops else {}, settings)
     _runs(tables, interface)
     _limits(tables, m, interface)
     _clocks(tables, m, equations.pending)
@@ -77,6 +91,21 @@ def _access(interface: Interface) -> np.ndarray:
             access[v.reference] = {"parameter": _PARAMETER, "input": _INPUT}.get(v.causality, _READ)
     access[first.x : first.dx] = _STATE
     return access
+
+
+def _names(interface: Interface) -> list[str]:
+    """Name of each variable by its reference, "" if it is not exported."""
+    names = [""] * interface.first.end
+    for v in interface.variables:
+        names[v.reference] = v.name
+    return names
+
+
+def _stops(tables: Tables, commanded: Mapping[int, int], settings: Settings) -> None:
+    tables.size("NE", len(commanded))
+    tables.size("STOP_DECELERATION", settings.emergency_stop or 1.0)
+    tables.integers("stop_input", commanded)
+    tables.integers("stop_correction", commanded.values())
 
 
 def _schedules(tables: Tables, interface: Interface) -> None:

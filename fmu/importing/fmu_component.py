@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import casadi as ca
-import fmpy
 import numpy as np
 import pandas as pd
 
@@ -45,6 +44,12 @@ class FmuComponent(Component):
         Its variables in SI units.
     scales : mapping of str
         Factor and offset of each variable to SI units.
+
+    Examples
+    --------
+    >>> unit = rw.fmu.component("unit", "span.fmu", ignore_events=True)
+    >>> unit.name
+    'unit'
     """
 
     external: ClassVar[bool] = True
@@ -128,11 +133,16 @@ def component(
 
     Examples
     --------
-    >>> unit = system.add(rw.fmu.component("unit", "power_unit.fmu"))
-    >>> system.connect(unit.output("flow"), sheave.input("pump_flow"))
+    >>> rw.fmu.component("other", "span.fmu", ignore_events=True).output("a.tension").name
+    'a.tension'
     """
     check.name(name, "FMU component")
     file = fmu if isinstance(fmu, Fmu) else load(fmu)
+    if file.isolated:
+        raise FmuImportError(
+            f"{file.path.name} is isolated: a component runs in the process of the session",
+            "Load it with isolated=False, or couple it by CoSimulation",
+        )
     require_kind(file, "ModelExchange")
     values = dict(parameters or {})
     for key, value in values.items():
@@ -148,7 +158,7 @@ def component(
         )
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
-        fmpy.extract(str(file.path), unzipdir=folder)
+        file.unpack(folder)
         make_readable(Path(folder), tunes=_tunes(file, name, values))
         dae = ca.DaeBuilder(name, folder)
         # CasADi reads only real outputs.

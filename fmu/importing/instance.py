@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import weakref
+from collections.abc import Callable, Mapping, Sequence
 from ctypes import byref
-from threading import Lock
+from pathlib import Path
 from typing import Any
 
 import fmpy
@@ -16,18 +15,21 @@ import numpy as np
 from fmpy import fmi2 as binding2, fmi3 as binding3
 from fmpy.fmi1 import FMICallException
 
-from ropeway.fmu.errors import FmuImportError, FmuRunError, FmuVariableError
-from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError, FmuVariableError
+from ropeway.fmu.importing.input_ramps import InputRamp
+from ropeway.fmu.importing.interface import FmuInterface
+from ropeway.fmu.importing.loading import (
+    KeptWorkingFolder,
+    close_library,
+    loaded,
+    release,
+    reserve,
+    restored_working_folder,
+)
 from ropeway.fmu.importing.variable_access import Access, Group
 from ropeway.fmu.importing.variable_types import Value
 from ropeway.systems.interrupts import stop_if_interrupted
 
-_CLASSES = {
-    ("CoSimulation", False): binding2.FMU2Slave,
-    ("ModelExchange", False): binding2.FMU2Model,
-    ("CoSimulation", True): binding3.FMU3Slave,
-    ("ModelExchange", True): binding3.FMU3Model,
-}
 _IN_3 = {
     "getFMUstate": "getFMUState",
     "setFMUstate": "setFMUState",
@@ -39,12 +41,11 @@ _IN_3 = {
 _DISCARD, _ERROR, _FATAL = 2, 3, 4
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3
 """Status kinds of FMI 2.0."""
+KEPT = 1000
+"""Messages that are kept at least."""
 
 
-_LOADING = Lock()
-
-
-def require_kind(fmu: Fmu, kind: str) -> None:
+def require_kind(fmu: FmuInterface, kind: str) -> None:
     """Raises FmuImportError unless an FMU supports a kind ("ModelExchange", "CoSimulation") on this platform."""
     if fmu.kinds == ("ScheduledExecution",):
         raise FmuImportError(
@@ -65,46 +66,65 @@ def require_kind(fmu: Fmu, kind: str) -> None:
 class Instance:
     """An open instance.
 
-    `time`: its last communication point or event [s]; `ended`: why the FMU ended the run, or None; `log`: its messages.
-    Raises FmuImportError.
+    `time`: its last communication point or event [s]; `ended`: why the FMU ended the run, or None; `log`: its last
+    messages, of `noted` ones in all; `interpolated`: inputs that may be linear within a step; `ramped`: they are.
+    `folder`: where it is unpacked; by default it is unpacked into a folder of its own, which `close` removes. Raises
+    FmuImportError.
     """
 
-    def __init__(self, fmu: Fmu, name: str, kind: str) -> None:
+    def __init__(self, fmu: FmuInterface, name: str, kind: str, folder: Path | None = None) -> None:
         require_kind(fmu, kind)
         self.fmu, self.name = fmu, name
         self.log: list[str] = []
+        self.noted = 0
         self.time = 0.0
         self.ended: str | None = None
         description = fmu.description
         section = description.modelExchange if kind == "ModelExchange" else description.coSimulation
         self.keeps_states = bool(section.canGetAndSetFMUstate)
-        self.interpolates = bool(getattr(section, "canInterpolateInputs", False))
+        self._three = fmu.fmi != "2.0"
+        self._ramp, self.ramped = InputRamp(), False
+        self.interpolated = _interpolated(fmu, section) if kind == "CoSimulation" else frozenset()
         self.differentiates = bool(section.providesDirectionalDerivative)
         self.varies_steps = bool(getattr(section, "canHandleVariableCommunicationStepSize", True))
-        self._three = fmu.fmi != "2.0"
         self._worst = 0
         self._open = self._running = False
         self._stop: float | None = None
-        self._folder = tempfile.mkdtemp(prefix="ropeway-")
+        self._fmu: Any = None
+        reserve(fmu, section)
+        own = tempfile.mkdtemp(prefix="ropeway-") if folder is None else None
+        self._cleared = weakref.finalize(self, _clear, fmu, own)
         try:
-            fmpy.extract(str(fmu.path), unzipdir=self._folder)
-            with _restored_working_folder():
-                self._fmu: Any = _CLASSES[kind, self._three](
+            if own is not None:
+                fmu.unpack(own)
+            with restored_working_folder():
+                self._fmu = loaded(
+                    kind,
+                    self._three,
                     guid=description.guid or description.instantiationToken,
-                    unzipDirectory=self._folder,
+                    unzipDirectory=str(own or folder),
                     modelIdentifier=section.modelIdentifier,
                     instanceName=name,
                 )
                 self._instantiate()
+        except FmuError:
+            self._cleared()
+            raise
         except Exception as error:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            raise FmuImportError(f"{fmu.path.name} cannot be instantiated: {error}{self._log_tail()}") from error
+            close_library(self._fmu)
+            self._cleared()
+            tool = "It needs the tool that exported it" if section.needsExecutionTool else ""
+            raise FmuImportError(f"{fmu.path.name} cannot be instantiated: {error}{self._log_tail()}", tool) from error
         self._access = Access(fmu, self._fmu, self._three)
         self._open = True
 
     def _instantiate(self) -> None:
         if self._three:
-            self._fmu.instantiate(logMessage=lambda _, status, category, text: self._note(status, text))
+            log: dict[str, Any] = {"logMessage": lambda _, status, category, text: self._note(status, text)}
+            if self.interpolated:
+                inputs = [self.fmu.entries[name].reference for name in self.interpolated]
+                log |= {"intermediateUpdate": self._ramp.update, "requiredIntermediateVariables": inputs}
+            self._fmu.instantiate(**log)
             return
         self._callbacks = binding2.fmi2CallbackFunctions()
         self._callbacks.logger = binding2.fmi2CallbackLoggerTYPE(
@@ -116,7 +136,10 @@ class Instance:
 
     def _note(self, status: int, text: bytes) -> None:
         if status > 0:
+            self.noted += 1
             self.log.append(text.decode(errors="replace"))
+            if len(self.log) > 2 * KEPT:
+                del self.log[:KEPT]
 
     def _log_tail(self) -> str:
         return f". Its log: {' | '.join(self.log[-3:])}" if self.log else ""
@@ -148,21 +171,23 @@ class Instance:
         """Sets start values and begins the initialisation. Raises FmuRunError, FmuVariableError."""
         self.time, self._stop = start, stop
         taken = self.fmu.values(values)
-        if self._three:
-            if self.fmu.structure:
-                self.call("other sizes", "enterConfigurationMode")
-                self.set(self.fmu.structure)
-                self.call("other sizes", "exitConfigurationMode")
-            self.set(taken)
-            self.call("the initialisation", "enterInitializationMode", startTime=start, stopTime=stop)
-        else:
-            self.call("the start time", "setupExperiment", startTime=start, stopTime=stop)
-            self.set(taken)
-            self.call("the initialisation", "enterInitializationMode")
+        with KeptWorkingFolder():
+            if self._three:
+                if self.fmu.structure:
+                    self.call("other sizes", "enterConfigurationMode")
+                    self.set(self.fmu.structure)
+                    self.call("other sizes", "exitConfigurationMode")
+                self.set(taken)
+                self.call("the initialisation", "enterInitializationMode", startTime=start, stopTime=stop)
+            else:
+                self.call("the start time", "setupExperiment", startTime=start, stopTime=stop)
+                self.set(taken)
+                self.call("the initialisation", "enterInitializationMode")
 
     def leave(self) -> None:
         """Ends the initialisation. Raises FmuRunError."""
-        self.call("the initialisation", "exitInitializationMode")
+        with KeptWorkingFolder():
+            self.call("the initialisation", "exitInitializationMode")
         self._running = True
 
     def set(self, values: Mapping[str, object]) -> None:
@@ -183,27 +208,37 @@ class Instance:
         """Values of variables. Raises FmuRunError, FmuVariableError."""
         found: list[Value] = [0.0] * len(names)
         for group in self._access.groups(tuple(names)):
-            for place, value in zip(group.places, self._shown(group), strict=True):
+            for place, value in zip(group.places, self._shown(group, self._access.read), strict=True):
                 found[place] = value
         return found
 
     def get(self, names: Sequence[str]) -> np.ndarray:
         """Values of numbers, of Booleans 0 and 1. Raises FmuRunError, FmuVariableError."""
+        groups = self._access.groups(tuple(names))
+        if len(groups) == 1:
+            return np.array(self._shown(groups[0], self._access.numbers), dtype=float)
         values = np.zeros(len(names))
-        for group in self._access.groups(tuple(names)):
-            values[group.places] = self._shown(group)
+        for group in groups:
+            values[group.places] = self._shown(group, self._access.numbers)
         return values
 
-    def _shown(self, group: Group) -> list[Any]:
+    def _shown(self, group: Group, read: Callable[[Group], Any]) -> Any:
         try:
-            return self._access.read(group)
+            return read(group)
         except FMICallException as error:
             raise self._refused(f"the values of {group.label}", error) from error
 
-    def set_rates(self, rates: Mapping[str, float]) -> None:
-        """Sets rates of inputs in the next step (FMI 2.0). Raises FmuRunError."""
-        where = self._access.references(rates)
-        self.call("rates of inputs", "setRealInputDerivatives", where, [1] * len(where), list(rates.values()))
+    def ramp(self, start: Mapping[str, float], rates: Mapping[str, float]) -> None:
+        """Values of inputs now, and their rates in the next step. Raises FmuRunError."""
+        self.set(start)
+        self.ramped = any(rates[name] for name in start)
+        where = self._access.references(start)
+        if self._three:
+            lines = zip(start.values(), (rates[n] for n in start), strict=True)
+            self._ramp.begin(self._fmu, self.time, dict(zip(where, lines, strict=True)))
+        else:
+            slopes = [rates[n] for n in start]
+            self.call("rates of inputs", "setRealInputDerivatives", where, [1] * len(where), slopes)
 
     def derivative(self, outputs: Sequence[str], name: str) -> np.ndarray:
         """Derivatives of scalar variables by an input. Raises FmuRunError."""
@@ -215,9 +250,18 @@ class Instance:
         goal = self.time + size
         if self._stop is not None and abs(goal - self._stop) <= 1e-9 * size:
             goal = self._stop  # rounding must not take a sum of steps beyond the stop time
+        try:
+            self._step_to(goal, size)
+        finally:
+            refusal = self._ramp.end()
+        if refusal is not None:
+            raise self._refused("values for its inputs within a step", refusal)
+
+    def _step_to(self, goal: float, size: float) -> None:
         while goal - self.time > 1e-9 * size:
             stop_if_interrupted()
-            reached, ends = self._step_in_3(goal) if self._three else self._step_in_2(goal)
+            with KeptWorkingFolder():
+                reached, ends = self._step_in_3(goal) if self._three else self._step_in_2(goal)
             if reached <= self.time and not ends:
                 raise self.error("returned from a step without advancing", "Check its inputs at that time")
             self.time = goal if goal - reached <= 1e-9 * size else reached
@@ -285,29 +329,36 @@ class Instance:
         self.call("freeing a state", "freeFMUstate", state)
 
     def close(self) -> None:
-        """Terminates and frees the instance; after a fatal error no call is allowed."""
+        """Terminates and frees the instance, and closes its library; after a fatal error no call is allowed."""
         if not self._open:
             return
         self._open = False
-        if self._running and self._worst < _ERROR:
-            try:
-                self._fmu.terminate()
-            except FMICallException:
-                self.log.append("Termination failed")
-        if self._worst < _FATAL:
-            self._fmu.freeInstance()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        with KeptWorkingFolder():
+            if self._running and self._worst < _ERROR:
+                try:
+                    self._fmu.terminate()
+                except FMICallException:
+                    self.log.append("Termination failed")
+            if self._worst < _FATAL:
+                self._fmu.freeInstance()
+            else:
+                close_library(self._fmu)
+        self._cleared()
 
 
-@contextmanager
-def _restored_working_folder() -> Iterator[None]:
-    """Restores the working folder: FMPy enters the folder of a library to load it, and stays there on failure.
+def _interpolated(fmu: FmuInterface, section: Any) -> frozenset[str]:
+    """Inputs that may be linear within a step of Co-Simulation: scalars of double precision."""
+    three = fmu.fmi != "2.0"
+    if not getattr(section, "providesIntermediateUpdate" if three else "canInterpolateInputs"):
+        return frozenset()
+    known = {v.valueReference for v in fmu.description.modelVariables if v.intermediateUpdate or not three}
+    inputs = {n: e for n, e in fmu.entries.items() if e.causality == "input" and e.continuous}
+    return frozenset(
+        n for n, e in inputs.items() if e.size == 1 and e.type in ("Real", "Float64") and e.reference in known
+    )
 
-    Threads share one working folder, hence the lock.
-    """
-    with _LOADING:
-        folder = os.getcwd()
-        try:
-            yield
-        finally:
-            os.chdir(folder)
+
+def _clear(fmu: FmuInterface, folder: str | None) -> None:
+    release(fmu)
+    if folder is not None:
+        shutil.rmtree(folder, ignore_errors=True)

@@ -9,10 +9,10 @@ import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.fmu.errors import FmuRunError, FmuVariableError
+from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.importing.fmu_file import Fmu
-from ropeway.fmu.importing.instance import Instance
-from ropeway.fmu.importing.model_exchange_integrator import Integrator
+from ropeway.fmu.importing.isolated_slave import IsolatedSlave
+from ropeway.fmu.importing.local_slave import LocalSlave
 from ropeway.fmu.importing.variable_types import Value
 
 
@@ -25,32 +25,29 @@ class OpenFmu:
 
     def __init__(self, fmu: Fmu, name: str = "slave", kind: str = "CoSimulation", tolerance: float = 1e-8) -> None:
         self.fmu, self.name, self.kind = fmu, name, kind
-        self._instance = Instance(fmu, name, kind)
-        self._integrator = Integrator(self._instance, tolerance) if kind == "ModelExchange" else None
-        self.can_restore = self._integrator is not None or self._instance.keeps_states
-        self.can_interpolate = self._integrator is not None or self._instance.interpolates
-
-        self._continuous = frozenset(n for n, entry in fmu.entries.items() if entry.continuous)
+        kind_of_slave = IsolatedSlave if fmu.isolated else LocalSlave
+        self._slave: IsolatedSlave | LocalSlave = kind_of_slave(fmu, name, kind, tolerance)
+        self.can_restore, self.can_interpolate = self._slave.can_restore, self._slave.can_interpolate
 
     @property
     def time(self) -> float:
         """Its time [s]."""
-        return self._instance.time
+        return self._slave.time
 
     @property
     def ended(self) -> str | None:
         """Why the FMU ended the run; None if it has not."""
-        return self._instance.ended
+        return self._slave.ended
 
     @property
     def varies_steps(self) -> bool:
         """Whether its steps may have different lengths."""
-        return self._integrator is not None or self._instance.varies_steps
+        return self._slave.varies_steps
 
     @property
     def log(self) -> list[str]:
         """Its warnings and errors."""
-        return self._instance.log
+        return self._slave.log
 
     def enter(self, start: float, values: Mapping[str, object], stop: float | None = None) -> None:
         """Set start values and begin the initialisation.
@@ -71,7 +68,7 @@ class OpenFmu:
         FmuVariableError
             An unknown variable, or a value of the wrong type.
         """
-        self._instance.enter(start, values, stop)
+        self._slave.enter(start, values, stop)
 
     def leave(self) -> None:
         """End the initialisation.
@@ -81,9 +78,7 @@ class OpenFmu:
         FmuRunError
             The FMU rejected the call.
         """
-        self._instance.leave()
-        if self._integrator is not None:
-            self._integrator.begin()
+        self._slave.leave()
 
     def set(self, values: Mapping[str, object]) -> None:
         """Set variables; discrete ones cause an event in Model Exchange.
@@ -102,12 +97,7 @@ class OpenFmu:
         FmuVariableError
             An unknown variable, or a value of the wrong type.
         """
-        if self.ended is not None:
-            return
-        if self._integrator is not None:
-            self._integrator.set(values)
-        else:
-            self._instance.set(values)
+        self._slave.set(values)
 
     def read(self, names: Sequence[str]) -> list[Value]:
         """Read variables of any type.
@@ -129,7 +119,7 @@ class OpenFmu:
         FmuVariableError
             An unknown variable, or a value of the wrong type.
         """
-        return self._instance.read(names)
+        return self._slave.read(names)
 
     def get(self, names: Sequence[str]) -> np.ndarray:
         """Read numbers and Booleans.
@@ -151,7 +141,7 @@ class OpenFmu:
         FmuVariableError
             An unknown variable, or a value of the wrong type.
         """
-        return self._instance.get(names)
+        return self._slave.get(names)
 
     def derivatives(self, outputs: Sequence[str], inputs: Mapping[str, float]) -> np.ndarray:
         """Derivatives of outputs by inputs.
@@ -177,19 +167,7 @@ class OpenFmu:
         """
         if not inputs:
             return np.empty((len(outputs), 0))
-        if self._instance.differentiates:
-            try:
-                return np.column_stack([self._instance.derivative(outputs, name) for name in inputs])
-            except FmuRunError as error:  # some FMUs declare derivatives that they do not provide
-                if error.fatal:
-                    raise
-        before, columns = self.get(outputs), []
-        for name, value in inputs.items():
-            shift = 1e-6 * (1.0 + abs(value))
-            self.set({name: value + shift})
-            columns.append((self.get(outputs) - before) / shift)
-            self.set({name: value})
-        return np.column_stack(columns)
+        return self._slave.derivatives(outputs, inputs)
 
     def step(self, size: float, start: Mapping[str, float], end: Mapping[str, float]) -> None:
         """Advance by a step; it ends early if the FMU ends the run, see `ended`.
@@ -209,22 +187,7 @@ class OpenFmu:
         FmuRunError
             The FMU rejected the call.
         """
-        if not start.keys() <= self._continuous:
-            self.set({n: v for n, v in start.items() if n not in self._continuous})
-            start = {n: v for n, v in start.items() if n in self._continuous}
-        if self.ended is not None:
-            return
-        if self._integrator is not None:
-            self._integrator.advance(size, start, end)
-            return
-        changes = {n: (end[n] - v) / size for n, v in start.items()}
-        if self.can_interpolate and any(changes.values()):
-            self.set(start)
-            self._instance.set_rates(changes)
-        else:
-            self.set({n: (v + end[n]) / 2.0 for n, v in start.items()})
-        self._instance.do_step(size)
-        self.set({n: end[n] for n in start})
+        self._slave.step(size, start, end)
 
     def save(self) -> Any:
         """Save the state; free it with `forget`.
@@ -243,27 +206,19 @@ class OpenFmu:
         """
         if not self.can_restore:
             raise InputError(f"{self.name!r} cannot restore its state", "Couple it without iteration")
-        return self._integrator.save() if self._integrator is not None else (self.time, self._instance.save())
+        return self._slave.save()
 
     def restore(self, state: Any) -> None:
         """Restore a saved state. Raises FmuRunError."""
-        if self._integrator is not None:
-            self._integrator.restore(state)
-        else:
-            self._instance.time, kept = state
-            self._instance.ended = None
-            self._instance.restore(kept)
+        self._slave.restore(state)
 
     def forget(self, state: Any) -> None:
         """Frees a saved state."""
-        if self._integrator is not None:
-            self._integrator.forget(state)
-        else:
-            self._instance.forget(state[1])
+        self._slave.forget(state)
 
     def close(self) -> None:
         """Close the instance."""
-        self._instance.close()
+        self._slave.close()
 
     def __enter__(self) -> Self:
         return self
@@ -293,6 +248,12 @@ class Slave(OpenFmu):
     ------
     FmuImportError
         The FMU cannot be used on this platform, or in this way.
+
+    Examples
+    --------
+    >>> slave = rw.fmu.Slave(rw.fmu.load("span.fmu"))
+    >>> slave.name
+    'slave'
     """
 
     __init__ = OpenFmu.__init__

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from ctypes import POINTER, c_size_t, c_uint8, cast
+from collections.abc import Iterable, Mapping, Sequence
+from ctypes import POINTER, c_double, c_size_t, c_uint8, c_uint32, cast
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from fmpy import fmi3 as binding3
 
-from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.variable_types import Value, kind_of, taken_by
 
 _IN_2 = {"Enumeration": "Integer"}
@@ -24,7 +25,7 @@ class Group:
     `names`: the requested variables; `places`: their positions in the request; `references`: value references, arrays
     once; `count`: number of all elements; `picked`: positions of the requested values among these; `scalars`: no array
     is among them; `real`: they are real; `label`: the names, for messages; `fixed`: one that cannot change during a
-    run.
+    run; `doubles`: the memory through which scalars of double precision are passed.
     """
 
     type: str
@@ -37,13 +38,27 @@ class Group:
     real: bool
     label: str
     fixed: str
+    doubles: Doubles | None
+
+
+class Doubles:
+    """References, and memory for their values as `ctypes` and NumPy see it."""
+
+    __slots__ = ("count", "numbers", "references", "values")
+
+    def __init__(self, references: Sequence[int]) -> None:
+        self.count = len(references)
+        self.references = (c_uint32 * self.count)(*references)
+        self.values = (c_double * self.count)()
+        self.numbers = np.ctypeslib.as_array(self.values)
 
 
 class Access:
     """Values of an instance, given its FMU and FMPy's object."""
 
-    def __init__(self, fmu: Fmu, opened: Any, three: bool) -> None:
+    def __init__(self, fmu: FmuInterface, opened: Any, three: bool) -> None:
         self._fmu, self._opened, self._three = fmu, opened, three
+        self._get, self._set = ("fmi3GetFloat64", "fmi3SetFloat64") if three else ("fmi2GetReal", "fmi2SetReal")
         self._groups: dict[tuple[str, ...], list[Group]] = {}  # cached: the same variables are read at every step
 
     def references(self, names: Iterable[str]) -> list[int]:
@@ -73,6 +88,8 @@ class Access:
             for name, e in zip(own, entries, strict=True)
             if e.causality in ("parameter", "calculatedParameter", "structuralParameter") and e.variability != "tunable"
         ]
+        scalars = count == len(own) == len(first)
+        doubles = Doubles(list(first)) if scalars and fmi_type in ("Real", "Float64") else None
         return Group(
             (_IN_3 if self._three else _IN_2).get(fmi_type, fmi_type),
             own,
@@ -80,14 +97,31 @@ class Access:
             list(first),
             count,
             [first[e.reference] + e.place for e in entries],
-            count == len(own) == len(first),
+            scalars,
             kind_of(fmi_type) == "Real",
             ", ".join(own),
             fixed[0] if fixed else "",
+            doubles,
         )
+
+    def _pass(self, function: str, doubles: Doubles) -> None:
+        more = (doubles.count,) if self._three else ()
+        call = getattr(self._opened, function)
+        call(self._opened.component, doubles.references, doubles.count, doubles.values, *more)
+
+    def numbers(self, group: Group) -> np.ndarray | list[Value]:
+        """Values of a group's names, as numbers."""
+        if group.doubles is None:
+            return self.read(group)
+        self._pass(self._get, group.doubles)
+        return group.doubles.numbers
 
     def read(self, group: Group) -> list[Value]:
         """Values of a group's names."""
+        if group.doubles is not None:
+            self._pass(self._get, group.doubles)
+            found: list[Value] = group.doubles.numbers.tolist()
+            return found
         values_read = self._whole(group)
         return values_read if group.scalars else [values_read[i] for i in group.picked]
 
@@ -117,6 +151,10 @@ class Access:
         own: list[Any] = [values[name] for name in group.names]
         if not group.real or any(type(value) is not float for value in own):
             own = [taken_by(entry[name], name, file, value) for name, value in zip(group.names, own, strict=True)]
+        if group.doubles is not None:
+            group.doubles.values[:] = own
+            self._pass(self._set, group.doubles)
+            return
         if not group.scalars:
             given = len(set(group.picked)) == group.count
             every = [None] * group.count if given else self._whole(group)

@@ -54,6 +54,12 @@ class Result(RunData):
         Crossings, responses and interventions; `events` has the limits reached too.
     tolerance : float
         Of the integration.
+
+    Examples
+    --------
+    >>> result = rw.simulate(line, 10.0, every=1.0)
+    >>> result.frame.shape[0], result.frame.attrs["units"]["c1.tension_in"]
+    (11, 'N')
     """
 
     def __repr__(self) -> str:

@@ -113,15 +113,17 @@ def simulate(
 
     Examples
     --------
-    >>> result = rw.simulate(line, 600.0, interventions=[rw.Intervention(60.0, "brake", "c1")])  # doctest: +SKIP
-    >>> result.frame["c1.tension_in"].max()  # doctest: +SKIP
-    61234.5
+    >>> result = rw.simulate(line, 30.0)
+    >>> print(f"{result.frame['c1.tension_in'].max() / 1e3:.1f} kN")
+    46.8 kN
+    >>> result.events["event"].unique().tolist()
+    ['crossing forward', 'load put on', 'load taken off']
     """
     check.positive(until, "simulate", "until", "s")
     check.positive(every, "simulate", "every", "s")
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
-    model = in_weather(system, environment)
+    model = in_weather(system, environment, inputs or ())
     if model.inertia is not None:
         raise InputError(f"{model.name!r} is a model with inertia", "Give the system and inertia=")
     signals = signals_of(model, inputs or {}, until)

@@ -68,7 +68,8 @@ def export_gis(
 
     Examples
     --------
-    >>> export_gis(rw.payload(rig, clearance=1.0), "corridor.gpkg")  # doctest: +SKIP
+    >>> rw.export_gis(rig, "corridor.dxf").name
+    'corridor.dxf'
     """
     target = Path(path)
     ending = target.suffix.lower()

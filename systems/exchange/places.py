@@ -67,7 +67,8 @@ def places(of: SkylineRig | System | Equilibrium | RunData | OfRig) -> pd.DataFr
 
     Examples
     --------
-    >>> rw.places(rig)[["station", "azimuth", "distance"]]
+    >>> rw.places(rig)[["easting", "northing"]].round(1).to_numpy().tolist()
+    [[2600010.0, 1200000.0], [2600310.0, 1200000.0]]
     """
     if not isinstance(of, SkylineRig | System | Equilibrium | RunData):
         of = of.rig

@@ -26,6 +26,12 @@ class StudyInputs:
         What is studied.
     arguments : mapping, optional
         The arguments of the study by name, such as {"safety_factor": 3.0}.
+
+    Examples
+    --------
+    >>> inputs = rw.StudyInputs("payload", rig, {"stations": [150.0], "clearance": 1.0})
+    >>> rw.run_study(inputs).frame["limited_by"].tolist()
+    ['skyline tension']
     """
 
     study: str

@@ -3,7 +3,7 @@ which is called once per component; the calls are joined at the ports. The struc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind, Site, Variable
-from ropeway.components.weather import shared_variables, signals_of
+from ropeway.components.weather import SHARED, shared_variables, signals_of
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.connections.signals import with_links, with_residuals
 from ropeway.systems.modelling.dae_model import (
@@ -65,19 +65,26 @@ def assemble(system: System, slots: Sequence[Sequence[int]] | None = None) -> Mo
 
     Examples
     --------
-    >>> rw.assemble(system).z.names
+    >>> model = rw.assemble(line)
+    >>> model.y.units[model.y.index["c1.tension_in"]]
+    'N'
     """
     return assembled(system, slots)
 
 
-def in_weather(system: System | Model, environment: Environment | None) -> Model:
-    """The model of a system, in other weather where one is given. Raises InputError, UnbalancedSystemError."""
+def in_weather(system: System | Model, environment: Environment | None, named: Collection[str] = ()) -> Model:
+    """The model of a system, in other weather where one is given. Its quantities are in the model unless it is calm
+    and none of them is `named`. Raises InputError, UnbalancedSystemError."""
     if environment is None:
         return system if isinstance(system, Model) else assemble(system)
     declared = system.system if isinstance(system, Model) else system
-    if isinstance(system, Model) and declared.environment == environment:
+    calm = environment.is_calm(declared.temperature) and not set(named).intersection(SHARED)
+    if isinstance(system, Model) and declared.environment == (None if calm else environment):
         return system
-    return assemble(declared.in_weather(environment))
+    weathered = declared.in_weather(environment)
+    if calm:
+        weathered.environment = None
+    return assemble(weathered)
 
 
 def assembled(system: System, slots: Sequence[Sequence[int]] | None = None, inertia: Inertia | None = None) -> Model:

@@ -278,6 +278,12 @@ class Model:
         Variables that are rates of change of others, and these.
     inertia : Inertia, optional
         The inertia that its components have.
+
+    Examples
+    --------
+    >>> model = rw.assemble(line)
+    >>> len(model.z.names), model.x.names[:2]
+    (19, ('c1.travel', 'c2.travel'))
     """
 
     system: System

@@ -22,12 +22,13 @@ class _Taut(NamedTuple):
     """Spans of a taut rope.
 
     Lengths [m], shape (n,), and their derivatives by the tension at the first support [m/N]; `spans`, shape (n, 3):
-    horizontal tension, vertical component at the start, length.
+    horizontal tension, vertical component at the start, length; `jacobians` (n, 3, 3) of their equations.
     """
 
     length: np.ndarray
     slope: np.ndarray
     spans: np.ndarray
+    jacobians: np.ndarray
 
 
 def lengths_for_tension(
@@ -66,9 +67,10 @@ def lengths_for_total(
 
 
 class Pretension(NamedTuple):
-    """Derivatives by the tension of the empty rope at its first support.
+    """Derivatives of an empty rope, in columns: by its tension at the first support [1/N], and at that tension by the
+    strain per tension c1 [N] and by the weight [per N/m].
 
-    Of the lengths of the spans (n,) [m/N], and of the tensions at all supports (n + 1,).
+    Of the lengths of the spans (n, 3) [m], and of the tensions at all supports (n + 1, 3) [N].
     """
 
     length: np.ndarray
@@ -76,16 +78,35 @@ class Pretension(NamedTuple):
 
 
 def pretension(
-    points: Sequence[Sequence[float]], weight: float, strain: Strain, total: float, names: Sequence[str]
+    points: Sequence[Sequence[float]], weight: float, strain: Strain, tension: float, names: Sequence[str]
 ) -> Pretension:
-    """Derivatives of an empty rope of unstretched length `total` [m] by the tension at its first support.
+    """Derivatives of an empty rope with a tension [N] at its first support. Raises SlackRopeError."""
+    at = np.array(points, dtype=float)
+    chords, taut = parabola.Chords.between(at), _solve(at, weight, strain, tension, names)
+    support = support_tensions(at, weight, strain, tension)
+    lengths, supports = [], []
+    for i, size in enumerate((tension, max(strain.c1, 1e-12), weight)):
+        step = 1e-30 * size
+        moved: list[complex] = [tension, strain.c1, weight]
+        moved[i] += 1j * step
+        law = Strain(moved[1], strain.c2)
+        level = law.potential(moved[0]) + moved[2] * (at[:, 2] - at[0, 2])
+        found = support - (law.potential(support) - level) / (1.0 + law.at(support))
+        off = _residual(chords, moved[2], law, found[:-1], taut.spans)
+        lengths.append(np.linalg.solve(taut.jacobians, -off.imag[:, :, None] / step)[:, 2, 0])
+        supports.append(found.imag / step)
+    return Pretension(np.array(lengths).T, np.array(supports).T)
+
+
+def tension_for_total(
+    points: Sequence[Sequence[float]], weight: float, strain: Strain, total: float, names: Sequence[str]
+) -> float:
+    """Tension [N] at the first support of an empty rope of unstretched length `total` [m].
 
     Raises SlackRopeError if the rope has no taut branch.
     """
     at = np.array(points, dtype=float)
-    tension, taut = _taut_for_total(at, weight, strain, total, names, _parabolic(at, weight, strain, total)[0])
-    support = support_tensions(at, weight, strain, tension)
-    return Pretension(taut.slope, (1.0 + strain.at(tension)) / (1.0 + strain.at(support)))
+    return _taut_for_total(at, weight, strain, total, names, _parabolic(at, weight, strain, total)[0])[0]
 
 
 def _parabolic(at: np.ndarray, weight: float, strain: Strain, total: float) -> tuple[float, np.ndarray]:
@@ -156,16 +177,7 @@ def _solve(
         unknown = near.spans
 
     def residual(u: np.ndarray) -> np.ndarray:
-        force = (u[..., 0], np.zeros_like(u[..., 0]), u[..., 1])
-        piece = segment(force, weight, u[..., 2], strain)
-        return np.stack(
-            [
-                (piece.reach[0] - chords.horizontal) / chords.length,
-                (piece.reach[2] - chords.rise) / chords.length,
-                norm(force) / support[:-1] - 1.0,
-            ],
-            axis=-1,
-        )
+        return _residual(chords, weight, strain, support[:-1], u)
 
     def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
         return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
@@ -182,4 +194,20 @@ def _solve(
             f"{support[k]:.6g} N at {names[k]!r} is too low for the weight of the rope in that span",
             "Raise the tension or add a support",
         )
-    return _Taut(unknown[:, 2], slope * gain, unknown)
+    return _Taut(unknown[:, 2], slope * gain, unknown, roots.jacobians)
+
+
+def _residual(
+    chords: parabola.Chords, weight: complex, strain: Strain, support: np.ndarray, u: np.ndarray
+) -> np.ndarray:
+    """Residuals (..., n, 3) of the spans' unknowns, from the tensions (n,) at their starts."""
+    force = (u[..., 0], np.zeros_like(u[..., 0]), u[..., 1])
+    piece = segment(force, weight, u[..., 2], strain)
+    return np.stack(
+        [
+            (piece.reach[0] - chords.horizontal) / chords.length,
+            (piece.reach[2] - chords.rise) / chords.length,
+            norm(force) / support - 1.0,
+        ],
+        axis=-1,
+    )

@@ -45,6 +45,12 @@ class Intervention:
     ------
     InputError
         An unknown action, a negative time, or a missing or superfluous component.
+
+    Examples
+    --------
+    >>> result = rw.simulate(line, 4.0, interventions=[rw.Intervention(2.0, "brake", "c1")])
+    >>> "brake" in set(result.events["event"])
+    True
     """
 
     time: float

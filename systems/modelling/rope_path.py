@@ -28,7 +28,8 @@ class Loads:
 
     Names, masses [kg], drag areas [m2] and positions on the rope [m, unstretched, from the first support at zero
     travel]. `pinned`: index of the span in which a load is fixed at a distance `at` from end a; -1 for a load fixed to
-    the rope. `first`: number of the foremost load, negative if an endless rope has run backwards.
+    the rope. `first`: number of the foremost load, negative if an endless rope has run backwards. Drag areas are zero
+    if they are left out.
     """
 
     names: tuple[str, ...] = ()
@@ -38,6 +39,10 @@ class Loads:
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
     first: int = 0
     drag: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.drag) != len(self.mass):
+            object.__setattr__(self, "drag", np.zeros(len(self.mass)))
 
     def sorted(self, material: np.ndarray) -> Loads:
         """The loads in order, with positions of pinned loads from the rope coordinates at the supports.

@@ -63,6 +63,15 @@ class System(Declarations):
     ------
     InputError
         A gravity that is not positive, an impossible temperature, or an unknown precedence.
+
+    Examples
+    --------
+    >>> s = rw.System("one span")
+    >>> (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(400.0, -60.0)), length=408.0)
+    >>> s.hang(rw.Load("turn", mass=6000.0), span, at=190.0)
+    Load(name='turn', mass=6000.0)
+    >>> list(s.components)
+    ['a', 'b', 'a_b']
     """
 
     def __init__(

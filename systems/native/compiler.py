@@ -26,7 +26,9 @@ from ropeway.systems.interrupts import stop_if_interrupted
 _TARGETS = {
     "x86_64-linux": "x86_64-linux-gnu.2.17",
     "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86-linux": "x86-linux-gnu.2.17",
     "x86_64-windows": "x86_64-windows-gnu",
+    "x86-windows": "x86-windows-gnu",
     "x86_64-macos": "x86_64-macos",
     "aarch64-macos": "aarch64-macos",
 }

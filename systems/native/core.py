@@ -10,6 +10,7 @@ SOURCES = (
     "ropeway_places.c",
     "ropeway_evaluate.c",
     "ropeway_loads.c",
+    "ropeway_ahead.c",
     "ropeway_step.c",
     "ropeway_instance.c",
 )

@@ -32,6 +32,13 @@ typedef struct {
     double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z */
 } rw_factors;
 
+/* Trial states beyond the next crossing (Model Exchange): times after the held point up to which it is not reached, and up
+ * to which equations are solved; rates there; the solution kept for later states, and its time. */
+typedef struct {
+    double near, far, zrate[RW_NZ + 1], z[RW_NZ + 1], t;
+    int kept, beyond, stale; /* stale: inputs have changed since the held point */
+} rw_ahead;
+
 /* The complete state of an instance: it is saved by a copy. */
 typedef struct {
     rw_mode mode;
@@ -42,8 +49,12 @@ typedef struct {
     int beyond_schedule;
     int on[RW_NSW + 1];                /* switches: brakes, losses of pressure */
     double h;                          /* next step of the error control */
-    rw_point now, held;                /* held: last accepted point of the carriage */
+    rw_point now, held;                /* held: last accepted point of a carriage, or in Model Exchange */
     int place;                         /* place of the carriage at the held point */
+    double slope[RW_NU + 1], slope_from; /* rates of inputs within the next step of Co-Simulation, from a time on */
+    rw_ahead ahead;
+    int stopping;                      /* emergency stop: the commanded speeds are ramped down to zero */
+    double stop_time, stop_speed[RW_NE + 1];
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
     rw_factors lu;
@@ -57,7 +68,9 @@ typedef struct {
     void *context;
     int log_events, log_all;
     int co_simulation;
-    double start_time;
+    double start_time, stop_time, tolerance;
+    int has_event_mode, stops_at_events; /* Co-Simulation of FMI 3.0: a step may end at an event, for the importer to handle */
+    int event;                           /* the last step has an event at its end or, if it does not stop there, in it */
     /* workspace within a call */
     double f[RW_NX + 1], g[RW_NZ + 1];
     double residual[RW_NW + 1], increment[RW_NW + 1], w[RW_NW + 1], work[RW_NW + 1];
@@ -106,7 +119,8 @@ rw_status rw_lengths(rw_instance *m);
 void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
-void rw_input_rates(double t, double factor, double *du);
+void rw_input_rates(const rw_instance *m, double t, double factor, double *du);
+double rw_stop_end(const rw_instance *m, int i);
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_sample(rw_instance *m, int clock);
@@ -141,6 +155,11 @@ rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead);
 rw_status rw_let_go(rw_instance *m, const rw_crossing *found);
 rw_status rw_limits(rw_instance *m);
 
+/* ropeway_ahead.c */
+rw_status rw_accept_point(rw_instance *m);
+void rw_leave_trial(rw_instance *m);
+rw_status rw_look_ahead(rw_instance *m);
+
 /* ropeway_step.c */
 void rw_start_clocks(rw_instance *m);
 rw_status rw_do_step(rw_instance *m, double end);
@@ -150,12 +169,15 @@ rw_status rw_event_update(rw_instance *m);
 
 /* ropeway_instance.c */
 void rw_reset(rw_instance *m);
+void rw_experiment(rw_instance *m, int tolerance_defined, double tolerance, int stop_defined, double stop);
 rw_instance *rw_new(rw_log_function log, void *context, int co_simulation);
 rw_status rw_initialize(rw_instance *m);
 rw_status rw_up_to_date(rw_instance *m);
 rw_status rw_set_time(rw_instance *m, double t);
 rw_status rw_get_real(rw_instance *m, unsigned vr, double *value);
 rw_status rw_set_real(rw_instance *m, unsigned vr, double value);
+rw_status rw_set_input_rate(rw_instance *m, unsigned vr, double rate);
+void rw_inputs_reach(rw_instance *m, const double *end, double size);
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value);
 rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value);
 rw_status rw_get_integer(rw_instance *m, unsigned vr, int *value);

@@ -1,6 +1,6 @@
 /* An instance: creation, variables, initialisation, saved states. Value references are consecutive: time, states, rates,
  * algebraic variables, inputs, parameters, masses, outputs, event indicators, limits (Boolean), loads passed
- * (integer), switches (Boolean inputs). */
+ * (integer), switches and the emergency stop (Boolean inputs). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +18,29 @@ enum {
     LIMIT = EI + RW_NK + RW_NL + RW_NB,
     PASSED = LIMIT + RW_NL,
     SWITCH = PASSED + RW_NK,
-    END = SWITCH + RW_NSW
+    STOP = SWITCH + RW_NSW,
+    END = STOP + (RW_NE > 0)
 };
 
 enum { HIDDEN, READ, PARAMETER, INPUT, STATE };
 
+/* Name of a variable for messages. */
+static const char *name_of(unsigned vr)
+{
+    return vr < END && rw_variable_name[vr][0] ? rw_variable_name[vr] : "without a name";
+}
+
+/* What the importer says of its run. */
+void rw_experiment(rw_instance *m, int tolerance_defined, double tolerance, int stop_defined, double stop)
+{
+    m->tolerance = tolerance_defined && tolerance > 0.0 ? fmin(fmax(tolerance, 1e-10), 1e-2) : RW_TOLERANCE;
+    m->stop_time = stop_defined ? stop : INFINITY;
+}
+
 void rw_reset(rw_instance *m)
 {
     rw_state *s = &m->s;
+    rw_experiment(m, 0, 0.0, 0, 0.0);
     memset(s, 0, sizeof *s);
     s->mode = RW_INSTANTIATED;
     s->now.t = m->start_time;
@@ -109,6 +124,9 @@ rw_status rw_up_to_date(rw_instance *m)
     if (m->s.mode <= RW_INITIALIZATION) {
         rw_status status = apply_start_values(m);
         if (status != RW_OK) return status;
+    } else {
+        rw_status status = rw_look_ahead(m);
+        if (status != RW_OK) return status;
     }
     return rw_show(m);
 }
@@ -132,7 +150,7 @@ static rw_status unknown(rw_instance *m, unsigned vr)
 
 static rw_status not_now(rw_instance *m, unsigned vr)
 {
-    rw_message(m, RW_ERROR, "logStatusError", "The variable with value reference %u cannot be set now", vr);
+    rw_message(m, RW_ERROR, "logStatusError", "The variable %s cannot be set now", name_of(vr));
     return RW_ERROR;
 }
 
@@ -170,7 +188,7 @@ static int in_range(rw_instance *m, unsigned vr, double value)
     double least = known ? rw_least[vr - P] : 0.0, most = known ? rw_most[vr - P] : INFINITY;
     const char *wanted = value > most ? "be at most" : above ? "be above" : "not be below";
     if (value > least || (!above && value == least)) if (value <= most) return 1;
-    rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u must %s %g", vr, wanted, value > most ? most : least);
+    rw_message(m, RW_ERROR, "logStatusError", "The value for %s must %s %g", name_of(vr), wanted, value > most ? most : least);
     return 0;
 }
 
@@ -179,16 +197,22 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     int access = vr < LIMIT ? rw_access[vr] : HIDDEN, initialising = m->s.mode <= RW_INITIALIZATION;
     if (access == HIDDEN) return unknown(m, vr);
     if (!isfinite(value)) {
-        rw_message(m, RW_ERROR, "logStatusError", "The value for value reference %u is not finite", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The value for %s is not finite", name_of(vr));
         return RW_ERROR;
     }
     if (access == PARAMETER && !in_range(m, vr, value)) return RW_ERROR;
     if (access == INPUT) {
         if (m->s.u[vr - U] == value) return RW_OK;
         m->s.u[vr - U] = value;
+        m->s.ahead.kept = 0;
+        m->s.ahead.stale = 1;
     } else if (access == PARAMETER && initialising) {
         *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
         m->s.known = 0;
+    } else if (access == PARAMETER && rw_tunable[vr - P] && (m->s.mode == RW_EVENT || m->s.mode == RW_STEP)) {
+        *(vr < MASS ? &m->s.p[vr - P] : &m->s.mass[vr - MASS]) = value;
+        m->s.lu.valid = 0;
+        if (vr >= MASS) rw_write_slots(m);
     } else if (access == STATE && (initialising || m->s.mode == RW_EVENT || m->s.mode == RW_CONTINUOUS)) {
         m->s.now.x[vr - X] = value;
         if (initialising) m->s.known = 0;
@@ -198,10 +222,35 @@ rw_status rw_set_real(rw_instance *m, unsigned vr, double value)
     return RW_OK;
 }
 
+/* Rate of an input within the next step of Co-Simulation. */
+rw_status rw_set_input_rate(rw_instance *m, unsigned vr, double rate)
+{
+    if (vr >= LIMIT || rw_access[vr] != INPUT) return unknown(m, vr);
+    if (!isfinite(rate)) {
+        rw_message(m, RW_ERROR, "logStatusError", "The rate for value reference %u is not finite", vr);
+        return RW_ERROR;
+    }
+    m->s.slope[vr - U] = rate;
+    m->s.slope_from = m->s.now.t;
+    m->s.rated = 0;
+    return RW_OK;
+}
+
+/* Inputs go linearly to `end` within the next step of Co-Simulation. */
+void rw_inputs_reach(rw_instance *m, const double *end, double size)
+{
+    m->s.slope_from = m->s.now.t;
+    for (int i = 0; i < RW_NU; i++) m->s.slope[i] = (end[i] - m->s.u[i]) / size;
+}
+
 rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
 {
     rw_status status = RW_OK;
-    if (vr >= SWITCH && vr < END && rw_switch_shown[vr - SWITCH]) {
+    if (vr >= STOP && vr < END) {
+        *value = m->s.stopping;
+        return RW_OK;
+    }
+    if (vr >= SWITCH && vr < STOP && rw_switch_shown[vr - SWITCH]) {
         *value = m->s.on[vr - SWITCH];
         return RW_OK;
     }
@@ -211,11 +260,33 @@ rw_status rw_get_boolean(rw_instance *m, unsigned vr, int *value)
     return status;
 }
 
+/* Begins an emergency stop: all commanded speeds go to zero from their present values, responses end. Or ends it: the
+ * inputs count again. */
+static void emergency_stop(rw_instance *m, int on)
+{
+    if (on) rw_inputs_at(m, m->s.now.t, m->us);
+    for (int i = 0; on && i < RW_NE; i++) {
+        int correction = rw_stop_correction[i];
+        m->s.stop_speed[i] = m->us[rw_stop_input[i]] + (correction < 0 ? 0.0 : m->s.d[correction]);
+        if (correction >= 0) m->s.d[correction] = 0.0;
+    }
+    if (!on) rw_start_clocks(m);
+    m->s.stop_time = m->s.now.t;
+    m->s.stopping = on;
+    m->s.solved = m->s.rated = m->s.shown = 0;
+}
+
 /* Sets a switch; the line continues from its present state. */
 rw_status rw_set_boolean(rw_instance *m, unsigned vr, int value)
 {
     if (vr >= LIMIT && vr < PASSED) return not_now(m, vr);
-    if (vr < SWITCH || vr >= END || !rw_switch_shown[vr - SWITCH]) return unknown(m, vr);
+    if (vr >= STOP && vr < END) {
+        if (m->s.stopping == (value != 0)) return RW_OK;
+        if (m->s.mode <= RW_INITIALIZATION || m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
+        emergency_stop(m, value != 0);
+        return RW_OK;
+    }
+    if (vr < SWITCH || vr >= STOP || !rw_switch_shown[vr - SWITCH]) return unknown(m, vr);
     if (m->s.on[vr - SWITCH] == (value != 0)) return RW_OK;
     if (m->s.mode == RW_CONTINUOUS) return not_now(m, vr);
     m->s.on[vr - SWITCH] = value != 0;
@@ -252,9 +323,9 @@ rw_status rw_seed(rw_instance *m, unsigned vr, double seed)
     else if (access == PARAMETER) *(vr < MASS ? &m->dp[vr - P] : &m->dm[vr - MASS]) = seed;
     else if (vr == 0) {
         m->dt = seed;
-        rw_input_rates(m->s.now.t, seed, m->du);
+        rw_input_rates(m, m->s.now.t, seed, m->du);
     } else {
-        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u is not an input, a state or a parameter", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The variable %s (value reference %u) is not an input, a state or a parameter", name_of(vr), vr);
         return RW_ERROR;
     }
     return RW_OK;
@@ -268,36 +339,53 @@ rw_status rw_sensitivity(rw_instance *m, unsigned vr, double *value)
     else if (vr >= Z && vr < U) *value = m->dz[vr - Z];
     else if (vr >= Y && vr < EI) *value = m->dy[vr - Y];
     else {
-        rw_message(m, RW_ERROR, "logStatusError", "Value reference %u has no derivatives", vr);
+        rw_message(m, RW_ERROR, "logStatusError", "The variable %s (value reference %u) has no derivatives", name_of(vr), vr);
         return RW_ERROR;
     }
     return RW_OK;
 }
 
+/* FNV-1a of 64 bits: a state with another checksum is damaged. */
+static uint64_t checksum(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = 14695981039346656037u;
+    for (size_t i = 0; i < size; i++) sum = (sum ^ bytes[i]) * 1099511628211u;
+    return sum;
+}
+
 size_t rw_serialized_size(void)
 {
-    return sizeof(rw_fingerprint) + sizeof(rw_state);
+    return sizeof(rw_fingerprint) + sizeof(uint64_t) + sizeof(rw_state);
 }
 
 rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
 {
+    uint64_t sum = checksum((const unsigned char *)state, sizeof *state);
     if (size < rw_serialized_size()) {
         rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size());
         return RW_ERROR;
     }
     memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);
-    memcpy(bytes + sizeof rw_fingerprint, state, sizeof *state);
+    memcpy(bytes + sizeof rw_fingerprint, &sum, sizeof sum);
+    memcpy(bytes + sizeof rw_fingerprint + sizeof sum, state, sizeof *state);
     return RW_OK;
 }
 
 rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size, rw_state **state)
 {
+    uint64_t sum;
+    const unsigned char *kept = bytes + sizeof rw_fingerprint + sizeof sum;
     if (size != rw_serialized_size() || memcmp(bytes, rw_fingerprint, sizeof rw_fingerprint) != 0) {
         rw_message(m, RW_ERROR, "logStatusError", "These bytes are not a state of this FMU");
         return RW_ERROR;
     }
+    memcpy(&sum, bytes + sizeof rw_fingerprint, sizeof sum);
+    if (sum != checksum(kept, sizeof **state)) {
+        rw_message(m, RW_ERROR, "logStatusError", "These bytes of a state are damaged: their checksum differs");
+        return RW_ERROR;
+    }
     if (!*state) *state = malloc(sizeof **state);
     if (!*state) return RW_ERROR;
-    memcpy(*state, bytes + sizeof rw_fingerprint, sizeof **state);
+    memcpy(*state, kept, sizeof **state);
     return RW_OK;
 }

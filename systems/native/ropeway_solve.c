@@ -23,10 +23,16 @@ int rw_all_finite(const double *v, int n)
     return 1;
 }
 
-/* Inputs at a time: those of the FMU, and piecewise linear schedules. */
+/* Time at which a speed reaches zero in an emergency stop. */
+double rw_stop_end(const rw_instance *m, int i)
+{
+    return m->s.stop_time + fabs(m->s.stop_speed[i]) / RW_STOP_DECELERATION;
+}
+
+/* Inputs at a time: those of the FMU, piecewise linear schedules, and the speeds of an emergency stop. */
 void rw_inputs_at(rw_instance *m, double t, double *u)
 {
-    memcpy(u, m->s.u, sizeof m->s.u);
+    for (int i = 0; i < RW_NU; i++) u[i] = m->s.u[i] + m->s.slope[i] * (t - m->s.slope_from);
     for (int i = 0; i < RW_NS; i++) {
         const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
         int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
@@ -41,10 +47,14 @@ void rw_inputs_at(rw_instance *m, double t, double *u)
                        rw_input_name[rw_schedule_input[i]], times[n - 1]);
         }
     }
+    for (int i = 0; m->s.stopping && i < RW_NE; i++) {
+        double end = rw_stop_end(m, i), passed = t - m->s.stop_time, speed = m->s.stop_speed[i];
+        u[rw_stop_input[i]] = t >= end ? 0.0 : speed - copysign(RW_STOP_DECELERATION * passed, speed);
+    }
 }
 
-/* Rates of scheduled inputs, times a factor. */
-void rw_input_rates(double t, double factor, double *du)
+/* Rates of scheduled inputs and of an emergency stop, times a factor. */
+void rw_input_rates(const rw_instance *m, double t, double factor, double *du)
 {
     for (int i = 0; i < RW_NS; i++) {
         const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
@@ -53,6 +63,8 @@ void rw_input_rates(double t, double factor, double *du)
         if (k > 0 && k < n)
             du[rw_schedule_input[i]] = factor * (values[k] - values[k - 1]) / (times[k] - times[k - 1]);
     }
+    for (int i = 0; m->s.stopping && i < RW_NE; i++)
+        du[rw_stop_input[i]] = t >= rw_stop_end(m, i) ? 0.0 : -factor * copysign(RW_STOP_DECELERATION, m->s.stop_speed[i]);
 }
 
 /* Rates and residuals at a point, in m->f and m->g; not 0 where they are not finite. */

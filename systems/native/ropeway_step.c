@@ -12,6 +12,7 @@
 #define STANDING_STEP 0.02 /* s, while a load stands on a sheave */
 #define LEAST_STEP 1e-11   /* s */
 #define RELEASE_FORCE (30.0 * RW_FORCE_NEAR) /* N, force at which a load is released: well above rounding errors */
+#define MOST_STEPS 200000          /* within one step of the importer */
 #define CHECK_TRAVEL 0.01          /* of a mean span: largest travel of the rope between two checks of the limits */
 
 static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
@@ -70,7 +71,7 @@ static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, do
     }
     *error = 0.0;
     for (int n = 0; n < RW_NX; n++) {
-        double e = 0.0, allowed = RW_TOLERANCE * (rw_x_nominal[n] + fmax(fabs(from->x[n]), fabs(q->x[n])));
+        double e = 0.0, allowed = m->tolerance * (rw_x_nominal[n] + fmax(fabs(from->x[n]), fabs(q->x[n])));
         for (int i = 0; i < 4; i++) e += h * ((i < 3 ? stage_weight[3][i] : GAMMA) - lower_order[i]) * m->stage[i][n];
         if (!(fabs(e) / allowed <= *error)) *error = fabs(e) / allowed;
     }
@@ -171,7 +172,7 @@ static rw_status tick(rw_instance *m)
     int any = 0;
     memset(m->changes, 0, sizeof m->changes);
     for (int i = 0; i < RW_NC; i++) {
-        if (next_tick(m, i) > m->s.now.t + 1e-9) continue;
+        if (m->s.stopping || next_tick(m, i) > m->s.now.t + 1e-9) continue;
         rw_status status = rw_solve(m);
         if (status != RW_OK) return status;
         m->s.ticks[i]++;
@@ -200,7 +201,7 @@ static rw_status tick(rw_instance *m)
 static int tick_due(const rw_instance *m)
 {
     for (int i = 0; i < RW_NC; i++)
-        if (next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
+        if (!m->s.stopping && next_tick(m, i) <= m->s.now.t + 1e-9) return 1;
     return 0;
 }
 
@@ -215,14 +216,31 @@ static double next_limit_check(const rw_instance *m)
     return time;
 }
 
+typedef struct {
+    int passed[RW_NK + 1], broken[RW_NL + 1], place;
+} rw_changes;
+
+/* Notes an event if a discrete variable has changed since `before`. */
+static void note_changes(rw_instance *m, const rw_changes *before)
+{
+    if (memcmp(before->passed, m->s.passed, sizeof m->s.passed) || memcmp(before->broken, m->s.broken, sizeof m->s.broken) ||
+        before->place != m->s.place)
+        m->event = 1;
+}
+
 static rw_status advance(rw_instance *m, double end)
 {
+    const double begin = m->s.now.t;
     rw_status status = rw_overrun_moving(m);
-    for (int trial = 0; status == RW_OK && trial < 1000000; trial++) {
+    for (int trial = 0; status == RW_OK && trial < MOST_STEPS; trial++) {
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
         int some = rw_next_crossing(m, &coming);
-        if (some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]]) {
+        rw_changes before;
+        int crosses = some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
+        if (crosses || tick_due(m)) m->event = 1;
+        if (m->event && m->stops_at_events && t > begin) return rw_limits(m); /* the importer handles it */
+        if (crosses) {
             status = after_event(m, rw_cross(m, &coming));
             continue;
         }
@@ -238,26 +256,38 @@ static rw_status advance(rw_instance *m, double end)
         if (rw_standing(m)) h = fmin(h, STANDING_STEP);
         if (RW_COUPLED) h = fmin(h, m->s.h);
         if (RW_NL) h = fmin(h, next_limit_check(m));
+        memcpy(before.passed, m->s.passed, sizeof before.passed);
+        memcpy(before.broken, m->s.broken, sizeof before.broken);
+        before.place = m->s.place;
         status = step_to_event(m, h, stop);
         if (status == RW_OK) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
+        note_changes(m, &before);
     }
     if (status == RW_OK) {
-        rw_message(m, RW_DISCARD, "logStatusDiscard", "Too many steps before t = %.9g s", end);
+        rw_message(m, RW_DISCARD, "logStatusDiscard", "The step to t = %.9g s needs more than %d steps of the solver; it reached t = %.9g s: take smaller steps",
+                   end, MOST_STEPS, m->s.now.t);
         status = RW_DISCARD;
     }
     return status;
 }
 
-/* From the present time to `end`; after a failure the state is unchanged. */
+/* From the present time to `end`, or to an event before it; rates of inputs end there. After a failure the state is
+ * unchanged. */
 rw_status rw_do_step(rw_instance *m, double end)
 {
     rw_status status;
     m->backup = m->s;
+    m->event = 0;
     status = advance(m, end);
     if (status > RW_WARNING) {
         m->s = m->backup;
         m->s.lu.valid = 0;
+        return status;
+    }
+    for (int i = 0; i < RW_NU; i++) {
+        m->s.u[i] += m->s.slope[i] * (m->s.now.t - m->s.slope_from);
+        m->s.slope[i] = 0.0;
     }
     return status;
 }
@@ -268,14 +298,17 @@ double rw_next_time_event(const rw_instance *m)
     double next = INFINITY;
     for (int i = 0; i < rw_schedule_first[RW_NS]; i++)
         if (rw_schedule_time[i] > m->s.now.t + LEAST_STEP && rw_schedule_time[i] < next) next = rw_schedule_time[i];
-    for (int i = 0; i < RW_NC; i++) next = fmin(next, next_tick(m, i));
+    for (int i = 0; !m->s.stopping && i < RW_NC; i++) next = fmin(next, next_tick(m, i));
+    for (int i = 0; m->s.stopping && i < RW_NE; i++)
+        if (rw_stop_end(m, i) > m->s.now.t + LEAST_STEP) next = fmin(next, rw_stop_end(m, i));
     return next;
 }
 
 /* One for each support, then one for each limit; an event when it falls to zero. */
 rw_status rw_event_indicators(rw_instance *m, double *indicator)
 {
-    rw_status status = rw_show(m);
+    rw_status status = rw_look_ahead(m);
+    if (status == RW_OK) status = rw_show(m);
     if (status != RW_OK) return status;
     for (int k = 0; k < RW_NK; k++) {
         double ahead, behind, gap;

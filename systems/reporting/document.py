@@ -28,6 +28,11 @@ class Project:
     ----------
     title, place, client, author, remark : str, optional
         Texts in the head of the report.
+
+    Examples
+    --------
+    >>> rw.Project(title="Corridor 7", place="Bear Creek").title
+    'Corridor 7'
     """
 
     title: str = ""

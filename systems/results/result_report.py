@@ -101,10 +101,12 @@ def _inputs(result: RunData, style: Style) -> list[tuple[str, str]]:
                 f"{len(loads)}: {' - '.join(dict.fromkeys(masses))}" if masses else style.text("none"),
             ),
         ]
+    environment = result.model.system.environment
     return [
         *rows,
         (style.text("duration"), style.value(result.times[-1], "time")),
         (style.text("gravity"), f"{result.model.system.gravity:g} m/s²"),
+        *(() if environment is None else ((style.text("weather"), environment.words),)),
     ]
 
 

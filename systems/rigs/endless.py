@@ -102,7 +102,7 @@ def endless(
     ...      ("back", 80, -1, 9, "idler")],
     ...     columns=["name", "x", "y", "z", "kind"],
     ... )
-    >>> endless("RHOL-IWRC 29", supports, tension=45e3).name
+    >>> rw.endless("RHOL-IWRC 29", supports, tension=45e3).name
     'endless line'
     """
     rope = rope_of(rope)

@@ -40,9 +40,10 @@ def string_guylines(system: System, spar: GuyedSpar) -> tuple[Span, ...]:
 
     Examples
     --------
-    >>> rope = Rope.named("6x19 EEIP 19")
-    >>> guys = [Guyline(f"g{i}", rope, at, 20e3) for i, at in enumerate([(-20, 15, 0), (-20, -15, 0), (20, 0, 0)])]
-    >>> spans = string_guylines(System("mast"), GuyedSpar("mast", foot=(0, 0, 0), height=15.0, guylines=tuple(guys)))
+    >>> rope = rw.Rope.named("6x19 EEIP 19")
+    >>> guys = [rw.Guyline(f"g{i}", rope, at, 20e3) for i, at in enumerate([(-20, 15, 0), (-20, -15, 0), (20, 0, 0)])]
+    >>> mast = rw.GuyedSpar("mast", foot=(0, 0, 0), height=15.0, guylines=guys)
+    >>> spans = rw.string_guylines(rw.System("guyed mast"), mast)
     >>> [span.name for span in spans]
     ['g0_mast', 'g1_mast', 'g2_mast']
     """

@@ -100,13 +100,13 @@ def live_skyline(
 
     Examples
     --------
-    >>> rig = live_skyline(
+    >>> rig = rw.live_skyline(
     ...     None,
-    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
-    ...     tailspar=TailSpar("tail", at=(300.0, -20.0)),
+    ...     headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline="compacted skyline 22",
     ...     length=306.0,
-    ...     carriage=Carriage("carriage", mass=450.0),
+    ...     carriage=rw.Carriage("carriage", mass=450.0),
     ... )
     >>> rig.kind.sets_height
     True
@@ -191,14 +191,14 @@ def gravity_skyline(
 
     Examples
     --------
-    >>> rig = gravity_skyline(
+    >>> rig = rw.gravity_skyline(
     ...     None,
-    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
-    ...     tailspar=TailSpar("tail", at=(300.0, -80.0)),
+    ...     headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=rw.TailSpar("tail", at=(300.0, -80.0)),
     ...     skyline="compacted skyline 22",
     ...     tension=40e3,
     ...     mainline="6x19 EEIP 19",
-    ...     carriage=Carriage("carriage", mass=450.0),
+    ...     carriage=rw.Carriage("carriage", mass=450.0),
     ... )
     >>> rig.spans
     1

@@ -113,7 +113,7 @@ def monocable(
     ...     [("valley", 0, 0, 0, "drum"), ("s1", 100, 0, 9, "control"), ("mountain", 200, 0, 15, "drum")],
     ...     columns=["name", "x", "y", "z", "kind"],
     ... )
-    >>> line = monocable("RHOL-IWRC 29", supports, tension=45e3, load_mass=300.0, load_spacing=50.0)
+    >>> line = rw.monocable("RHOL-IWRC 29", supports, tension=45e3, load_mass=300.0, load_spacing=50.0)
     >>> round(rw.equilibrium(line)["valley_s1.tension_a"])
     45000
     """

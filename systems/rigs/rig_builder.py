@@ -110,7 +110,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     """The rig with the skyline's length for its tension, checked against its strength."""
     if (rig.length is None) == (rig.tension is None):
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
-    length = rig.length if rig.tension is None else _length_for(rig, rig.tension)
+    length = rig.length if rig.tension is None else length_for(rig, rig.tension)
     check.positive(length or 0.0, rig.name, "length", "m")
     with np.errstate(over="ignore"):  # ground of 1e300 m: infinite chords are longer than any rope
         chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
@@ -124,7 +124,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     return replace(rig, length=length)
 
 
-def _length_for(rig: SkylineRig, tension: float) -> float:
+def length_for(rig: SkylineRig, tension: float) -> float:
     """Unstretched length [m] of the bare skyline for a tension at the headspar [N]. Raises InputError,
     SlackRopeError, EquilibriumError."""
     rope = rig.skyline

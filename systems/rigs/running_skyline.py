@@ -71,14 +71,14 @@ def running_skyline(
 
     Examples
     --------
-    >>> rig = running_skyline(
+    >>> rig = rw.running_skyline(
     ...     None,
-    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
-    ...     tailspar=TailSpar("tail", at=(200.0, 10.0)),
+    ...     headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+    ...     tailspar=rw.TailSpar("tail", at=(200.0, 10.0)),
     ...     haulback="6x19 EEIP 19",
     ...     tension=40e3,
     ...     mainline="6x19 EEIP 19",
-    ...     carriage=Carriage("carriage", mass=450.0),
+    ...     carriage=rw.Carriage("carriage", mass=450.0),
     ... )
     >>> rig
     <SkylineRig 'running skyline': head at 0 m, tail at 200 m>

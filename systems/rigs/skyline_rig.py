@@ -78,7 +78,6 @@ class SkylineRig(RigParts):
 
     Examples
     --------
-    >>> import ropeway as rw
     >>> rig = rw.standing_skyline(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 0.0)), tailspar=rw.TailSpar("tail", at=(200.0, -20.0)),
     ...     skyline="RHOL-IWRC 29", length=207.0, carriage=rw.Carriage("carriage", mass=400.0),
@@ -371,3 +370,11 @@ class SkylineRig(RigParts):
         attributes = {f.name: getattr(self.carriage, f.name) for f in fields(self.carriage)}
         attributes.update(at=(x, support.at[1], start.z), payload=mass if self.turn is None else 0.0)
         return CarriageOnShoe(**attributes, support=support, mainline_on_roller=self.pulled), start
+
+
+def studied_in(rig: SkylineRig, environment: Environment | None) -> SkylineRig:
+    """The rig of a study with an argument `environment`: without one, as it is; in a calm one, without weather. Raises
+    InputError."""
+    if environment is None:
+        return rig
+    return replace(rig, environment=None) if environment.is_calm(rig.temperature) else rig.in_weather(environment)

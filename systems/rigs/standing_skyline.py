@@ -103,15 +103,15 @@ def standing_skyline(
 
     Examples
     --------
-    >>> rig = standing_skyline(
+    >>> rig = rw.standing_skyline(
     ...     None,
-    ...     headspar=HeadSpar("head", at=(0.0, 15.0)),
-    ...     supports=[IntermediateSupport("jack", at=(140.0, 2.0))],
-    ...     tailspar=TailSpar("tail", at=(300.0, -20.0)),
+    ...     headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
+    ...     supports=[rw.IntermediateSupport("jack", at=(140.0, 2.0))],
+    ...     tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline="compacted skyline 22",
     ...     tension=70e3,
     ...     mainline="6x19 EEIP 19",
-    ...     carriage=Carriage("carriage", mass=450.0),
+    ...     carriage=rw.Carriage("carriage", mass=450.0),
     ... )
     >>> round(rig.length, 2)
     301.32

@@ -17,7 +17,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.rope import Rope
 from ropeway.components.span import Span
 from ropeway.systems.interrupts import interruptible
-from ropeway.systems.modelling.assembly import in_weather
+from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.system import GRAVITY, STRUNG, System
 from ropeway.systems.reporting.blocks import Table
 from ropeway.systems.reporting.style import Style
@@ -99,7 +99,7 @@ def stringing_table(
     else:
         line = _one_span(Rope._from_given(of), span, rise, tension, length, strung, gravity)
     first, *_ = temperatures
-    model = in_weather(line, Environment("stringing", temperature=float(first)))
+    model = assemble(line.in_weather(Environment("stringing", temperature=float(first))))
     rows: list[dict[str, Any]] = []
     solved: Equilibrium | None = None
     for temperature in temperatures:

@@ -39,8 +39,8 @@ class Turn:
 
     Examples
     --------
-    >>> log = Log("log", mass=900.0, length=12.0)
-    >>> Turn(log, Rope.named("6x19 EEIP 19"), length=6.0).length
+    >>> log = rw.Log("log", mass=900.0, length=12.0)
+    >>> rw.Turn(log, rw.Rope.named("6x19 EEIP 19"), length=6.0).length
     6.0
     """
 

@@ -46,6 +46,14 @@ class Equilibrium(Tabular):
         For `result.at(t)`: clocks and an emergency stop, which a run continues.
     given : tuple of (str, float)
         Values that it was solved for.
+
+    Examples
+    --------
+    >>> eq = rw.equilibrium(line)
+    >>> print(f"{eq['c1.tension_in'] / 1e3:.1f} kN")
+    46.6 kN
+    >>> bool(eq.certificate.holds.all())
+    True
     """
 
     model: Model

@@ -64,7 +64,8 @@ def equilibrium(
         Whether to solve in compiled code, which needs a C compiler at first use; for lines of spans over standing
         supports, without `given`.
     environment : Environment, optional
-        Weather, instead of that of the system; its values are then inputs and parameters of the model.
+        Weather, instead of that of the system; its values are then inputs and parameters of the model, unless it is
+        calm.
 
     Returns
     -------
@@ -97,7 +98,7 @@ def equilibrium(
     for name, value in wanted.items():
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
-    model = in_weather(system, environment)
+    model = in_weather(system, environment, parameters or ())
     if model.inertia is not None:
         raise InputError(f"{model.name!r} is a model with inertia", "Give the system, or `assemble` of it")
     if compiled:

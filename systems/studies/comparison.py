@@ -42,6 +42,12 @@ class Comparison(Tabular):
         All of one kind.
     frame : DataFrame
         A row for each variant, index variant.
+
+    Examples
+    --------
+    >>> studies = [rw.payload(rig, stations=[150.0], clearance=c) for c in (1.0, 4.0)]
+    >>> rw.compare(*studies, names=["low", "high"]).frame[["payload", "limited_by"]].shape
+    (2, 2)
     """
 
     variants: tuple[PayloadStudy | Result, ...]

@@ -80,8 +80,8 @@ def save(value: Any, path: str | Path) -> Path:
 
     Examples
     --------
-    >>> import tempfile, ropeway as rw
-    >>> path = save(rw.Schedule([0.0, 10.0], [0.5, 1.0]), f"{tempfile.mkdtemp()}/start.json")
+    >>> import tempfile
+    >>> path = rw.save(rw.Schedule([0.0, 10.0], [0.5, 1.0]), f"{tempfile.mkdtemp()}/start.json")
     >>> rw.load(path).at(5.0)
     0.75
     """
@@ -111,7 +111,10 @@ def load(path: str | Path, *, components: Sequence[type] = ()) -> Any:
 
     Examples
     --------
-    >>> rw.load("line.json")
+    >>> rw.save(rw.Schedule([0.0, 10.0], [0.5, 1.0]), "start.json").name
+    'start.json'
+    >>> rw.load("start.json").at(5.0)
+    0.75
     """
     return load_file(path, _CLASSES, components)
 
@@ -137,7 +140,10 @@ def run_study(inputs: StudyInputs) -> Any:
 
     Examples
     --------
-    >>> rw.run_study(rw.load("study.json"))
+    >>> rw.save(rw.StudyInputs("payload", rig, {"stations": [150.0]}), "question.json").name
+    'question.json'
+    >>> rw.run_study(rw.load("question.json")).frame["station"].tolist()
+    [150.0]
     """
     if inputs.study not in STUDIES:
         raise UnknownNameError(f"No study {inputs.study!r}", f"Studies are {', '.join(STUDIES)}")

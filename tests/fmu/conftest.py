@@ -14,6 +14,7 @@ import pytest
 
 from ropeway.fmu import export
 from support.fmus import HYDRAULIC, RESPONSE, Opener, corridor, example_line, one_span, opening, short_line
+from support.hostiles import hostile_fmu, library
 from support.kinds import kinds_fmu
 from support.masses import mass_fmu
 
@@ -115,6 +116,17 @@ def kinds2(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def kinds3(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return kinds_fmu(tmp_path_factory.mktemp("kinds3") / "kinds3.fmu", "3.0")
+
+
+@pytest.fixture(scope="session")
+def hostile_binary(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return library(tmp_path_factory.mktemp("hostile") / "hostile.so")
+
+
+@pytest.fixture(scope="session")
+def hostile(hostile_binary: Path) -> Path:
+    """Its outputs are its inputs at once."""
+    return hostile_fmu(hostile_binary.with_name("hostile.fmu"), hostile_binary)
 
 
 @pytest.fixture(params=["2.0", "3.0"])

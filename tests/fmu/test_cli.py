@@ -59,3 +59,15 @@ def test_start_values_of_all_kinds(tmp_path: Path, kinds3: Path) -> None:
     assert last["w[2]"] == 3.0
     done = ropeway("run", str(kinds3), "--until", "0.2", "--start", "brake=perhaps", cwd=tmp_path)
     assert "a Boolean: it cannot be 'perhaps'" in done.stderr
+
+
+def test_an_isolated_run_with_changes(tmp_path: Path, hostile: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "changes.csv").write_text("time,variable,value\n0.5,fmu.u1,3\n")
+    run = ["fmu", "run", str(hostile), "--until", "2", "--isolated", "--every", "0.5", "--scenario", "changes.csv"]
+    done = CliRunner().invoke(app, [*run, "--start", "deed=3", "--start", "when=1.25"])
+    assert done.exit_code == 1
+    assert "ended its process by signal 6 (Aborted)" in done.stderr
+    table = pd.read_csv(tmp_path / "result.csv", index_col=0)
+    assert table.index.tolist() == [0.0, 0.5, 1.0]
+    assert table[next(c for c in table if c.partition(" ")[0] == "y1")].tolist() == [0.0, 3.0, 3.0]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pandas as pd
+from scipy.stats import norm
 
 import ropeway as rw
 from ropeway.systems.studies.handbook.payload_methods import METHODS
@@ -24,6 +25,7 @@ from support.call_objects import (
     drive,
     endless_supports,
     exported,
+    fitted,
     fmu,
     folder,
     guyed,
@@ -33,6 +35,7 @@ from support.call_objects import (
     log,
     new_rig,
     one_span,
+    payloads,
     plan,
     response,
     rest,
@@ -59,6 +62,7 @@ def instances() -> dict[str, Callable[[], Any]]:
             "carriage", mass=300.0, support=rw.IntermediateSupport("s", at=(9.0, 9.0), radius=3.0)
         ),
         "CatenaryCurve": lambda: rw.CatenaryCurve(120.0, -8.0, 900.0),
+        "Combination": lambda: rw.Combination({"l1.mass": 1.0}, {"l1.mass": "kg"}, 40.0),
         "Comparison": lambda: rw.Comparison((), pd.DataFrame({"x": [1.0]})),
         "ConstructionStretch": lambda: rw.ConstructionStretch(0.03),
         "ControlSheave": lambda: rw.ControlSheave("c", drive=drive(), response=response(), **at),
@@ -73,6 +77,8 @@ def instances() -> dict[str, Callable[[], Any]]:
             "iced", temperature=-20.0, ice_thickness=0.01, wind_pressure=250.0, wind_from=270.0
         ),
         "Equilibrium": rest,
+        "Estimate": lambda: rw.Estimate(1.0, {"l1.mass": 90.0}, {"l1.mass": 4.0}, 3e4, 200.0, "a_c", {"A": 0.3}),
+        "Fit": fitted,
         "GuyedSpar": guyed,
         "Guyline": lambda: guyed().guylines[0],
         "HeadSpar": lambda: HEAD,
@@ -95,6 +101,9 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Modes": lambda: rw.modes(rest(), 0, 2),
         "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
+        "Reliability": lambda: rw.Reliability(
+            "z", 3.0, True, 2.0, 0.02, 0.02, -0.1, pd.DataFrame({"importance": [1.0]}), 4
+        ),
         "RecedingHorizon": lambda: rw.RecedingHorizon((), (), {}, run()),
         "Result": run,
         "Rope": lambda: ROPE,
@@ -114,11 +123,21 @@ def instances() -> dict[str, Callable[[], Any]]:
         "ThresholdResponse": lambda: rw.ThresholdResponse(low=1e4, high=3e4, increment=0.01),
         "TunedResponse": lambda: rw.TunedResponse(line(), response(), "all at once", 1.0, 2.0, pd.DataFrame()),
         "Turn": lambda: rw.Turn(log(), dropline=THIN, length=6.0),
+        "Uncertain": lambda: rw.Uncertain({"a": norm(3.0, 1.0), "b": norm(5.0, 1.0)}, {("a", "b"): 0.3}),
         "UnstretchedLength": lambda: rw.unstretched_length(length=150.0, **HANGING),
+        "fmu.ArchiveLimits": rw.fmu.ArchiveLimits,
         "fmu.Fmu": fmu,
         "fmu.FmuComponent": lambda: rw.fmu.component("part", exported(), ignore_events=True),
         "fmu.StepControl": lambda: rw.fmu.StepControl("Richardson"),
     }
+
+
+def watched() -> dict[str, Any]:
+    """Arguments of a monitor."""
+    return {
+        "line": line(), "columns": {"t": "time", "A": "c.tension_in"}, "free": ["*.mass"], "sigma": 100.0,
+        "prior": {"*.mass": (90.0, 30.0)}, "drift": {"*.mass": 0.1},
+    }  # fmt: skip
 
 
 def functions() -> dict[str, Callable[[], dict[str, Any]]]:
@@ -139,6 +158,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "catenary_for_horizontal": lambda: {**CURVE, "horizontal": 30e3, "weight": 30.0},
         "catenary_for_length": lambda: {**CURVE, "length": 123.0},
         "catenary_for_sag": lambda: {**CURVE, "sag": 4.0, "at": 0.4},
+        "catenary_for_sights": lambda: {
+            "span": 460.29627, "left": (0.0, 1.497), "right": (2.607, 1.204),
+            "points": [(0.0638, 1.4832), (0.2397, 1.3959)],
+        },
         "catenary_for_tension": lambda: {**CURVE, "tension": 30e3, "weight": 30.0},
         "check_component": lambda: {"component": rw.Anchor("a", at=(3.0, 4.0))},
         "compare_payload_methods": lambda: {
@@ -160,6 +183,13 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False, **cold,
         },
         "exact_load": lambda: {**LOADED, "joint": "clamped", "pull_slope": 0.0},
+        "fit": lambda: {
+            "system": rig(), "measured": pd.DataFrame({"station": STATIONS, "A": [110e3, 112e3]}),
+            "columns": {"station": "station", "A": "headspar_tension"}, "free": ["payload"], "sigma": 500.0,
+            "bounds": {"payload": (0.0, 9000.0)}, "prior": {"payload": (1000.0, 500.0)}, "loss": "huber",
+        },
+        "monitor": watched,
+        "Monitor": watched,
         "fit_construction_stretch": lambda: {"safety_factors": [8.0, 5.0, 3.0], "elongations": [0.001, 0.002, 0.005]},
         "gravity_skyline": lambda: {"terrain": GROUND, **ends, "skyline": ROPE, "tension": 60e3, "length": None},
         "inhaul": lambda: {
@@ -256,6 +286,21 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "unstretched_length": lambda: {**HANGING, "length": 150.0},
         "string_guylines": lambda: {"system": rw.System("yard"), "spar": guyed()},
         "support_range": lambda: {"start": 40.0, "end": 90.0, "spacing": 25.0, "heights": (6.0, 8.0)},
+        "assured_payload": lambda: {
+            "study": payloads, "inputs": rw.Uncertain({"tension": norm(60e3, 2e3)}), "confidence": 0.5, "samples": 2,
+            "seed": 1, "workers": 1, "progress": False,
+        },
+        "exceedance": lambda: {
+            "table": pd.DataFrame({"pull": [1.0, 2.0, 3.0]}), "above": {"pull": 2.5}, "below": None, "confidence": 0.9,
+        },
+        "reliability": lambda: {
+            "study": one_span(), "inputs": rw.Uncertain({"turn.mass": norm(700.0, 50.0)}), "output": "a_b.tension_a",
+            "above": 50e3, "below": None, "workers": 1,
+        },
+        "sobol_indices": lambda: {
+            "study": one_span(), "inputs": rw.Uncertain({"turn.mass": norm(700.0, 50.0)}),
+            "outputs": ["a_b.tension_a"], "samples": 4, "seed": 0, "workers": 1, "progress": False,
+        },
         "sweep": lambda: {
             "study": one_span(), "parameters": {"turn.mass": [500.0, 600.0]}, "outputs": ["a_b.tension_a"],
             "workers": 1, "path": None, "progress": False, "compiled": False,
@@ -276,10 +321,13 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
+            "emergency_stop": None,
         },
         "fmu.run_report": lambda: {
             "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
             "path": folder() / "fmu.html",
         },
-        "fmu.load": lambda: {"path": exported()},
+        "fmu.load": lambda: {
+            "path": exported(), "isolated": False, "timeout": 9.0, "limits": rw.fmu.ArchiveLimits(),
+        },
     }  # fmt: skip

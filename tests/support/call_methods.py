@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
+from scipy.stats import norm
 
 import ropeway as rw
 from support.call_objects import (
@@ -17,6 +19,7 @@ from support.call_objects import (
     corridor,
     exported,
     exported_line,
+    fitted,
     fmu,
     folder,
     grounded,
@@ -29,6 +32,7 @@ from support.call_objects import (
     run,
     shod_rig,
     speeds,
+    watch,
 )
 
 
@@ -64,6 +68,10 @@ def methods() -> dict[str, Callable[[], Call]]:
             master.add("line", exported_line())
         return Call(getattr(master, name), arguments)
 
+    def structure() -> Call:
+        path = cosimulation("to_ssp", path=folder() / "read.ssp").function(folder() / "read.ssp")
+        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5})
+
     def slave(name: str, /, **arguments: Any) -> Call:
         one = rw.fmu.Slave(fmu())
         if name != "enter":
@@ -71,6 +79,7 @@ def methods() -> dict[str, Callable[[], Call]]:
             one.leave()
         return Call(getattr(one, name), arguments)
 
+    changes = pd.DataFrame(columns=["time", "variable", "value"])
     schedule, curve = rw.Schedule([0.0, 4.0], [0.5, 1.0]), rw.CatenaryCurve(120.0, -8.0, 900.0)
     problem = rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7)
     stretch = {"axial_stiffness": 24e6, "breaking_load": 450e3}
@@ -88,6 +97,7 @@ def methods() -> dict[str, Callable[[], Call]]:
             rw.Disturbance("late", sheave="c", delay=1.0).schedules, {"planned": {"c": schedule}}
         ),
         "Disturbance.start": lambda: Call(rw.Disturbance("heavy", mass=1.1).start, {"planned": rest()}),
+        "Environment.is_calm": lambda: Call(rw.Environment("calm").is_calm, {"strung": 15.0}),
         "Equilibrium.__getitem__": lambda: Call(rest().__getitem__, {"name": "c.tension_in"}),
         "Equilibrium.points": lambda: Call(rest().points, {"r": 0}),
         "Equilibrium.profile": lambda: Call(rest().profile, {"span": "a_c", "stations": [0.0, 20.0]}),
@@ -95,6 +105,10 @@ def methods() -> dict[str, Callable[[], Call]]:
         "GuyedSpar.guy": lambda: Call(guyed().guy, {"name": "g1"}),
         "Equilibrium.heights_over_ground": lambda: Call(grounded().heights_over_ground, {"points": 21}),
         "Modes.plot": lambda: Call(rw.modes(rest(), 2, 3).plot, {"k": 2}),
+        "Fit.intervals": lambda: Call(fitted().intervals, {"confidence": 0.9}),
+        "Fit.report": lambda: Call(fitted().report, {"path": folder() / "fit.html"}),
+        "Monitor.follow": lambda: Call(watch().follow, {"rows": [{"t": 0.0, "A": 22e3}]}),
+        "Monitor.update": lambda: Call(watch().update, {"row": {"t": 0.0, "A": 22e3}}),
         "MapFrame.straight": lambda: Call(
             rw.MapFrame.straight,
             {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},
@@ -194,15 +208,32 @@ def methods() -> dict[str, Callable[[], Call]]:
                 "length": 62.0, "tension": None, "name": "main",
             },
         ),
+        "Uncertain.cases": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).cases, {"samples": 4, "method": "sobol", "seed": 3}
+        ),
+        "Uncertain.normal": lambda: Call(rw.Uncertain.normal, {"means": {"a": 3.0}, "covariance": [[2.0]]}),
+        "Uncertain.values": lambda: Call(
+            rw.Uncertain({"a": norm(3.0, 1.0)}).values, {"scores": np.array([[0.5], [1.0]])}
+        ),
         "Turn.under": lambda: Call(
             rw.Turn(log(), dropline=THIN, length=6.0).under,
             {"x": 40.0, "y": 0.0, "z": 20.0, "mass": 600.0, "ground": GROUND},
         ),
         "fmu.CoSimulation.add": lambda: cosimulation(
-            "add", name="span", participant=exported(), kind="CoSimulation", start={}
+            "add", name="span", participant=exported(), kind="CoSimulation", start={}, isolated=False,
+            timeout=9.0, step=0.5,
         ),
-        "fmu.CoSimulation.connect": lambda: cosimulation("connect", source="span.a.tension", target="line.c.speed"),
-        "fmu.CoSimulation.run": lambda: cosimulation("run", until=1.0, start_time=0.0, inputs={}, progress=False),
+        "fmu.CoSimulation.connect": lambda: cosimulation(
+            "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
+        ),
+        "fmu.CoSimulation.from_ssp": structure,
+        "fmu.CoSimulation.to_ssp": lambda: cosimulation(
+            "to_ssp", path=folder() / "yard.ssp", until=1.0, start_time=0.0, embed=False
+        ),
+        "fmu.CoSimulation.run": lambda: cosimulation(
+            "run", until=1.0, start_time=0.0, inputs={}, progress=False, scenario=changes,
+            outputs=["span.a.tension"], every=0.5, pace=100.0,
+        ),
         "fmu.Fmu.names": lambda: Call(fmu().names, {"causality": "output"}),
         "fmu.Fmu.variable": lambda: Call(fmu().variable, {"name": "a.tension"}),
         "fmu.Fmu.entry": lambda: Call(fmu().entry, {"name": "a.tension"}),

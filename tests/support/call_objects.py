@@ -80,6 +80,7 @@ def rig_parts() -> dict[str, Any]:
         "haulback_tension": None,
         "haulback_block": None,
         "holding": "bisector",
+        "temperature": 5.0,
         "turn": None,
         "name": "rig",
         "gravity": 9.81,
@@ -140,6 +141,12 @@ def line_of_two() -> rw.System:
     return rw.monocable(ROPE, table.drop_duplicates("x"), tension=22e3, load_mass=90.0, load_spacing=33.0)
 
 
+def payloads(tension: float) -> rw.PayloadStudy:
+    """Payloads of a corridor whose skyline has an uncertain tension."""
+    parts = {k: v for k, v in rig_parts().items() if v is not None} | {"tension": tension}
+    return rw.payload(rw.standing_skyline(GROUND, **parts), stations=STATIONS)
+
+
 @cache
 def folder() -> Path:
     return Path(tempfile.mkdtemp())
@@ -170,6 +177,19 @@ def exported_line() -> Path:
 @cache
 def fmu() -> rw.fmu.Fmu:
     return rw.fmu.load(exported())
+
+
+@cache
+def fitted() -> rw.Fit:
+    """A payload by two tensions."""
+    table = pd.DataFrame({"station": STATIONS, "A": [110e3, 112e3]})
+    columns = {"station": "station", "A": "headspar_tension"}
+    return rw.fit(rig(), table, columns=columns, free="payload", sigma=500.0)
+
+
+def watch() -> rw.Monitor:
+    """A monitor of a line, before its first row."""
+    return rw.monitor(line(), columns={"t": "time", "A": "c.tension_in"}, free="*.mass", sigma=100.0)
 
 
 def guyed() -> rw.GuyedSpar:

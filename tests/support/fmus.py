@@ -1,5 +1,7 @@
 """Helpers for tests of FMUs: lines to export, and slaves that are opened and closed."""
 
+import re
+import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -123,6 +125,27 @@ WEAK_UNIT = rw.DieselHydraulicUnit(
     "unit", rated_power=20e3, rated_speed=200.0, inertia=1.0, displacement=25e-6, relief_pressure=350e5
 )
 RESPONSE = rw.ThresholdResponse(low=44e3, high=46e3, increment=0.02, period=1.0, delay=1.4)
+
+
+def rewritten(source: Path, path: Path, change: Callable[[str], str]) -> Path:
+    """The FMU with another description."""
+    with zipfile.ZipFile(source) as given, zipfile.ZipFile(path, "w") as target:
+        for item in given.namelist():
+            data = given.read(item)
+            target.writestr(item, change(data.decode()).encode() if item == "modelDescription.xml" else data)
+    return path
+
+
+def with_units(mass: Path, path: Path, units: dict[str, str], definitions: str = "") -> Path:
+    """The FMU of a mass with units at some of its variables."""
+
+    def change(text: str) -> str:
+        for name, unit in units.items():
+            text = re.sub(rf'(name="{re.escape(name)}" [^>]*>\s*<Real )(?:unit="[^"]*")?', rf'\1unit="{unit}" ', text)
+        defined = f"<UnitDefinitions>{definitions}</UnitDefinitions><ModelVariables>"
+        return text.replace("<ModelVariables>", defined) if definitions else text
+
+    return rewritten(mass, path, change)
 
 
 class Opened:

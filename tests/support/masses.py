@@ -10,7 +10,7 @@ import fmpy
 import numpy as np
 import pandas as pd
 
-from ropeway.fmu import CoSimulation
+from ropeway.fmu import CoSimulation, Fmu
 from ropeway.systems.native import compiler
 
 _OUTPUTS = ("x", "v", "der(x)", "a", "f")
@@ -82,7 +82,7 @@ _ONE = {"mass": 1.0, "spring": 1.0, "damper": 0.1, "stiffness": 20.0, "damping":
 _TWO = {"mass": 2.0, "spring": 2.0, "damper": 0.5}
 
 
-def pair(path: Path, step: float, start: Mapping[str, float] | None = None, **more: Any) -> CoSimulation:
+def pair(path: Path | Fmu, step: float, start: Mapping[str, float] | None = None, **more: Any) -> CoSimulation:
     """Two masses: the first sees where the other is, the other the force between them. `start`: more for the first."""
     together = CoSimulation(step, **more)
     together.add("one", path, start={**_ONE, **(start or {})})

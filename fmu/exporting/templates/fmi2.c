@@ -77,8 +77,8 @@ void fmi2FreeInstance(fmi2Component c)
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real start,
                                fmi2Boolean stopDefined, fmi2Real stop)
 {
-    (void)toleranceDefined, (void)tolerance, (void)stopDefined, (void)stop;
     NEEDS(MODE == RW_INSTANTIATED, "SetupExperiment");
+    rw_experiment(CORE, toleranceDefined, tolerance, stopDefined, stop);
     CORE->start_time = start;
     return (fmi2Status)rw_set_time(CORE, start);
 }
@@ -171,9 +171,13 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],
                                        const fmi2Real value[])
 {
-    (void)vr, (void)n, (void)order, (void)value;
-    NEEDS(0, "SetRealInputDerivatives");
-    return fmi2Error;
+    rw_status status = RW_OK;
+    NEEDS(MODE == RW_STEP, "SetRealInputDerivatives");
+    for (size_t i = 0; i < n; i++) {
+        NEEDS(order[i] == 1, "SetRealInputDerivatives of another order than 1");
+        WORST(status, rw_set_input_rate(CORE, vr[i], value[i]));
+    }
+    return (fmi2Status)status;
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n, const fmi2Integer order[],

@@ -9,6 +9,7 @@ typedef struct {
     rw_instance core;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
+    fmi3IntermediateUpdateCallback update;
 } instance_data;
 
 #define FMI(name) fmi3##name
@@ -62,12 +63,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3
                                          fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
                                          fmi3IntermediateUpdateCallback update)
 {
-    (void)resources, (void)visible, (void)earlyReturnAllowed, (void)required, (void)nRequired, (void)update;
-    if (eventModeUsed) {
-        if (log) log(environment, fmi3Error, "logStatusError", "This FMU has no event mode in Co-Simulation");
-        return NULL;
-    }
-    return instantiate(name, token, logging, environment, log, 1);
+    instance_data *i = instantiate(name, token, logging, environment, log, 1);
+    (void)resources, (void)visible, (void)required;
+    if (!i) return NULL;
+    if (nRequired) i->update = update;
+    i->core.has_event_mode = eventModeUsed;
+    i->core.stops_at_events = eventModeUsed && earlyReturnAllowed;
+    return i;
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
@@ -85,8 +87,8 @@ void fmi3FreeInstance(fmi3Instance c) { free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
                                        fmi3Float64 start, fmi3Boolean stopDefined, fmi3Float64 stop)
 {
-    (void)toleranceDefined, (void)tolerance, (void)stopDefined, (void)stop;
     NEEDS(MODE == RW_INSTANTIATED, "EnterInitializationMode");
+    rw_experiment(CORE, toleranceDefined, tolerance, stopDefined, stop);
     CORE->start_time = start;
     if (rw_set_time(CORE, start) != RW_OK) return fmi3Error;
     MODE = RW_INITIALIZATION;
@@ -248,8 +250,24 @@ fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n)
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
-    NEEDS(0, "EnterStepMode");
-    return fmi3Error;
+    NEEDS(MODE == RW_EVENT && CORE->co_simulation, "EnterStepMode");
+    MODE = RW_STEP;
+    return fmi3OK;
+}
+
+/* Asks for the inputs at the end of a step: within it they are linear. */
+static void inputs_at_end(void *c, double end, double size)
+{
+    instance_data *i = c;
+    double begin[RW_NU + 1], reached[RW_NU + 1];
+    fmi3Boolean early = fmi3False;
+    fmi3Float64 until = end;
+    memcpy(begin, CORE->s.u, sizeof begin);
+    i->update(i->environment, end, fmi3True, fmi3False, fmi3False, fmi3False, &early, &until);
+    memcpy(reached, CORE->s.u, sizeof reached);
+    memcpy(CORE->s.u, begin, sizeof begin);
+    rw_inputs_reach(CORE, reached, size);
+    CORE->s.solved = CORE->s.rated = CORE->s.shown = 0;
 }
 
 fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean noSetPrior, fmi3Boolean *eventNeeded,
@@ -259,7 +277,10 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Bo
     (void)noSetPrior;
     NEEDS(MODE == RW_STEP, "DoStep");
     *eventNeeded = *terminate = *early = fmi3False;
+    if (((instance_data *)c)->update && size > 0.0 && isfinite(size)) inputs_at_end(c, time + size, size);
     status = do_step(c, time, size);
     *last = CORE->s.now.t;
+    *eventNeeded = status <= fmi3Warning && CORE->has_event_mode && CORE->event;
+    *early = *eventNeeded && CORE->s.now.t < time + size;
     return status;
 }

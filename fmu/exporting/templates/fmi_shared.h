@@ -36,7 +36,7 @@ FMI(Status) FMI(ExitInitializationMode)(void *c)
     NEEDS(MODE == RW_INITIALIZATION, "ExitInitializationMode");
     status = rw_initialize(CORE);
     if (status > RW_WARNING) return FMI(Error);
-    MODE = CORE->co_simulation ? RW_STEP : RW_EVENT;
+    MODE = CORE->co_simulation && !CORE->has_event_mode ? RW_STEP : RW_EVENT;
     return (FMI(Status))status;
 }
 
@@ -119,7 +119,8 @@ static FMI(Status) directional(void *c, const FMI(ValueReference) unknown[], siz
 
 FMI(Status) FMI(EnterEventMode)(void *c)
 {
-    NEEDS((MODE == RW_CONTINUOUS || MODE == RW_EVENT) && !CORE->co_simulation, "EnterEventMode");
+    NEEDS(CORE->co_simulation ? MODE == RW_STEP && CORE->has_event_mode : MODE == RW_CONTINUOUS || MODE == RW_EVENT, "EnterEventMode");
+    rw_leave_trial(CORE);
     MODE = RW_EVENT;
     return FMI(OK);
 }
@@ -135,7 +136,11 @@ static FMI(Status) update(void *c, double *next)
 
 FMI(Status) FMI(EnterContinuousTimeMode)(void *c)
 {
-    NEEDS(MODE == RW_EVENT, "EnterContinuousTimeMode");
+    rw_status status;
+    NEEDS(MODE == RW_EVENT && !CORE->co_simulation, "EnterContinuousTimeMode");
+    status = rw_solve(CORE);
+    if (status == RW_OK) status = rw_accept_point(CORE);
+    if (status != RW_OK) return (FMI(Status))status;
     MODE = RW_CONTINUOUS;
     return FMI(OK);
 }
@@ -146,8 +151,10 @@ FMI(Status) FMI(CompletedIntegratorStep)(void *c, FMI(Boolean) final, FMI(Boolea
     (void)final;
     NEEDS(MODE == RW_CONTINUOUS && enterEvent && terminate, "CompletedIntegratorStep");
     *enterEvent = *terminate = 0;
+    rw_leave_trial(CORE);
     status = rw_solve(CORE);
     if (status == RW_OK) rw_hold(CORE);
+    if (status == RW_OK) status = rw_accept_point(CORE);
     return (FMI(Status))(status == RW_OK ? rw_lengths(CORE) : status);
 }
 
@@ -200,6 +207,10 @@ static FMI(Status) do_step(void *c, double time, double size)
 {
     if (!(size > 0.0) || !isfinite(size) || !isfinite(time) || fabs(time - CORE->s.now.t) > 1e-6 * (1.0 + fabs(time))) {
         rw_message(CORE, RW_ERROR, "logStatusError", "A step of %g s from %.9g s was requested at %.9g s", size, time, CORE->s.now.t);
+        return FMI(Error);
+    }
+    if (time + size > CORE->stop_time + 1e-9 * (1.0 + fabs(CORE->stop_time))) {
+        rw_message(CORE, RW_ERROR, "logStatusError", "A step to %.9g s was requested, beyond the stop time %.9g s", time + size, CORE->stop_time);
         return FMI(Error);
     }
     return (FMI(Status))rw_do_step(CORE, time + size);

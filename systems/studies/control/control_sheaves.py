@@ -19,6 +19,13 @@ def control_sheaves(line: System) -> list[str]:
     return names
 
 
+def scheduled_sheaves(line: System) -> list[str]:
+    """As `control_sheaves`, of a line whose speeds are optimised. Raises InputError for a line in weather too."""
+    if line.environment is not None:
+        raise InputError(f"Schedules of {line.name!r} cannot be optimised in weather", "Optimise the line without it")
+    return control_sheaves(line)
+
+
 def with_responses(line: System, responses: Mapping[str, Response | None], precedence: str = "all at once") -> System:
     """The line with other responses at some of its control sheaves, by name."""
     other = line.copy()

@@ -43,7 +43,9 @@ def objectives(result: Result, *, settle: float = 0.0, target: float | None = No
 
     Examples
     --------
-    >>> rw.objectives(rw.simulate(line, 60.0), settle=10.0)["peak tension"]
+    >>> result = rw.simulate(line, 20.0)
+    >>> print(f"{rw.objectives(result, settle=10.0)['peak tension'] / 1e3:.1f} kN")
+    68.6 kN
     """
     check.not_negative(settle, "objectives", "settle", "s")
     frame, names = result.full_frame, control_sheaves(result.model.system)

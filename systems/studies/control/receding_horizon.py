@@ -22,7 +22,7 @@ from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.warm_start import carried_over
-from ropeway.systems.studies.control.control_sheaves import control_sheaves, with_responses
+from ropeway.systems.studies.control.control_sheaves import scheduled_sheaves, with_responses
 from ropeway.systems.studies.control.optimise_schedule import check_intervals, optimise_schedule
 from ropeway.systems.studies.control.scheduling.limits import ScheduleLimits
 from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
@@ -42,6 +42,12 @@ class RecedingHorizon:
         Speeds as driven, by control sheave.
     result : Result
         The simulation under them.
+
+    Examples
+    --------
+    >>> moving = rw.receding_horizon(line, 4.0, horizon=6.0, every=2.0, intervals=3, settle=1.0)
+    >>> list(moving.schedules)
+    ['c1', 'c2']
     """
 
     plans: tuple[SchedulePlan, ...]
@@ -121,7 +127,9 @@ def receding_horizon(
 
     Examples
     --------
-    >>> rw.receding_horizon(line, 600.0, horizon=60.0, every=20.0).result.summary()
+    >>> moving = rw.receding_horizon(line, 4.0, horizon=6.0, every=2.0, intervals=3, settle=1.0)
+    >>> len(moving.plans)
+    2
     """
     for name, value in (("until", until), ("horizon", horizon), ("every", every)):
         check.positive(value, "receding_horizon", name, "s")
@@ -132,7 +140,7 @@ def receding_horizon(
             f"every is {every:g} s, the plans have intervals of {step:g} s",
             "Give a whole number of intervals, up to the horizon",
         )
-    names = control_sheaves(line)
+    names = scheduled_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
     first = carried_over(equilibrium(bare) if start is None else start, bare)
     for own in first.model.signals:

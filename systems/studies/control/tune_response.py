@@ -47,6 +47,15 @@ class TunedResponse:
     history : DataFrame
         A row for each simulation: what was tuned, `objective`, and `error` and `message` of one that failed (its
         objective is inf).
+
+    Examples
+    --------
+    >>> tuned = rw.tune_response(
+    ...     line, rw.ProportionalResponse(gain=1e-6), over={"gain": (1e-7, 1e-5)}, until=2.0, minimise="energy",
+    ...     generations=1, population=4, workers=1,
+    ... )
+    >>> len(tuned.history)
+    11
     """
 
     line: System
@@ -130,8 +139,13 @@ def tune_response(
 
     Examples
     --------
-    >>> over = {"increment": (0.002, 0.05), "period": (0.5, 4.0)}
-    >>> rw.tune_response(line, response, over=over, minimise="energy", until=120.0).response
+    >>> response = rw.ProportionalResponse(gain=1e-6)
+    >>> tuned = rw.tune_response(
+    ...     line, response, over={"gain": (1e-7, 1e-5)}, until=5.0, minimise="energy",
+    ...     generations=1, population=4, workers=1,
+    ... )
+    >>> tuned.objective <= tuned.baseline
+    True
     """
     check.positive(until, "tune_response", "until", "s")
     if not 0.0 <= settle < until:

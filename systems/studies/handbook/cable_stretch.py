@@ -53,8 +53,8 @@ class UnstretchedLength:
 
     Examples
     --------
-    >>> rope = Rope.named("6x19 EEIP 25")
-    >>> round(float(unstretched_length(rope, length=250.0, horizontal=40e3, vertical=12e3).stretch), 4)
+    >>> rope = rw.Rope.named("6x19 EEIP 25")
+    >>> round(float(rw.unstretched_length(rope, length=250.0, horizontal=40e3, vertical=12e3).stretch), 4)
     0.4264
     """
 
@@ -121,7 +121,8 @@ def unstretched_length(
 
     Examples
     --------
-    >>> round(float(unstretched_length(Rope.named("6x19 EEIP 25"), length=250.0, horizontal=40e3, vertical=12e3)), 3)
+    >>> rope = rw.Rope.named("6x19 EEIP 25")
+    >>> round(float(rw.unstretched_length(rope, length=250.0, horizontal=40e3, vertical=12e3)), 3)
     249.574
     """
     rope = rope_of(rope)
@@ -193,8 +194,8 @@ def stretched_position(
 
     Examples
     --------
-    >>> rope = Rope.named("6x19 EEIP 25")
-    >>> round(float(stretched_position(rope, stations=100.0, horizontal=40e3, vertical=12e3)), 4)
+    >>> rope = rw.Rope.named("6x19 EEIP 25")
+    >>> round(float(rw.stretched_position(rope, stations=100.0, horizontal=40e3, vertical=12e3)), 4)
     100.1725
     """
     rope = rope_of(rope)
@@ -240,7 +241,7 @@ def fit_construction_stretch(safety_factors: ArrayLike, elongations: ArrayLike) 
 
     Examples
     --------
-    >>> round(fit_construction_stretch([8.0, 5.0, 3.0, 2.0], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
+    >>> round(rw.fit_construction_stretch([8.0, 5.0, 3.0, 2.0], [0.00125, 0.0025, 0.005, 0.01]).coefficient, 4)
     0.0414
     """
     factor, y = np.atleast_1d(np.asarray(safety_factors, float)), np.atleast_1d(np.asarray(elongations, float))

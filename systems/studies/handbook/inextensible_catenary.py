@@ -56,7 +56,7 @@ class CatenaryCurve:
 
     Examples
     --------
-    >>> round(float(CatenaryCurve(100.0, 0.0, 250.0).length), 3)
+    >>> round(float(rw.CatenaryCurve(100.0, 0.0, 250.0).length), 3)
     100.668
     """
 
@@ -201,7 +201,7 @@ def catenary_for_horizontal(span: Numbers, rise: Numbers, horizontal: Numbers, w
 
     Examples
     --------
-    >>> float(catenary_for_horizontal(100.0, 0.0, 5000.0, 20.0).parameter)
+    >>> float(rw.catenary_for_horizontal(100.0, 0.0, 5000.0, 20.0).parameter)
     250.0
     """
     require_broadcast(span, rise, horizontal, weight)
@@ -235,7 +235,7 @@ def catenary_for_length(span: Numbers, rise: Numbers, length: Numbers) -> Catena
 
     Examples
     --------
-    >>> round(float(catenary_for_length(100.0, 0.0, 101.0).parameter), 2)
+    >>> round(float(rw.catenary_for_length(100.0, 0.0, 101.0).parameter), 2)
     204.43
     """
     require_broadcast(span, rise, length)
@@ -278,7 +278,7 @@ def catenary_for_sag(span: Numbers, rise: Numbers, sag: Numbers, at: Numbers = 0
 
     Examples
     --------
-    >>> round(float(catenary_for_sag(100.0, 0.0, 5.0).parameter), 2)
+    >>> round(float(rw.catenary_for_sag(100.0, 0.0, 5.0).parameter), 2)
     250.83
     """
     require_broadcast(span, rise, sag, at)
@@ -322,7 +322,7 @@ def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight:
 
     Examples
     --------
-    >>> round(float(catenary_for_tension(100.0, 0.0, 5000.0, 20.0).parameter), 2)
+    >>> round(float(rw.catenary_for_tension(100.0, 0.0, 5000.0, 20.0).parameter), 2)
     244.88
     """
     require_broadcast(span, rise, tension, weight)

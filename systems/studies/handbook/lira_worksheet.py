@@ -94,7 +94,7 @@ def lira_worksheet(
 
     Examples
     --------
-    >>> sheet = lira_worksheet(LoadedSpan(200.0, 25.0, 0.1), weight=34.0, tension=190e3)
+    >>> sheet = rw.lira_worksheet(rw.LoadedSpan(200.0, 25.0, 0.1), weight=34.0, tension=190e3)
     >>> round(float(sheet.gross))
     85801
     """

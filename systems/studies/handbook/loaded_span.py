@@ -35,7 +35,7 @@ class LoadedSpan:
 
     Examples
     --------
-    >>> float(LoadedSpan(200.0, 25.0, 0.1).drop_upper)
+    >>> float(rw.LoadedSpan(200.0, 25.0, 0.1).drop_upper)
     35.0
     """
 

@@ -83,7 +83,7 @@ def longest_rope(
 
     Examples
     --------
-    >>> rope = longest_rope([0.0, 100.0, 200.0], [0.0, -20.0, 0.0], (0.0, 10.0), (200.0, 10.0), clearance=2.0)
+    >>> rope = rw.longest_rope([0.0, 100.0, 200.0], [0.0, -20.0, 0.0], (0.0, 10.0), (200.0, 10.0), clearance=2.0)
     >>> round(rope.length, 2), round(rope.touches, 2)
     (207.32, 142.64)
     """

@@ -138,7 +138,7 @@ def twelve_cases(phi: ArrayLike) -> pd.DataFrame:
 
     Examples
     --------
-    >>> twelve_cases([1.0, 2.0]).groupby("case")["ratio"].max().round(4).loc[[1, 5]].tolist()
+    >>> rw.twelve_cases([1.0, 2.0]).groupby("case")["ratio"].max().round(4).loc[[1, 5]].tolist()
     [1.0, 1.0]
     """
     values = np.asarray(phi, dtype=float).ravel()

@@ -79,7 +79,7 @@ def compare_payload_methods(
 
     Examples
     --------
-    >>> table = compare_payload_methods(span=200.0, deflection=25.0, chord_slopes=[0.1], rope="RHOL-IWRC 29")
+    >>> table = rw.compare_payload_methods(span=200.0, deflection=25.0, chord_slopes=[0.1], rope="RHOL-IWRC 29")
     >>> float(table.set_index("method")["error"].round(4)["weightless"])
     0.0439
     """
@@ -162,7 +162,7 @@ def method_errors(
     Examples
     --------
     >>> grid = {"slopes": [0.0, 0.1], "deflections": [0.1], "carriages": [0.3, 0.5]}
-    >>> errors = method_errors("RHOL-IWRC 29", span=200.0, tension=190e3, **grid)
+    >>> errors = rw.method_errors("RHOL-IWRC 29", span=200.0, tension=190e3, **grid)
     >>> bool(errors.loc["parabolic", "highest"] > errors.loc["rigid link", "highest"])
     True
     """

@@ -90,7 +90,7 @@ def exact_load(
 
     Examples
     --------
-    >>> round(float(exact_load(LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, "clamped").gross))
+    >>> round(float(rw.exact_load(rw.LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, "clamped").gross))
     85864
     """
     require_broadcast(*line.parts, weight, tension, pull_slope)
@@ -138,8 +138,8 @@ def elastic_load(
 
     Examples
     --------
-    >>> rope = Rope.named("RHOL-IWRC 29")
-    >>> state = elastic_load(LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, rope.strain, "clamped")
+    >>> rope = rw.Rope.named("RHOL-IWRC 29")
+    >>> state = rw.elastic_load(rw.LoadedSpan(200.0, 25.0, 0.1), 34.0, 190e3, rope.strain, "clamped")
     >>> round(float(state.gross))
     85884
     """

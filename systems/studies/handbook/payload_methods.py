@@ -191,8 +191,9 @@ def payload_for_tension(
 
     Examples
     --------
-    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
-    >>> round(float(payload_for_tension(METHODS["rigid link"], line, rope, 190e3)))
+    >>> from ropeway.systems.studies.handbook.payload_methods import METHODS
+    >>> line, rope = rw.LoadedSpan(200.0, 25.0, 0.1), rw.Rope.named("RHOL-IWRC 29")
+    >>> round(float(rw.payload_for_tension(METHODS["rigid link"], line, rope, 190e3)))
     8754
     """
     rope = rope_of(rope)
@@ -247,8 +248,9 @@ def tension_for_payload(
 
     Examples
     --------
-    >>> line, rope = LoadedSpan(200.0, 25.0, 0.1), Rope.named("RHOL-IWRC 29")
-    >>> round(float(tension_for_payload(METHODS["rigid link"], line, rope, 8000.0)) / 1e3, 1)
+    >>> from ropeway.systems.studies.handbook.payload_methods import METHODS
+    >>> line, rope = rw.LoadedSpan(200.0, 25.0, 0.1), rw.Rope.named("RHOL-IWRC 29")
+    >>> round(float(rw.tension_for_payload(METHODS["rigid link"], line, rope, 8000.0)) / 1e3, 1)
     174.3
     """
     rope = rope_of(rope)

@@ -63,7 +63,7 @@ class SpanProblem:
 
     Examples
     --------
-    >>> round(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7).chord, 3)
+    >>> round(rw.SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7).chord, 3)
     100.499
     """
 
@@ -228,7 +228,7 @@ def solve_span(
 
     Examples
     --------
-    >>> solve_span(SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7)).converged
+    >>> rw.solve_span(rw.SpanProblem(100.0, 10.0, 102.0, 20.0, 3e7)).converged
     True
     """
     check.count(limit, "solve_span", "iterates", 1_000)

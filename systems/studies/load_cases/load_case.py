@@ -12,7 +12,7 @@ import pandas as pd
 
 from ropeway.components import check, table
 from ropeway.components.argument_checks import checked
-from ropeway.components.environment import CALM, Environment
+from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 
 MOST = 10_000
@@ -47,7 +47,7 @@ class LoadCase:
     """
 
     name: str
-    environment: Environment = field(default=CALM)
+    environment: Environment = field(default_factory=lambda: Environment("calm"))
     loading: str = "full"
     safety_factor: float | None = None
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.progress_bar import bar
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.load_cases.load_case import LoadCase
 from ropeway.systems.studies.skyline.carriage_model import Solved
@@ -55,14 +56,21 @@ def rig_states(
     """In each case the rig with its carriage at all stations. Raises InputError, and EquilibriumError that names the
     case."""
     found = []
-    for case, payload in zip(cases, payloads, strict=True):
-        solver = Stations(rig.in_weather(case.environment))
-        try:
-            solved = []
-            for x in stations.tolist():
-                stop_if_interrupted()
-                solved.append(solver.solve(x, payload))
-            found.append(certified(solved))
-        except EquilibriumError as error:
-            raise EquilibriumError(f"Load case {case.name!r}: {error.cause}", error.remedy, error.component) from error
+    with bar("load cases", len(cases)) as advance:
+        for case, payload in zip(cases, payloads, strict=True):
+            try:
+                found.append(rig_path(rig.studied_in(case.environment), payload, stations))
+            except EquilibriumError as error:
+                cause = f"Load case {case.name!r}: {error.cause}"
+                raise EquilibriumError(cause, error.remedy, error.component) from error
+            advance(len(found))
     return found
+
+
+def rig_path(rig: SkylineRig, payload: float, stations: np.ndarray) -> list[Solved]:
+    """The rig with its carriage at all stations. Raises EquilibriumError."""
+    solver, solved = Stations(rig), []
+    for x in stations.tolist():
+        stop_if_interrupted()
+        solved.append(solver.solve(x, payload))
+    return certified(solved)

@@ -19,11 +19,9 @@ from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.studies.load_cases.line_tables import supports_at_rest
 from ropeway.systems.studies.load_cases.load_case import Cases
-from ropeway.systems.studies.load_cases.rig_states import rig_stations
+from ropeway.systems.studies.load_cases.rig_states import rig_path, rig_stations
 from ropeway.systems.studies.load_cases.rig_tables import rig_supports
 from ropeway.systems.studies.load_cases.study import LoadCases, load_cases
-from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.station_solver import Stations
 
 
 @checked
@@ -106,8 +104,8 @@ def _alone(
     if isinstance(of, SkylineRig):
         mass = of.carriage.payload if payload is None else payload
         check.not_negative(mass, of.name, "payload", "kg")
-        where, solver = rig_stations(of, stations), Stations(of)
-        return rig_supports(certified([solver.solve(x, mass) for x in where.tolist()]), where)
+        where = rig_stations(of, stations)
+        return rig_supports(rig_path(of, mass, where), where)
     if payload is not None or stations is not None:
         raise InputError("payload and stations are those of a rig", "Leave them out, or give a rig")
     line = of if isinstance(of, Equilibrium) else equilibrium(of)

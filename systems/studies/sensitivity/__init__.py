@@ -1,1 +1,1 @@
-"""Exact derivatives of equilibria and runs."""
+"""Exact derivatives of equilibria, load paths and runs."""

@@ -14,16 +14,20 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from ropeway.components.errors import SimulationError, UnknownNameError
-from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.line_stepper import rates_of
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import update_of
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.solvers.drive_trajectories import drives_of
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import Point, Slot, newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import find
-from ropeway.systems.studies.sensitivity.linearisation import Directions, tangent_of, update_jacobian_of
+from ropeway.systems.studies.sensitivity.linearisation import (
+    Directions,
+    LinearState,
+    tangent_of,
+    update_jacobian_of,
+)
 from ropeway.systems.studies.sensitivity.perturbations import Varied
 
 _ACCURACY = 1e-9
@@ -65,23 +69,27 @@ class ForwardSensitivity:
                 self.travel[moving] = self.before[1].z[moving]
         return self.before
 
+    def state(self, now: tuple[Equilibrium, Directions]) -> LinearState:
+        """The line at a record, with its derivatives; travel counts from the start."""
+        line, directions = now
+
+        def slot(name: str) -> Slot:
+            return find(line.model, line.runs, line.passed, name)
+
+        outputs = self.tangent.outputs(line.point, directions)
+        return LinearState(line.__getitem__, slot, outputs, directions, self.travel.copy())
+
     def read(self, now: tuple[Equilibrium, Directions], wanted: Sequence[str]) -> list[np.ndarray]:
         """Derivatives of the wanted values, one row each."""
-        line, directions = now
-        outputs = self.tangent.outputs(line.point, directions)
-        rows = []
+        line, rows = now[0], list[np.ndarray]()
+        state = self.state(now)
         for name in wanted:
             try:
-                kind, k = find(line.model, line.runs, line.passed, name)
+                rows.append(state.rates(name))
             except UnknownNameError:
                 if not any(component_of(name) in run.loads.names for run in line.runs):
                     raise
                 rows.append(np.full(self.x.shape[1], np.nan))
-                continue
-            if kind is Kind.OUTPUT:
-                rows.append(outputs[k])
-            else:
-                rows.append(directions.vector(kind)[k] - (self.travel[k] if kind is Kind.ALGEBRAIC else 0.0))
         return rows
 
     def _hang(self, line: Equilibrium) -> None:

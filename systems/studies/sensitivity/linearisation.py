@@ -6,15 +6,22 @@ variables change with it, the algebraic variables follow from the equations by i
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix, diags
+from scipy.sparse import csc_matrix, diags, vstack
 from scipy.sparse.linalg import splu
 
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import Clock
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Vectors, scalar
+from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, Slot, Vectors, scalar
+
+_SMALL = 120
+"""Number of algebraic variables up to which dense matrices are faster."""
 
 
 class Directions(Vectors):
@@ -24,6 +31,15 @@ class Directions(Vectors):
     def stacked(self) -> np.ndarray:
         """All of them, one below the other."""
         return np.vstack(self.vectors)
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """Entries of the vectors that are `freed` in exchange for `given` values, which change by `rates` (given, k)."""
+
+    freed: Sequence[Slot]
+    given: Sequence[Slot]
+    rates: np.ndarray
 
 
 class Jacobian:
@@ -52,21 +68,50 @@ class Tangent:
         self._ode = Jacobian(model, model.dae)
         self._alg = Jacobian(model, model.dae, result=1)
         self._outputs = Jacobian(model, model.outputs)
+        sizes = np.cumsum([0, *(len(model.tables[kind]) for kind in VECTORS)]).tolist()
+        self._first = dict(zip(VECTORS, sizes, strict=False))
 
-    def solve(self, point: Point, x: np.ndarray, u: np.ndarray, p: np.ndarray, d: np.ndarray) -> Directions:
-        """The directions with those of the algebraic variables. Raises EquilibriumError where the equations
-        are singular."""
-        nx, nz = len(self.model.x), len(self.model.z)
-        known = Directions(x, np.zeros((nz, x.shape[1])), u, p, d)
-        if nz == 0:
-            return known
-        matrix = diags(1.0 / self.model.r.nominals) @ self._alg(point)
+    def solve(
+        self, point: Point, x: np.ndarray, u: np.ndarray, p: np.ndarray, d: np.ndarray, exchange: Exchange | None = None
+    ) -> Directions:
+        """The directions with those of the algebraic variables, and of what is freed in an exchange. Raises
+        EquilibriumError where the equations are singular."""
+        m = self.model
+        found = Directions(x.copy(), np.zeros((len(m.z), x.shape[1])), u.copy(), p.copy(), d)
+        unknown = [(Kind.ALGEBRAIC, k) for k in range(len(m.z))] + list(exchange.freed if exchange else ())
+        if not unknown:
+            return found
+        matrix = self._equations(point, () if exchange is None else exchange.given)
+        right = -(matrix @ found.stacked)
+        if exchange is not None:
+            right[len(m.z) :] += exchange.rates
+        nominals = np.array([m.tables[kind].nominals[k] for kind, k in unknown])
+        places = [self._first[kind] + k for kind, k in unknown]
         try:
-            factors = splu((matrix[:, nx : nx + nz] @ diags(self.model.z.nominals)).tocsc())
-        except RuntimeError as error:
+            if isinstance(matrix, np.ndarray):
+                solution = np.linalg.solve(matrix[:, places] * nominals, right)
+            else:
+                solution = splu((matrix[:, places] @ diags(nominals)).tocsc()).solve(right)
+        except (RuntimeError, np.linalg.LinAlgError) as error:
             raise EquilibriumError("The equations are singular", "This state is at a limit of stability") from error
-        z = -factors.solve(matrix @ known.stacked) * self.model.z.nominals[:, None]
-        return Directions(x, z, u, p, d)
+        moved = solution * nominals[:, None]
+        found.z[:] = moved[: len(m.z)]
+        for (kind, k), rates in zip(unknown[len(m.z) :], moved[len(m.z) :], strict=True):
+            found.vector(kind)[k] += rates
+        return found
+
+    def _equations(self, point: Point, given: Sequence[Slot]) -> np.ndarray | csc_matrix:
+        """The derivatives of the scaled residuals and of given values by all vectors; dense for a small model."""
+        alg, nominals = self._alg(point), self.model.r.nominals
+        rows = np.zeros((len(given), alg.shape[1]))
+        for row, (kind, k) in zip(rows, given, strict=True):
+            if kind is Kind.OUTPUT:
+                row[:] = self._outputs(point)[[k]].toarray()[0]
+            else:
+                row[self._first[kind] + k] = 1.0
+        if len(nominals) <= _SMALL:
+            return np.vstack([alg.toarray() / nominals[:, None], rows])
+        return vstack([diags(1.0 / nominals) @ alg, csc_matrix(rows)]).tocsc()
 
     def rates(self, point: Point, directions: Directions) -> np.ndarray:
         """Directions of the rates of the states, shape (nx, k)."""
@@ -75,6 +120,27 @@ class Tangent:
     def outputs(self, point: Point, directions: Directions) -> np.ndarray:
         """Directions of the outputs, shape (ny, k)."""
         return np.asarray(self._outputs(point) @ directions.stacked)
+
+
+@dataclass(frozen=True)
+class LinearState:
+    """A solved state, and how its quantities change with those that are varied. `read` gives the value of a quantity,
+    `slot` its vector and entry; `outputs` (ny, k) and `directions`: the derivatives; `offset` (nz, k): of algebraic
+    variables that count from another state."""
+
+    read: Callable[[str], float]
+    slot: Callable[[str], Slot]
+    outputs: np.ndarray
+    directions: Directions
+    offset: np.ndarray | None = None
+
+    def rates(self, name: str) -> np.ndarray:
+        """Derivatives of a quantity, (k,). Raises UnknownNameError."""
+        kind, k = self.slot(name)
+        if kind is Kind.OUTPUT:
+            return np.asarray(self.outputs[k])
+        rates = self.directions.vector(kind)[k]
+        return np.asarray(rates if kind is not Kind.ALGEBRAIC or self.offset is None else rates - self.offset[k])
 
 
 @kept_with_model

@@ -1,7 +1,7 @@
 """Exact derivatives of results, as newtons per kilogram, per metre of support height, per newton of pretension.
 
-At rest they follow from the equations by implicit differentiation; along a simulation from the linearised
-equations (`forward_sensitivity`)."""
+At rest, and with a rig's carriage at a station, they follow from the equations by implicit differentiation; along a
+simulation from the linearised equations (`forward_sensitivity`)."""
 
 from __future__ import annotations
 
@@ -12,22 +12,32 @@ import pandas as pd
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.results.column_labels import Labels
+from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.solvers.newton import Slot
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import still
 from ropeway.systems.statics.line_state import find
 from ropeway.systems.studies.sensitivity.forward_sensitivity import ForwardSensitivity
-from ropeway.systems.studies.sensitivity.linearisation import tangent_of
+from ropeway.systems.studies.sensitivity.linearisation import LinearState, tangent_of
 from ropeway.systems.studies.sensitivity.perturbations import Varied
+from ropeway.systems.studies.sensitivity.rig_sensitivities import rig_sensitivities
 
 
 @checked
 @interruptible
-def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to: str | Sequence[str]) -> pd.DataFrame:
+def sensitivities(
+    solution: Equilibrium | Result | SkylineRig,
+    *,
+    of: str | Sequence[str],
+    to: str | Sequence[str],
+    payload: float | None = None,
+    stations: Sequence[float] | np.ndarray | None = None,
+    height: float | None = None,
+) -> pd.DataFrame:
     """Exact derivatives of results by parameters.
 
     All else is held, unstretched lengths too; loads stay at their places on the rope. Along a simulation travel counts
@@ -36,53 +46,80 @@ def sensitivities(solution: Equilibrium | Result, *, of: str | Sequence[str], to
 
     Parameters
     ----------
-    solution : Equilibrium or Result
-        Where to differentiate.
+    solution : Equilibrium, Result or SkylineRig
+        Where to differentiate; of a rig the load path.
     of : str or sequence of str
-        Outputs, variables or quantities of loads ("l1.z").
+        Outputs, variables or quantities of loads ("l1.z"). Of a rig: columns of its load path but clearances
+        ("skyline_tension"), or quantities of its model ("carriage.z").
     to : str or sequence of str
         Parameters ("s3.z"), lengths ("a_b.length"), inputs ("c1.speed"), initial states, masses of loads ("l1.mass"),
-        or "head.pretension": the tension of the empty rope at its first support, with the lengths and the tensions of
-        drums that follow from it.
+        or of the rope that begins at a support: "head.pretension", the tension of the empty rope there, with the
+        lengths and the tensions of drums that follow from it; "head.axial_stiffness", "head.mass_per_length". Of a rig:
+        "station", "payload", "height"; "length" of the skyline or "tension" of the bare skyline; "axial_stiffness" and
+        "mass_per_length" of "skyline", "mainline" or "haulback"; and parameters of its model ("tail.z").
+    payload : float, optional
+        Of a rig [kg]; by default that of its carriage.
+    stations : sequence of float, shape (n,), optional
+        Of a rig, as for `load_path`.
+    height : float, optional
+        Of a rig, as for `load_path`; to="height" is then the height z of the carriage.
 
     Returns
     -------
     DataFrame
         In SI units of the one per SI unit of the other; `attrs["units"]` and `attrs["per"]` have them. Of an
         equilibrium: a row for each of `of`, a column for each of `to`. Of a simulation: a row for each time of the
-        frame, columns (of, to); NaN where a load is not on the line.
+        frame, columns (of, to); NaN where a load is not on the line. Of a rig: a row for each station, columns (of,
+        to).
 
     Raises
     ------
     UnknownNameError
     InputError
-        For a simulation in which a load stands on a sheave, or with an emergency stop.
+        For a simulation in which a load stands on a sheave, or with an emergency stop; payload, stations or height
+        without a rig.
+    EquilibriumError
+        A rig has no equilibrium at a station.
 
     Examples
     --------
-    >>> rw.sensitivities(rw.equilibrium(line), of="c1.tension_in", to=["l7.mass", "c1.z"])  # doctest: +SKIP
+    >>> frame = rw.sensitivities(rw.equilibrium(line), of="c1.tension_in", to=["l8.mass", "c1.z"])
+    >>> frame.loc["c1.tension_in"].round(2).to_dict()
+    {'l8.mass': 1.57, 'c1.z': 99.58}
     """
     wanted, varied = ([v] if isinstance(v, str) else list(v) for v in (of, to))
     if not wanted or not varied:
         raise InputError("sensitivities has nothing to derive", "Name at least one result and one parameter")
+    if isinstance(solution, SkylineRig):
+        load = solution.carriage.payload if payload is None else payload
+        return rig_sensitivities(solution, wanted, varied, load, stations, height)
+    if (payload, stations, height) != (None, None, None):
+        raise InputError("payload, stations and height are those of a rig", "Leave them out, or give a rig")
     frame = (
         _at_rest(solution, wanted, varied) if isinstance(solution, Equilibrium) else _in_time(solution, wanted, varied)
     )
     model = solution.model
-    frame.attrs["units"] = Labels({name: _unit(model, name) for name in wanted})
-    frame.attrs["per"] = Labels({name: _unit(model, name) for name in varied})
+    frame.attrs["units"] = Labels({name: unit_of(model, name) for name in wanted})
+    frame.attrs["per"] = Labels({name: unit_of(model, name) for name in varied})
     return frame
 
 
 def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
     line = still(line)
-    moved = Varied.of(line, varied)
-    places = [find(line.model, line.runs, line.passed, name) for name in wanted]
-    d = moved.discrete(line.model, line.runs, line.passed, line.point)
-    found = tangent_of(line.model).solve(line.point, moved.x, moved.u, moved.p, d)
-    outputs = tangent_of(line.model).outputs(line.point, found)
-    rows = [outputs[k] if kind is Kind.OUTPUT else found.vector(kind)[k] for kind, k in places]
+    state = linearised(line, Varied.of(line, varied))
+    rows = [state.rates(name) for name in wanted]
     return pd.DataFrame(rows, index=pd.Index(wanted, name="of"), columns=pd.Index(varied, name="to"))
+
+
+def linearised(line: Equilibrium, varied: Varied) -> LinearState:
+    """An equilibrium with its derivatives. Raises EquilibriumError."""
+    tangent, discrete = tangent_of(line.model), varied.discrete(line.model, line.runs, line.passed, line.point)
+    found = tangent.solve(line.point, varied.x, varied.u, varied.p, discrete)
+
+    def slot(name: str) -> Slot:
+        return find(line.model, line.runs, line.passed, name)
+
+    return LinearState(line.__getitem__, slot, tangent.outputs(line.point, found), found)
 
 
 def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
@@ -100,9 +137,10 @@ def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd
     return pd.DataFrame(np.array(rows).reshape(len(rows), -1), index=index, columns=columns)
 
 
-def _unit(model: Model, name: str) -> str:
+def unit_of(model: Model, name: str) -> str:
     """Unit of a variable, of a load's quantity or of a pretension."""
     for table in model.tables.values():
         if name in table.index:
             return table.units[table.index[name]]
-    return {"mass": "kg", "pretension": "N"}.get(name.rpartition(".")[2], "m")
+    known = {"mass": "kg", "pretension": "N", "axial_stiffness": "N", "mass_per_length": "kg/m"}
+    return known.get(name.rpartition(".")[2], "m")

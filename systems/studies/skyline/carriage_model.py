@@ -52,15 +52,17 @@ class SpanModel:
         self.model: Model = assembled(rig.system(place.span, on=place.on, rollers=place.rollers))
         m, name = self.model, rig.carriage.name
         self.log = None if rig.turn is None else rig.turn.log.name
-        self._mass = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
+        self.payload = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
         self.axes = [self.slot(f"{name}.{axis}") for axis in "xyz"]
-        freed, given = [], []
+        freed, given = list[Slot](), list[Slot]()
         if not rig.ideal:
             given.append(self.axes[0])
             freed.append(self.slot(f"{name}.travel" if rig.carriage.clamped else "mainline.travel"))
         if by_height:
             given.append(self.axes[2])
             freed.append(self.slot(f"{rig.skyline_drum}.{rig.kind.drum_variable}"))
+        self.freed, self.given = tuple(freed), tuple(given)
+        """Entries that are solved for in exchange for the carriage's station and height."""
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
         self._outputs, self.output_index = outputs_of(m), m.y.index
         declared = LineState.declared(m)
@@ -77,7 +79,7 @@ class SpanModel:
 
     def load(self, point: Point, payload: float) -> None:
         """Sets the payload [kg] of a point."""
-        point.p[self._mass] = payload if self.log is None else max(payload, LEAST_MASS)
+        point.p[self.payload] = payload if self.log is None else max(payload, LEAST_MASS)
 
     def slot(self, name: str) -> Slot:
         """The vector and entry of a variable."""
@@ -185,13 +187,18 @@ class Solved:
         return -self[f"{name}.shoe_force"] / self[f"{name}.tension_a"] * self[f"{name}.radius"]
 
     def __getitem__(self, name: str) -> float:
+        kind, k = self.slot(name)
+        return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
+
+    def slot(self, name: str) -> Slot:
+        """The vector and entry of a variable or an output. Raises InputError."""
         on = self.at.on
         if on is not None:
             owner, _, quantity = name.rpartition(".")
             if owner == self.at.rig.supports[on].name:  # the carriage on the shoe has the outputs of both
                 name = f"{self.at.rig.carriage.name}.{quantity}"
         k = self.at.output_index.get(name)
-        return self.at.read(self.point, self.at.slot(name)) if k is None else float(self.outputs[k])
+        return self.at.slot(name) if k is None else (Kind.OUTPUT, k)
 
     def has(self, output: str) -> bool:
         """Whether the model has an output."""

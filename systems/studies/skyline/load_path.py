@@ -12,7 +12,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError
 from ropeway.systems.interrupts import interruptible, keeping
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_row import station_row, units_of
@@ -79,7 +79,7 @@ def load_path(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> load_path(rig, 2000.0, [100.0, 200.0])[["deflection", "highest_tension"]].round(1)
+    >>> rw.load_path(rig, 2000.0, [100.0, 200.0])[["deflection", "highest_tension"]].round(1)
        deflection  highest_tension
     0         4.0         163591.9
     1         4.0         163797.7
@@ -87,7 +87,7 @@ def load_path(
     check.not_negative(payload, rig.name, "payload", "kg")
     if height is not None and not rig.kind.sets_height:
         raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = studied_in(rig, environment)
     solver = Stations(rig, by_height=height is not None)
     positions, solved = stations_of(rig, stations), list[Solved]()
 

@@ -19,7 +19,7 @@ from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.rope_tensions import highest_tension
@@ -105,11 +105,11 @@ def set_up(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline="RHOL-IWRC 29", tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> round(set_up(rig, station=150.0, payload=2000.0, tension=150e3).loaded["deflection"], 2)
+    >>> round(rw.set_up(rig, station=150.0, payload=2000.0, tension=150e3).loaded["deflection"], 2)
     4.95
     """
     _require_one_target(rig, payload, tension, deflection)
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = studied_in(rig, environment)
     state = partial(at, rig, station=station, payload=payload)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
@@ -207,7 +207,7 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 15.0)), tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
     ...     skyline=rope, tension=70e3, carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> tension_history(rig, [(150.0, 2000.0), (150.0, 2000.0)])["bare_tension"].round(-2).tolist()
+    >>> rw.tension_history(rig, [(150.0, 2000.0), (150.0, 2000.0)])["bare_tension"].round(-2).tolist()
     [45100.0, 45100.0]
     """
     k = rig.skyline.strain.c2

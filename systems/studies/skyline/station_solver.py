@@ -118,7 +118,7 @@ class Stations:
             return self._solve(place, case, start=shoe, effort=effort)
         if not rig.kind.keeps_length and case.height is None:
             self._require_lift(case.station, case.payload)
-        name, own = rig.carriage.name, self._own_pull(place.span, case.station)
+        name, own = rig.carriage.name, self.own_pull(place.span, case.station)
         # The clamp is tried first if it held the last state: this is faster and gives the same result.
         held = self._clamped(place, case, shoe, effort=effort) if self._was_clamped.get(place) else None
         pulled, failure, tried = None, None, held
@@ -190,7 +190,7 @@ class Stations:
                 "haulback tension",
             )
 
-    def _own_pull(self, span: int, x: float) -> float:
+    def own_pull(self, span: int, x: float) -> float:
         """Upper bound of the mainline tension from its own weight [N]; below it the mainline cannot stay taut."""
         rope = self.rig.mainline
         if rope is None:

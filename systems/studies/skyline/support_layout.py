@@ -45,7 +45,7 @@ class Candidate:
 
     Examples
     --------
-    >>> Candidate("spruce", 120.0, (8.0, 6.0)).heights
+    >>> rw.Candidate("spruce", 120.0, (8.0, 6.0)).heights
     (6.0, 8.0)
     """
 
@@ -97,6 +97,13 @@ class SupportPlan:
         Station of that limit [m]; NaN otherwise.
     tried : int
         Number of rigs examined.
+
+    Examples
+    --------
+    >>> candidates = [rw.Candidate("spruce", 120.0, (6.0, 8.0))]
+    >>> plan = rw.optimise_supports(rig, candidates, payload=1000.0, stations=[150.0])
+    >>> plan.feasible
+    True
     """
 
     rig: SkylineRig
@@ -137,7 +144,7 @@ def support_range(start: float, end: float, spacing: float, heights: Sequence[fl
 
     Examples
     --------
-    >>> [candidate.station for candidate in support_range(100.0, 120.0, 10.0, [6.0, 8.0])]
+    >>> [candidate.station for candidate in rw.support_range(100.0, 120.0, 10.0, [6.0, 8.0])]
     [100.0, 110.0, 120.0]
     """
     check.positive(spacing, "support_range", "spacing", "m")
@@ -203,7 +210,7 @@ def optimise_supports(
     ...     tailspar=rw.TailSpar("tail", station=300.0, height=15.0), skyline="RHOL-IWRC 29", tension=70e3,
     ...     carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> plan = optimise_supports(rig, [Candidate("spruce", 150.0, (6.0, 10.0))], payload=1500.0)
+    >>> plan = rw.optimise_supports(rig, [rw.Candidate("spruce", 150.0, (6.0, 10.0))], payload=1500.0)
     >>> plan.feasible, plan.height
     (True, 6.0)
     """

@@ -40,10 +40,14 @@ class LineStudy:
 
     def __call__(self, **parameters: float) -> dict[str, float]:
         """Outputs by name. Raises InputError, EquilibriumError."""
-        model, start = _prepared(self.declared)
-        found = _variant(model, start, parameters, compiled=self.compiled)
+        found = self.at(parameters)
         place, values = found.model.y.index, found.outputs.tolist()
         return {name: values[place[name]] if name in place else found[name] for name in self.outputs}
+
+    def at(self, parameters: dict[str, float]) -> Equilibrium:
+        """The equilibrium with other parameters. Raises InputError, EquilibriumError."""
+        model, start = _prepared(self.declared)
+        return _variant(model, start, parameters, compiled=self.compiled)
 
     def rows(self, names: Sequence[str], values: np.ndarray) -> NumberRows:
         """Outputs of many variants, for values (cases, parameters) of the parameters `names`."""

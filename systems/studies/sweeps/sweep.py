@@ -83,7 +83,11 @@ def sweep(
 
     Examples
     --------
-    >>> rw.sweep(line, {"l7.mass": [300.0, 450.0]}, outputs=["c1.tension_in"])  # doctest: +SKIP
+    >>> table = rw.sweep(line, {"l8.mass": [300.0, 450.0]}, outputs=["c1.tension_in"], workers=1)
+    >>> table[["l8.mass", "c1.tension_in"]].round(0)
+       l8.mass  c1.tension_in
+    0    300.0        46639.0
+    1    450.0        46890.0
     """
     units = dict[str, str]()
     if isinstance(study, (System, Model)):

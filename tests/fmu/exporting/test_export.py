@@ -8,13 +8,14 @@ from xml.etree import ElementTree
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
+from lxml import etree
 
 import ropeway as rw
 from ropeway.components.errors import CompilerError
 from ropeway.fmu import export
 from ropeway.fmu.exporting.binaries import universal
 from ropeway.systems.native import compiler
-from support.fmus import ROPE, WEAK_UNIT, one_span, open_line, short_line
+from support.fmus import ROPE, WEAK_UNIT, one_span, open_line, short_line, skyline
 
 
 @pytest.mark.parametrize("name", ["line2", "line3", "driven", "span3"])
@@ -72,6 +73,32 @@ def test_units_have_their_dimensions(line2: Path) -> None:
     assert newton is not None
     assert newton.attrib == {"kg": "1", "m": "1", "s": "-2"}
     assert all(base is not None for base in units.values())
+
+
+def test_terminals(tmp_path: Path) -> None:
+    """Rope ends, the drive and its hydraulic port, by the schema of FMI 3.0."""
+    path = export(open_line(), tmp_path / "line.fmu", "3.0", platforms=())
+    with zipfile.ZipFile(path) as archive:
+        data = archive.read("terminalsAndIcons/terminalsAndIcons.xml")
+    schema = etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"))
+    schema.assertValid(etree.fromstring(data))
+    found = {
+        t.get("name"): {m.get("memberName"): m.get("variableName") for m in t}
+        for t in ElementTree.fromstring(data).iter("Terminal")
+    }
+    assert set(found) == {"start_s1.a", "s5_s6.b", "c1.drive", "c1.hydraulic"}
+    assert found["s5_s6.b"] == {
+        "tension": "s5_s6.tension_b", "vertical": "s5_s6.vertical_b", "horizontal": "s5_s6.horizontal",
+        "travel": "s6.travel",
+    }  # fmt: skip
+    assert {"speed", "drive_force", "travel"} <= found["c1.drive"].keys()
+    assert {"pump_flow", "relief_pressure", "hydraulic_power"} <= found["c1.hydraulic"].keys()
+    known = {v.name for v in fmpy.read_model_description(str(path)).modelVariables}
+    assert all(set(members.values()) <= known for members in found.values())
+    for system, count in ((skyline(), 5), (one_span(), 2)):
+        path = export(system, tmp_path / "other.fmu", "3.0", platforms=())
+        with zipfile.ZipFile(path) as archive:
+            assert archive.read("terminalsAndIcons/terminalsAndIcons.xml").count(b"<Terminal ") == count
 
 
 def test_chosen_variables_only(tmp_path: Path) -> None:

@@ -33,7 +33,9 @@ def every(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, bytes
     [
         ("x86_64-linux/one_span.so", b"\x7fELF"),
         ("aarch64-linux/one_span.so", b"\x7fELF"),
+        ("x86-linux/one_span.so", b"\x7fELF\x01"),
         ("x86_64-windows/one_span.dll", b"MZ"),
+        ("x86-windows/one_span.dll", b"MZ"),
         ("x86_64-darwin/one_span.dylib", b"\xcf\xfa\xed\xfe"),
         ("aarch64-darwin/one_span.dylib", b"\xcf\xfa\xed\xfe"),
     ],
@@ -45,10 +47,9 @@ def test_all_platforms_from_here(every: dict[str, dict[str, bytes]], place: str,
 
 def test_folders_of_version_2(every: dict[str, dict[str, bytes]]) -> None:
     assert every["2.0"]["darwin64/one_span.dylib"].startswith(b"\xca\xfe\xba\xbe")
-    folders = ("linux64", "aarch64-linux", "win64", "darwin64")
-    assert every["2.0"].keys() == {
-        f"{f}/one_span{e}" for f, e in zip(folders, (".so", ".so", ".dll", ".dylib"), strict=True)
-    }
+    folders = {"linux64": ".so", "linux32": ".so", "aarch64-linux": ".so", "win64": ".dll", "win32": ".dll"}
+    folders["darwin64"] = ".dylib"
+    assert every["2.0"].keys() == {f"{folder}/one_span{suffix}" for folder, suffix in folders.items()}
 
 
 @pytest.mark.parametrize(("fmi", "place"), [("2.0", "win64/one_span.dll"), ("3.0", "x86_64-windows/one_span.dll")])

@@ -7,6 +7,7 @@ from typing import Any
 import fmpy
 import numpy as np
 import pytest
+from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 import ropeway as rw
@@ -158,6 +159,39 @@ def test_other_parameters_are_solved_again(span3: Path, open_fmu: Opener) -> Non
     assert one.get(*names) == pytest.approx([rest[n] for n in names], rel=1e-9)
 
 
+@pytest.mark.parametrize("early", [True, False])
+def test_event_mode_in_co_simulation(line3: Path, early: bool) -> None:
+    """With early return a step ends at each crossing, which the importer handles in event mode."""
+    modes = {"use_event_mode": True, "early_return_allowed": early}
+    run = fmpy.simulate_fmu(
+        str(line3), fmi_type="CoSimulation", stop_time=60.0, output_interval=5.0, record_events=True, **modes
+    )
+    result = rw.simulate(example_line(), 60.0, every=5.0)
+    crossings = np.unique(result.events["time"].round(6))
+    stops = np.setdiff1d(np.unique(run["time"].round(6)), np.arange(0.0, 61.0, 5.0))
+    assert len(stops) == (len(crossings) if early else 0)
+    assert not early or stops == pytest.approx(crossings, abs=2e-6)
+    last = result.frame.iloc[-1]
+    assert run["c2.tension_in"][-1] == pytest.approx(last["c2.tension_in"], rel=1e-9)
+    assert run["c1.loads_passed"][-1] == run["c1.loads_passed"][0] + 1
+
+
+@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
+def test_parameters_change_in_mid_run(span3: Path, kind: str) -> None:
+    """All parameters but lengths are tunable: here a load grows and gravity falls."""
+    fmu = load(span3)
+    assert fmu.entry("turn.mass").variability == "tunable"
+    assert fmu.entry("a_b.length_start").variability == "fixed"
+    with Slave(fmu, kind=kind) as one:
+        one.enter(0.0, {})
+        one.leave()
+        one.step(1.0, {}, {})
+        one.set({"turn.mass": 9000.0, "gravity": 9.7})
+        one.step(1.0, {}, {})
+        rest = rw.equilibrium(one_span(), parameters={"turn.mass": 9000.0, "gravity": 9.7})
+        assert one.get(["a_b.tension_a"]) == pytest.approx([rest["a_b.tension_a"]], rel=1e-9)
+
+
 def test_limits_are_outputs(span3: Path, open_fmu: Opener) -> None:
     one = open_fmu(span3)
     flags = [one.references[f"a_b.tension_above_{limit}"] for limit in ("SWL", "MBL")]
@@ -261,3 +295,90 @@ def test_a_hundred_spans_with_two_hundred_loads(tmp_path: Path) -> None:
         assert b"RW_SPARED static int" in archive.read("sources/rw_jacobian.c")
     where, error = deviation(path, line, 60.0, "CoSimulation")
     assert error < 1e-7, where
+
+
+class _Constant:
+    """Inputs that keep their values, for FMPy's CVODE."""
+
+    def apply(self, time: float) -> None:
+        """Nothing changes."""
+
+
+@pytest.mark.parametrize("name", ["line3", "driven"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-8])
+def test_a_strict_importer(
+    name: str, tolerance: float, open_fmu: Opener, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """CVODE without a limit on its steps: it tries states far beyond a crossing, and no call may fail there."""
+    from fmpy.sundials import CVodeSolver
+
+    one = open_fmu(request.getfixturevalue(name), kind="ModelExchange")
+    one.initialize()
+    fmu, failures, until, calls = one.fmu, [], 60.0, [0]
+    update = fmu.updateDiscreteStates if one.three else fmu.newDiscreteStates
+    nx, nz = one.description.numberOfContinuousStates, one.description.numberOfEventIndicators
+    rates = fmu.getContinuousStateDerivatives if one.three else fmu.getDerivatives
+
+    def watched(call: Any) -> Any:
+        def of(*arguments: Any) -> None:
+            calls[0] += 1
+            try:
+                call(*arguments)
+            except FMICallException as error:  # in a callback of C it would be lost
+                failures.append(error)
+
+        return of
+
+    time, (_, _, _, _, defined, coming) = 0.0, update()
+    fmu.enterContinuousTimeMode()
+    get_z = watched(fmu.getEventIndicators)
+    states = fmu.getContinuousStates, watched(fmu.setContinuousStates), watched(rates), get_z
+    nominals = fmu.getNominalsOfContinuousStates
+    solver = CVodeSolver(nx, nz, *states, nominals, watched(fmu.setTime), _Constant(), time, np.inf, tolerance)
+    events = 0
+    while time < until:
+        stop = min(until, coming if defined else until)
+        found, _, time = solver.step(time, stop)
+        fmu.setTime(time)
+        fmu.completedIntegratorStep()
+        if found or time >= (coming if defined else until):
+            fmu.enterEventMode()
+            _, _, _, _, defined, coming = update()
+            fmu.enterContinuousTimeMode()
+            solver.reset(time)
+            events += 1
+    assert failures == []
+    assert events > 20
+    assert calls[0] < 40000
+    line = example_line() if name == "line3" else short_line(drive=HYDRAULIC, response=RESPONSE)
+    last = rw.simulate(line, until, every=until).frame.iloc[-1]
+    tension = [n for n in last.index if n.endswith((".tension_in", ".travel"))]
+    assert one.get(*tension) == pytest.approx(last[tension].to_numpy(), rel=30.0 * tolerance)
+
+
+@pytest.mark.parametrize("name", ["line2", "driven"])
+def test_states_far_beyond_a_crossing(name: str, open_fmu: Opener, request: pytest.FixtureRequest) -> None:
+    """Rates are finite, indicators of crossings change their signs, and an accepted point is as before."""
+    one = open_fmu(request.getfixturevalue(name), kind="ModelExchange")
+    one.initialize()
+    one.fmu.newDiscreteStates()
+    one.fmu.enterContinuousTimeMode()
+    nx, nz = one.description.numberOfContinuousStates, one.description.numberOfEventIndicators
+    x, rate, signs = np.zeros(nx), np.zeros(nx), np.zeros(nz)
+
+    def vector(call: Any, values: np.ndarray) -> np.ndarray:
+        call(np.ctypeslib.as_ctypes(values), len(values))
+        return values.copy()
+
+    start = vector(one.fmu.getContinuousStates, x)
+    slope, before = vector(one.fmu.getDerivatives, rate), vector(one.fmu.getEventIndicators, signs)
+    tension = one.get("c1.tension_in")
+    assert np.all(before > 0.0)
+    for ahead in (1.0, 100.0, 1e4, 0.0):
+        one.fmu.setTime(ahead)
+        vector(one.fmu.setContinuousStates, start + ahead * slope)
+        assert np.all(np.isfinite(vector(one.fmu.getDerivatives, rate)))
+        crossed = vector(one.fmu.getEventIndicators, signs) < 0.0
+        assert np.any(crossed) == (ahead > 20.0)
+    assert one.get("c1.tension_in") == pytest.approx(tension, rel=1e-12)
+    assert one.log == []

@@ -77,6 +77,19 @@ def test_bytes_of_something_else_are_refused(open_fmu: Opener, line: Path) -> No
     assert "not a state of this FMU" in one.log[-1]
 
 
+def test_damaged_bytes_are_refused(open_fmu: Opener, line: Path) -> None:
+    one = open_fmu(line)
+    one.initialize()
+    state = one.save()
+    bytes_ = bytearray(one.fmu.serializeFMUState(state) if one.three else one.fmu.serializeFMUstate(state))
+    for place in (len(bytes_) // 2, len(bytes_) - 1):
+        bytes_[place] ^= 1
+        with pytest.raises(FMICallException):
+            (one.fmu.deserializeFMUState if one.three else one.fmu.deSerializeFMUstate)(bytes(bytes_))
+        assert "their checksum differs" in one.log[-1]
+        bytes_[place] ^= 1
+
+
 def refused(one: Opened, text: str) -> None:
     assert one.log, "nothing was logged"
     assert text in one.log[-1]
@@ -107,10 +120,48 @@ def test_a_bad_value_reference_is_refused(open_fmu: Opener, line: Path) -> None:
 
 def test_parameters_and_outputs_cannot_be_set_while_it_runs(open_fmu: Opener, line: Path) -> None:
     one = started(open_fmu, line)
-    for name in ("gravity", "c1.tension_in"):
+    for name in ("start_s1.length_start", "c1.tension_in"):
         with pytest.raises(FMICallException):
             one.set(**{name.replace(".", "__"): 9.0})
-        refused(one, "cannot be set now")
+        refused(one, f"The variable {name} cannot be set now")
+
+
+def test_the_stop_time_is_kept(open_fmu: Opener, line: Path) -> None:
+    one = open_fmu(line)
+    if one.three:
+        one.fmu.enterInitializationMode(startTime=0.0, stopTime=1.0)
+    else:
+        one.fmu.setupExperiment(startTime=0.0, stopTime=1.0)
+        one.fmu.enterInitializationMode()
+    one.fmu.exitInitializationMode()
+    for i in range(10):  # the sum of the steps is not exactly one
+        one.step(0.1 * i, 0.1)
+    with pytest.raises(FMICallException):
+        one.step(1.0, 0.1)
+    refused(one, "beyond the stop time 1 s")
+
+
+def test_the_tolerance_of_the_importer_counts(open_fmu: Opener, driven: Path) -> None:
+    """The FMU is exported with 1e-8; a coarse tolerance takes other steps, with a larger error."""
+    found = []
+    for tolerance in (None, 1e-8, 1e-3):
+        one = open_fmu(driven)
+        one.fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
+        one.initialize()
+        found.append(one.run(0.0, 20.0, 20.0, ["c1.rope_speed", "c1.travel"])[0])
+    assert np.array_equal(found[0], found[1])
+    assert 1e-9 < np.abs(found[2] / found[0] - 1.0).max() < 1e-2
+
+
+@pytest.mark.slow
+def test_a_step_of_days_ends(open_fmu: Opener, line2: Path) -> None:
+    one = open_fmu(line2)
+    one.initialize()
+    before = one.get("c1.tension_in")
+    with pytest.raises(FMICallException):
+        one.step(0.0, 1e7)
+    refused(one, "take smaller steps")
+    assert one.get("c1.tension_in") == before
 
 
 def test_a_length_must_be_above_zero(open_fmu: Opener, line: Path) -> None:

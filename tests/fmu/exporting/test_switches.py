@@ -9,8 +9,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
 import ropeway as rw
-from ropeway.fmu import export, load
-from support.fmus import HYDRAULIC, Opener, short_line
+from ropeway.fmu import Slave, export, load
+from support.fmus import HYDRAULIC, RESPONSE, Opener, one_span, short_line
 
 NAMES = ["c1.travel", "c1.tension_in", "c1.tension_out", "c1.power"]
 ACTS = {
@@ -52,6 +52,42 @@ def test_as_interventions(
     last = wanted[~wanted.index.duplicated(keep="last")].loc[times[away], NAMES].to_numpy()
     scale = np.abs(last).max(axis=0)
     assert np.abs((np.array(rows)[away] - last) / scale).max() < 1e-5
+
+
+@pytest.mark.parametrize(("drive", "fmi"), [(None, "2.0"), (HYDRAULIC, "3.0")])
+def test_an_emergency_stop(
+    tmp_path: Path, open_fmu: Opener, drive: rw.HydraulicDrive | None, fmi: Literal["2.0", "3.0"]
+) -> None:
+    """As the intervention: speeds with their corrections go down to zero, and responses end."""
+    line = short_line(drive=drive, response=RESPONSE, speed=1.2)
+    stop = rw.Intervention(7.3, "emergency stop", deceleration=0.4)
+    wanted = rw.simulate(line, 15.0, every=0.1, interventions=[stop]).frame
+    path = export(line, tmp_path / "line.fmu", fmi, emergency_stop=0.4, tolerance=1e-8)
+    assert validate_fmu(str(path)) == []
+    with Slave(load(path), kind="ModelExchange") as other:
+        other.enter(0.0, {})
+        other.leave()
+        one = open_fmu(path)
+        one.initialize()
+        for begin, end in ((0.0, 7.3), (7.3, 9.1), (9.1, 15.0)):
+            one.step(begin, end - begin)
+            other.step(end - begin, {}, {})
+            if end == 7.3:
+                one.switch("emergency_stop", True)
+                other.set({"emergency_stop": True})
+                continue
+            row = wanted.iloc[int(np.argmin(np.abs(wanted.index - end)))]
+            for found in (one.get(*NAMES), other.get(NAMES)):
+                assert found == pytest.approx(row[NAMES].to_numpy(), rel=2e-5, abs=2e-5)
+        assert one.get("c1.power") == pytest.approx([0.0], abs=1e-3)
+        one.switch("emergency_stop", False)  # it runs again, with its responses
+        one.step(15.0, 3.0)
+        assert one.get("c1.travel")[0] > wanted["c1.travel"].iloc[-1] + 2.0
+
+
+def test_an_emergency_stop_needs_a_drive(tmp_path: Path) -> None:
+    with pytest.raises(rw.InputError, match="has no drive with a commanded speed"):
+        export(one_span(), tmp_path / "span.fmu", emergency_stop=1.0)
 
 
 def test_in_model_exchange_only_at_events(braked: Path, open_fmu: Opener) -> None:

@@ -5,9 +5,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuRunError, Slave, load
+from support.examples import example_fmu
 from support.fmus import example_line
 from support.masses import mass_fmu
 
@@ -114,3 +117,70 @@ def test_too_many_loads_in_a_span_are_reported(line2: Path) -> None:
         far = {"c1.speed": 60.0, "c2.speed": -60.0}
         with pytest.raises(FmuRunError, match=r"'line' \(line2\.fmu\) .* Its log: "):
             slave.step(60.0, far, far)
+
+
+def van_der_pol(time: float, x: np.ndarray) -> list[float]:
+    return [x[1], 1000.0 * (1.0 - x[0] ** 2) * x[1] - x[0]]
+
+
+def roberts(time: float, y: np.ndarray) -> list[float]:
+    slow, back, fast = 0.04 * y[0], 1e4 * y[1] * y[2], 3e7 * y[1] ** 2
+    return [back - slow, slow - back - fast, fast]
+
+
+@pytest.mark.parametrize("step", [5.0, 200.0])
+def test_a_stiff_oscillator(tmp_path: Path, step: float) -> None:
+    """An explicit method takes a hundred thousand steps: the call limit below is a thousandth of its calls."""
+    path, calls = example_fmu(tmp_path, "vanderpol"), 0
+    with Slave(load(path), "one", "ModelExchange") as slave:
+        slave.enter(0.0, {"mu": 1000.0})
+        slave.leave()
+        rates = slave._slave._integrator._rates  # type: ignore[union-attr]
+
+        def counted(time: float, states: np.ndarray) -> np.ndarray:
+            nonlocal calls
+            calls += 1
+            return rates(time, states)
+
+        slave._slave._integrator._rates = counted  # type: ignore[union-attr, method-assign]
+        for _ in range(round(200.0 / step)):
+            slave.step(step, {}, {})
+        found = slave.get(["x0", "x1"])
+    wanted = solve_ivp(van_der_pol, (0.0, 200.0), [2.0, 0.0], method="LSODA", rtol=1e-11, atol=1e-12).y[:, -1]
+    assert found == pytest.approx(wanted, rel=1e-7)
+    assert calls < 1500
+
+
+def test_a_stiff_reaction_with_events(tmp_path: Path) -> None:
+    """The third substance passes a level, later the first one."""
+    path = example_fmu(tmp_path, "roberts")
+    exact = solve_ivp(roberts, (0.0, 40.0), [1.0, 0.0, 0.0], "Radau", rtol=1e-10, atol=1e-13, dense_output=True)
+    times = [brentq(lambda t: exact.sol(t)[2] - 0.01, 0.0, 2.0), brentq(lambda t: exact.sol(t)[0] - 0.9, 1.0, 20.0)]
+    for step, count in ((40.0, 2), (0.5, 81)):
+        frame = run(path, step, 40.0, {})
+        assert len(frame) == count
+        assert frame[["one.y1", "one.y2", "one.y3"]].iloc[-1].to_numpy() == pytest.approx(exact.y[:, -1], rel=1e-6)
+    levels = frame["one.levels"]
+    assert [levels[levels >= level].index[0] for level in (2, 3)] == [np.ceil(t / 0.5) * 0.5 for t in times]
+    with Slave(load(path), "one", "ModelExchange") as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        slave.step(times[1] - 1e-5, {}, {})
+        assert slave.get(["levels"]) == [2.0]
+        slave.step(2e-5, {}, {})
+        assert slave.get(["levels"]) == [3.0]
+
+
+def test_a_ball_that_comes_to_rest(tmp_path: Path) -> None:
+    """After eleven bounces its speed is below 0.1 m/s."""
+    frame = run(example_fmu(tmp_path, "ball"), 0.3, 3.0, {})
+    fall = np.sqrt(2.0 / GRAVITY)
+    bounces = fall * (1.0 + 2.0 * np.cumsum([0.0, *0.7 ** np.arange(1, 11)]))
+    assert frame["one.bounces"].to_list() == np.searchsorted(bounces, frame.index).tolist()
+    assert frame.iloc[-1].to_list() == [0.0, 0.0, 11.0]
+
+
+def test_a_staircase_ends_the_run(tmp_path: Path) -> None:
+    frame = run(example_fmu(tmp_path, "stair"), 0.5, 20.0, {"last": 4.0})
+    assert frame["one.counter"].to_list() == [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 5.0]
+    assert "ends the run at t = 4 s" in frame.attrs["ended"]

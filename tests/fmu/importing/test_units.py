@@ -1,8 +1,5 @@
 """Units that an FMU names, with and without a definition."""
 
-import re
-import zipfile
-from collections.abc import Callable
 from functools import reduce
 from pathlib import Path
 
@@ -10,28 +7,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.fmu import CoSimulation, FmuVariableError, component, export
-from support.fmus import WEAK_UNIT
-
-
-def rewritten(source: Path, path: Path, change: Callable[[str], str]) -> Path:
-    """The FMU with another description."""
-    with zipfile.ZipFile(source) as given, zipfile.ZipFile(path, "w") as target:
-        for item in given.namelist():
-            data = given.read(item)
-            target.writestr(item, change(data.decode()).encode() if item == "modelDescription.xml" else data)
-    return path
-
-
-def with_units(mass: Path, path: Path, units: dict[str, str], definitions: str = "") -> Path:
-    """The FMU of a mass with units at some of its variables."""
-
-    def change(text: str) -> str:
-        for name, unit in units.items():
-            text = re.sub(rf'(name="{re.escape(name)}" [^>]*>\s*<Real )(?:unit="[^"]*")?', rf'\1unit="{unit}" ', text)
-        defined = f"<UnitDefinitions>{definitions}</UnitDefinitions><ModelVariables>"
-        return text.replace("<ModelVariables>", defined) if definitions else text
-
-    return rewritten(mass, path, change)
+from support.fmus import WEAK_UNIT, rewritten, with_units
 
 
 def factor(mass: Path, folder: Path, source: str, target: str, definitions: str = "") -> tuple[float, float]:

@@ -173,7 +173,7 @@ def test_cut_by_an_idler(seed: int) -> None:
 def test_the_tension_invariant(drawn: Drawn) -> None:
     """The tension law with construction stretch: the strain potential increases by w times the height."""
     eq = replace(drawn, at=(), masses=()).solve()
-    c1, c2 = drawn.rope.strain
+    c1, c2, _ = drawn.rope.strain
     low, high = eq["a_b.tension_a"], eq["a_b.tension_b"]
 
     def potential(t: float) -> float:
@@ -192,7 +192,7 @@ def test_idler_lines(seed: int) -> None:
     nodes = [(rw.Anchor if k in (0, last) else rw.Sheave)(f"s{k}", at=tuple(p)) for k, p in enumerate(case.points)]
     s.string(case.rope, *nodes, tension=60.0 * case.rope.mass_per_length * GRAVITY * np.ptp(case.points[:, 2]) + 3e4)
     eq = rw.equilibrium(s)
-    c1, c2 = case.rope.strain
+    c1, c2, _ = case.rope.strain
     tension = np.array([eq[f"s{k}_s{k + 1}.tension_a"] for k in range(last)] + [eq[f"s{last - 1}_s{last}.tension_b"]])
     potential = tension + c1 * tension**2 / 2.0 + c2 * tension**3 / 3.0
     weight = case.rope.mass_per_length * GRAVITY

@@ -16,7 +16,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
-from ropeway.systems.studies.control.control_sheaves import control_sheaves
+from ropeway.systems.studies.control.control_sheaves import control_sheaves, scheduled_sheaves
 
 _TRIALS, _BALANCE = 20, 1.0
 """Largest number of iterations for equal differences, and their tolerance [N]."""
@@ -43,10 +43,11 @@ def balanced(line: System) -> Equilibrium:
 
     Examples
     --------
-    >>> start = rw.balanced(line)  # doctest: +SKIP
-    >>> plan = rw.optimise_schedule(line, 120.0, start=start)  # doctest: +SKIP
+    >>> start = rw.balanced(line)
+    >>> print(f"{start['c1.tension_in'] - start['c1.tension_out']:.0f} N")
+    1171 N
     """
-    names = control_sheaves(line)
+    names = scheduled_sheaves(line)
     first, *others = (f"{name}.differential_tension" for name in names)
     travels = [f"{name}.travel" for name in names[1:]]
 

@@ -65,6 +65,11 @@ class ScheduleLimits:
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> rw.ScheduleLimits(power=3.2e3, speed=(0.2, 2.0)).speed
+    (0.2, 2.0)
     """
 
     tension_low: float | None = None

@@ -19,7 +19,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.warm_start import carried_over
-from ropeway.systems.studies.control.control_sheaves import control_sheaves, with_responses
+from ropeway.systems.studies.control.control_sheaves import scheduled_sheaves, with_responses
 from ropeway.systems.studies.control.objectives import objectives
 from ropeway.systems.studies.control.scheduling.initial_schedules import balancing, require_sheave
 from ropeway.systems.studies.control.scheduling.limits import ScheduleLimits
@@ -62,7 +62,7 @@ class LineRuns:
     def of(cls, request: ScheduleRequest) -> LineRuns:
         """For a request: solves the line's equilibrium where none is given. Raises InputError, UnknownNameError,
         EquilibriumError."""
-        line, names = request.line, control_sheaves(request.line)
+        line, names = request.line, scheduled_sheaves(request.line)
         for name in request.limits.sheaves:
             require_sheave(name, names)
         bare = with_responses(line, dict.fromkeys(names))

@@ -53,6 +53,11 @@ class Disturbance:
     Raises
     ------
     InputError
+
+    Examples
+    --------
+    >>> rw.Disturbance("5 % heavier", mass=1.05).mass
+    1.05
     """
 
     name: str

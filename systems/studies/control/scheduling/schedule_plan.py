@@ -62,6 +62,12 @@ class SchedulePlan(PlanData):
         The support that keeps the line's speed.
     trim : ProportionalResponse
         How the others correct towards the plan.
+
+    Examples
+    --------
+    >>> plan = rw.optimise_schedule(line, 6.0, intervals=3, settle=1.0)
+    >>> plan.frame.columns.tolist()
+    ['c1.speed', 'c2.speed']
     """
 
     def __repr__(self) -> str:

@@ -15,6 +15,7 @@ from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
 from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import Places
 from ropeway.systems.studies.skyline.limits import LoadLimits, margins_of
@@ -280,19 +281,17 @@ class CarriageRun:
             self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
         self.exceeded = exceeded
         point = eq.point.copy()
-        point.u[:] = 0.0
+        point.u[at.model.u.shared :] = 0.0  # all speeds, not the weather
         if "mainline.speed" in at.model.u.index:
             point.u[at.model.u.index["mainline.speed"]] = -speed
         solution = newton_of(at.model).solve(point, slope=np.zeros(len(point.u)))
         rates = np.zeros(len(point.z)) if solution is None else solution
-        main = self.rig.mainline
         index = at.model.z.index
-        pull = solved["mainline.rope_tension"]
-        drum = speed * (main.strain.potential(pull) if main is not None else 0.0)
+        drum = speed * _carried(solved, "mainline", solved["mainline.rope_tension"])
         haulback_power = 0.0
         if "haulback.travel" in index and "haulback.rope_tension" in at.model.y.index:
-            rope = self.rig.skyline if self.rig.haulback is None else self.rig.haulback
-            haulback_power = -rates[index["haulback.travel"]] * rope.strain.potential(solved["haulback.rope_tension"])
+            role = "skyline" if self.rig.haulback is None else "haulback"
+            haulback_power = -rates[index["haulback.travel"]] * _carried(solved, role, solved["haulback.rope_tension"])
         self.rows.append(
             {
                 "time": now,
@@ -303,3 +302,12 @@ class CarriageRun:
                 "haulback_power": float(haulback_power),
             }
         )
+
+
+def _carried(solved: Solved, role: str, tension: float) -> float:
+    """Energy that each metre of a rope carries at a tension [N]; 0 without the rope."""
+    at = solved.at
+    if role not in at.roles:
+        return 0.0
+    rope = span_rope(at.model, at.model.runs[at.roles.index(role)], 0, solved.__getitem__)
+    return float(rope.strain.potential(tension))

@@ -47,6 +47,12 @@ class Inhaul(Tabular):
     events : DataFrame
         Columns time, event, station: supports reached and left, changes of the payload, and rows "beyond" a limit of
         `rw.payload` (safe working load, capacity of a spar or support, lift-off).
+
+    Examples
+    --------
+    >>> run = rw.inhaul(rig, payload=1000.0, start=200.0, end=195.0, every=1.0)
+    >>> print(f"{run.frame['mainline_tension'].max() / 1e3:.1f} kN")
+    2.2 kN
     """
 
     rig: SkylineRig
@@ -164,7 +170,7 @@ def inhaul(
     ...     None, headspar=rw.HeadSpar("head", at=(0.0, 40.0)), tailspar=rw.TailSpar("tail", at=(200.0, 0.0)),
     ...     skyline="RHOL-IWRC 29", tension=60e3, mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> inhaul(rig, payload=1500.0, start=100.0, end=91.0)
+    >>> rw.inhaul(rig, payload=1500.0, start=100.0, end=91.0)
     <Inhaul of 'standing skyline': 5 rows, 0 events>
     """
     check.number(speed, rig.name, "speed", "m/s", FASTEST)

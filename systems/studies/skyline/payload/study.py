@@ -21,7 +21,7 @@ from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
 from ropeway.systems.results.support_rows import require_rollers
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
 from ropeway.systems.studies.skyline.payload.data import PayloadData
@@ -202,7 +202,7 @@ def payload(
     ...     tailspar=rw.TailSpar("tail", station=300.0, height=5.0),
     ...     mainline="6x19 EEIP 19", carriage=rw.Carriage("carriage", mass=450.0),
     ... )
-    >>> study = payload(rig, clearance=2.0, stations=[100.0, 150.0])
+    >>> study = rw.payload(rig, clearance=2.0, stations=[100.0, 150.0])
     >>> study.frame["limited_by"].tolist()
     ['skyline tension', 'skyline tension']
     """
@@ -214,7 +214,7 @@ def payload(
         if rig.terrain is None:
             raise InputError(f"{rig.name} has no terrain for a clearance", "Give it a Profile, or remove clearance")
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
-    rig = rig if environment is None else rig.in_weather(environment)
+    rig = studied_in(rig, environment)
     where = stations_of(rig, stations)
     _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
     saddles = (saddle_angle, roller_force, rollers or {})

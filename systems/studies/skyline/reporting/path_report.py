@@ -82,7 +82,9 @@ def load_path_report(
 
     Examples
     --------
-    >>> rw.load_path_report(rig, 2500.0, rw.load_path(rig, 2500.0), "path.html")
+    >>> path = rw.load_path(rig, 2500.0, [100.0, 200.0])
+    >>> rw.load_path_report(rig, 2500.0, path, "path.html").name
+    'path.html'
     """
     if not {"station", "carriage_z", "highest_tension"} <= set(frame.columns):
         raise InputError("The frame is not a load path", "Give the frame of rw.load_path(rig, payload)")

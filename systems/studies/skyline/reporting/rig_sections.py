@@ -43,6 +43,8 @@ def inputs(
         (style.text("load_depth"), style.value(rig.carriage.depth, "length")),
         (style.text("gravity"), f"{rig.gravity:g} m/s²"),
     ]
+    if rig.environment is not None:
+        rows.append((style.text("weather"), rig.environment.words))
     ropes = [(style.text(use), rope, _factor(rope, use, factors)) for use, rope in ropes_of(rig)]
     return Section(style.text("inputs"), (values_of(rows, style), ropes_table(ropes, style)))
 

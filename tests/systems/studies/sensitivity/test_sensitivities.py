@@ -76,6 +76,25 @@ def test_pretension_equals_differences_of_strung_ropes() -> None:
     np.testing.assert_allclose(frame["a.pretension"], difference(at, 30e3, 10.0), rtol=1e-6)
 
 
+def test_stiffness_and_weight_of_a_rope_in_all_its_spans() -> None:
+    eq = rw.equilibrium(idlers())
+    of, spans = ["s1_s2.tension_a", "l1.z"], ["a_s1", "s1_s2", "s2_b"]
+    frame = rw.sensitivities(eq, of=of, to=["a.axial_stiffness", "a.mass_per_length"])
+    assert frame.attrs["per"] == {"a.axial_stiffness": "N", "a.mass_per_length": "kg/m"}
+    for name, parameter, h in (
+        ("a.axial_stiffness", "compliance", 1e4),
+        ("a.mass_per_length", "mass_per_length", 1e-3),
+    ):
+
+        def at(value: float, parameter: str = parameter) -> np.ndarray:
+            own = 1.0 / value if parameter == "compliance" else value
+            moved = rw.equilibrium(eq.model, parameters={f"{span}.{parameter}": own for span in spans}, start=eq)
+            return np.array([moved[o] for o in of])
+
+        value = ROPE.axial_stiffness if parameter == "compliance" else ROPE.mass_per_length
+        np.testing.assert_allclose(frame[name], difference(at, value, h), rtol=1e-5)
+
+
 def test_pretension_of_a_skyline_without_its_carriage() -> None:
     def rig(tension: float) -> rw.System:
         return rw.standing_skyline(

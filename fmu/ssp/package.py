@@ -1,0 +1,78 @@
+"""Files of a system structure: a package (.ssp), or a description (.ssd) with the files beside it."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, urlsplit
+from urllib.request import url2pathname
+
+from ropeway.fmu.errors import FmuImportError
+
+ROOT = "SystemStructure.ssd"
+"""The description that a package is opened with."""
+
+
+class Package:
+    """The files of a system structure, by their URIs relative to the description. Raises FmuImportError."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        if not self.path.is_file():
+            raise FmuImportError(f"There is no file {self.path}", "Check the path")
+        self._zipped = zipfile.is_zipfile(self.path)
+        if not self._zipped and self.path.suffix.lower() != ".ssd":
+            raise FmuImportError(
+                f"{self.path.name} is neither a zip archive nor an .ssd file", "Give a file .ssp or .ssd"
+            )
+        self.root = ROOT if self._zipped else self.path.name
+        if self._zipped and ROOT not in self._names():
+            raise FmuImportError(f"{self.path.name} has no {ROOT}", "It is a zip archive, but not an SSP")
+
+    def _names(self) -> list[str]:
+        with zipfile.ZipFile(self.path) as archive:
+            return archive.namelist()
+
+    def read(self, source: str, base: str = "") -> bytes:
+        """Content of a file, by its URI relative to the folder of `base`."""
+        place = self._place(source, base)
+        if isinstance(place, Path):
+            return place.read_bytes()
+        with zipfile.ZipFile(self.path) as archive:
+            return archive.read(place)
+
+    def local(self, source: str, folder: Path, base: str = "") -> Path:
+        """A file on the disk: one of an archive is written into a folder, under a name of its own."""
+        place = self._place(source, base)
+        if isinstance(place, Path):
+            return place
+        written = folder / f"{len(list(folder.iterdir()))}-{PurePosixPath(place).name}"
+        with zipfile.ZipFile(self.path) as archive, archive.open(place) as content, written.open("wb") as file:
+            shutil.copyfileobj(content, file)
+        return written
+
+    def inside(self, source: str, base: str = "") -> str:
+        """A URI relative to the description of the package."""
+        return str(PurePosixPath(base).parent / unquote(source))
+
+    def _place(self, source: str, base: str) -> Path | str:
+        """A file on the disk, or a member of the archive."""
+        uri = urlsplit(source)
+        if uri.scheme == "file":
+            return self._existing(Path(url2pathname(uri.path)), source)
+        if uri.scheme or uri.netloc:
+            raise FmuImportError(
+                f"{self.path.name} refers to {source}, which is not a file", "Put the file into the SSP"
+            )
+        place = self.inside(uri.path, base)
+        if not self._zipped:
+            return self._existing(self.path.parent / place, source)
+        if place not in self._names():
+            raise FmuImportError(f"{self.path.name} has no file {place!r}", f"It has {', '.join(self._names()[:12])}")
+        return place
+
+    def _existing(self, path: Path, source: str) -> Path:
+        if not path.is_file():
+            raise FmuImportError(f"{self.path.name} refers to {source}: there is no file {path}", "Check the path")
+        return path

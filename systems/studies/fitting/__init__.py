@@ -1,0 +1,1 @@
+"""Fit to what was measured."""

@@ -1,0 +1,1 @@
+"""Uncertain inputs: their distributions, and how sure a result is."""

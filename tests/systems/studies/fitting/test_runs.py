@@ -1,0 +1,145 @@
+"""Fits to series, and estimates while a line runs."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ropeway as rw
+
+ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
+SUPPORTS = pd.DataFrame(
+    [
+        ("start", 0.0, 0.0, "drum"),
+        ("s1", 70.0, 9.0, "idler"),
+        ("c1", 150.0, 15.0, "control"),
+        ("s2", 230.0, 24.0, "idler"),
+        ("c2", 300.0, 28.0, "control"),
+        ("end", 370.0, 26.0, "drum"),
+    ],
+    columns=["name", "x", "z", "kind"],
+).assign(y=0.0)
+COLUMNS = ["c1.tension_in", "c1.tension_out", "c2.tension_in", "c2.tension_out"]
+SPEED = rw.Schedule([0.0, 10.0, 20.0, 400.0], [1.0, 1.0, 1.03, 1.03])
+MASSES = tuple(float(m) for m in np.random.default_rng(5).uniform(220.0, 430.0, 12))
+
+
+def line(masses: float | tuple[float, ...] = 300.0, **parts: Any) -> rw.System:
+    return rw.monocable(ROPE, SUPPORTS, tension=45e3, load_mass=masses, load_spacing=62.0, **parts)
+
+
+@cache
+def run() -> rw.Result:
+    """A run with loads of different masses; the second control sheave becomes a little faster."""
+    return rw.simulate(line(MASSES), 300.0, every=1.0, inputs={"c2.speed": SPEED}, tolerance=1e-9)
+
+
+def log(until: float, noise: float, seed: int = 1) -> pd.DataFrame:
+    frame = run().frame.loc[:until, COLUMNS].copy()
+    frame += np.random.default_rng(seed).normal(0.0, noise, frame.shape)
+    return frame.assign(v2=[SPEED.at(t) for t in frame.index])
+
+
+def test_a_series_gives_the_mass_and_the_pretension_it_was_made_with() -> None:
+    declared = list(MASSES)
+    declared[2] = 300.0
+    table = log(30.0, 0.0).iloc[[0, 2, 6, 10, 16, 20, 30]]
+    columns = {"time": "time", "v2": "c2.speed", "c1.tension_out": "c1.tension_out", "c2.tension_in": "c2.tension_in"}
+    fit = rw.fit(line(tuple(declared)), table, columns=columns, free=["l3.mass", "start.pretension"], sigma=100.0)
+    assert fit.values["l3.mass"] == pytest.approx(MASSES[2], rel=1e-4)
+    assert fit.values["start.pretension"] == pytest.approx(45e3, rel=1e-6)
+    assert fit.residuals.index.name == "time"
+    assert "time" in fit.suggestion
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"times": [0.0, 1.0, 2.5]}, "multiples of 1 s"),
+        ({"times": [0.0, 2.0, 1.0]}, "do not increase"),
+        ({"columns": {"mass": "l3.mass"}}, "cannot be given over time"),
+    ],
+)
+def test_series_that_cannot_be_fitted(change: dict[str, Any], message: str) -> None:
+    table = pd.DataFrame({"t": change.get("times", [0.0, 1.0, 2.0]), "A": 45e3, "mass": 300.0})
+    columns = {"t": "time", "A": "c1.tension_in", **change.get("columns", {})}
+    with pytest.raises(rw.InputError, match=message):
+        rw.fit(line(), table, columns=columns, free="start.pretension", sigma=100.0)
+
+
+def monitored(until: float = 300.0, **changes: Any) -> tuple[rw.Monitor, list[rw.Estimate]]:
+    columns = {"time": "time", "v2": "c2.speed", **{c: c for c in COLUMNS}}
+    arguments = {"free": "*.mass", "sigma": 100.0, "prior": {"*.mass": (300.0, 100.0)}} | changes
+    watch = rw.monitor(line(), columns=columns, **arguments)
+    return watch, list(watch.follow(log(until, 100.0)))
+
+
+def test_masses_are_known_three_spans_after_they_are_put_on() -> None:
+    """Within 5 % (two standard errors), with noise of 100 N at 1 Hz; the reserve is that of the run."""
+    watch, estimates = monitored()
+    true = {f"l{i + 1}.mass": MASSES[i % len(MASSES)] for i in range(20)}
+    events = run().events
+    there = events[events["load"] == "l7"].set_index("component")["time"]
+    assert there["start"] > 20.0
+    now = next(e for e in estimates if e.time >= there["s2"])
+    assert 2.0 * now.standard_error["l7.mass"] < 0.05 * true["l7.mass"]
+    assert abs(now.value["l7.mass"] - true["l7.mass"]) < 0.05 * true["l7.mass"]
+    off = [(e.value[n] - true[n]) / e.standard_error[n] for e in estimates[::60] for n in e.value]
+    assert 0.6 < np.std(off) < 1.5
+    frame = watch.frame
+    tensions = run().frame.filter(regex=r"_.*\.tension_[ab]$").max(axis=1)
+    reserve = frame["reserve"].iloc[100:]
+    missed = (reserve["value"] - (ROPE.safe_working_load - tensions.loc[reserve.index])) / reserve["standard_error"]
+    assert missed.abs().quantile(0.95) < 3.0
+    assert reserve["standard_error"].max() < 300.0
+    assert repr(watch) == "<Monitor of 'mono-cable line': 301 rows>"
+
+
+def test_rows_from_an_iterator_with_gaps() -> None:
+    columns = {"t": "time", "T_kN": "c2.tension_in", "v2": "c2.speed"}
+    watch = rw.monitor(line(MASSES), columns=columns, free=["l3.mass"], sigma={"T_kN": 100.0}, drift={"l3.mass": 1.0})
+    true = log(12.0, 0.0)
+
+    def rows() -> Iterator[dict[str, Any]]:
+        for t in (0.0, 4.0, 5.0, 10.0):
+            row: dict[str, Any] = {"t": t, "v2": true.loc[t, "v2"], "T_kN": true.loc[t, "c2.tension_in"] / 1e3}
+            yield row | ({"T_kN": ""} if t == 4.0 else {})
+
+    found = list(watch.follow(rows()))
+    assert [e.time for e in found] == [0.0, 4.0, 5.0, 10.0]
+    assert found[1].misses == {}
+    assert found[1].standard_error["l3.mass"] > found[0].standard_error["l3.mass"]
+    assert found[-1].value["l3.mass"] == pytest.approx(MASSES[2], abs=2.0 * found[-1].standard_error["l3.mass"])
+    with pytest.raises(rw.InputError, match="Sort the rows"):
+        watch.update({"t": 3.0, "T_kN": 45.0})
+    with pytest.raises(rw.InputError, match="has no time"):
+        watch.update({"T_kN": 45.0})
+    with pytest.raises(rw.InputError, match="T_kN is 'high'"):
+        watch.update({"t": 20.0, "T_kN": "high"})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"columns": {"A": "c1.tension_in"}}, "no time"),
+        ({"columns": {"t": "time", "v": "c1.speed"}}, "No column is measured"),
+        ({"columns": {"t": "time", "A": "c1.tension_in", "z": "s1.z"}}, "cannot be given over time"),
+        ({"columns": {"t": "time", "A_kg": "c1.tension_in"}}, "different quantities"),
+        ({"free": []}, "free is empty"),
+        ({"free": "c1.tension_in"}, "cannot be estimated"),
+        ({"sigma": {"B": 1.0}}, "no value for A"),
+    ],
+)
+def test_monitors_that_cannot_be(change: dict[str, Any], message: str) -> None:
+    arguments = {"columns": {"t": "time", "A": "c1.tension_in"}, "free": "*.mass", "sigma": 100.0} | change
+    with pytest.raises(rw.InputError, match=message):
+        rw.monitor(line(), **arguments)
+
+
+def test_a_responding_sheave_needs_its_speed() -> None:
+    responding = line(response=rw.ProportionalResponse(gain=1e-5, limit=0.1))
+    with pytest.raises(rw.InputError, match=r"c1\.speed"):
+        rw.monitor(responding, columns={"t": "time", "A": "c1.tension_in"}, free="*.mass", sigma=100.0)
