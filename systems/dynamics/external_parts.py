@@ -6,6 +6,7 @@ import numpy as np
 
 from ropeway.components.external_events import ExternalPoint
 from ropeway.systems.dynamics.event_stepper import EventStepper
+from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.recorder import Checkpoint, Recorder
 from ropeway.systems.modelling.system import System
 from ropeway.systems.results.run_data import Event
@@ -23,7 +24,7 @@ _MOST_EVENTS = 100
 class ExternalParts:
     """The components of a system that have events of their own; `ended`: one of them has ended the run."""
 
-    def __init__(self, system: System, stepper: EventStepper, recorder: Recorder) -> None:
+    def __init__(self, system: System, stepper: EventStepper | InertialStepper, recorder: Recorder) -> None:
         self._stepper, self._recorder = stepper, recorder
         found = ((name, component.external_events) for name, component in system.components.items())
         self._parts = {name: events for name, events in found if events is not None}
