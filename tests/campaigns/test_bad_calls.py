@@ -141,8 +141,8 @@ def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spo
     element = type(value) in (list, tuple, dict) and len(value) > 0 and rng.random() < 0.4
     inner: Any = value
     if element:
-        number = int(rng.integers(len(value)))
-        place = list(value)[number] if isinstance(value, dict) else number  # keys may be tuples
+        places = list(value) if isinstance(value, dict) else range(len(value))
+        place = places[int(rng.integers(len(places)))]
         inner = value[place]
     pick = rng.random()
     zoo = NEVER if pick < 0.25 else NO_NUMBER if pick < 0.5 else ODD
