@@ -36,6 +36,7 @@ from .components.errors import (
     WriteError as WriteError,
 )
 from .components.guyed_spar import GuyedSpar as GuyedSpar, Guyline as Guyline
+from .components.inertia import Inertia as Inertia
 from .components.intermediate_support import IntermediateSupport as IntermediateSupport
 from .components.joint import Joint as Joint
 from .components.load import Load as Load
@@ -62,6 +63,7 @@ from .components.variable import (
     Equations as Equations,
     Kind as Kind,
     Limit as Limit,
+    MovingMass as MovingMass,
     Site as Site,
     Variable as Variable,
 )
@@ -131,6 +133,11 @@ from .systems.studies.handbook.payload_methods import (
 )
 from .systems.studies.handbook.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.inertia.emergency_stop import (
+    EmergencyStops as EmergencyStops,
+    emergency_stop as emergency_stop,
+)
+from .systems.studies.inertia.modes import Modes as Modes, modes as modes
 from .systems.studies.load_cases.load_case import LoadCase as LoadCase
 from .systems.studies.load_cases.study import LoadCases as LoadCases, load_cases as load_cases
 from .systems.studies.load_cases.support_table import support_table as support_table

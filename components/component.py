@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from dataclasses import dataclass, field, fields
+from typing import Any, ClassVar, TypeVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.external_events import ExternalEvents
+from ropeway.components.inertia import Inertia
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Energies, Equations, Kind, Limit, Site, Variable
@@ -37,7 +38,9 @@ class Port:
 class RopeEnd(Port):
     """An end of a piece of rope.
 
-    In equations it has `position` and `travel`; the component returns the force at it.
+    In equations it has `position` and `travel`; the component returns the force at it. An inertial component also has
+    `velocity` and `acceleration` of the node (vectors), `speed` and `rope_acceleration`, the first and second
+    derivatives of the travel.
 
     Parameters
     ----------
@@ -79,7 +82,8 @@ class Seat(Port):
 
     In equations it has the `force` of the rope on the node [N], the rope `speed` [m/s], and `carried`, the energy that
     each metre of rope carries in or out, T + T^2/2EA [N]; `expansion`, the length of the rope without tension over that
-    at which it was strung.
+    at which it was strung. An inertial node also has the `inertia` of the rope at the seat, a vector [N] that the rope
+    must overcome, its component `along` the rope from a to b, and `side`: 1 where the rope leaves, -1 where it arrives.
 
     Parameters
     ----------
@@ -94,6 +98,12 @@ class Seat(Port):
     offset : str, optional
         Prefix of the variables with the point where the rope leaves the node: `OFFSET_x` and `OFFSET_z` from the
         position of the node [m]; `OFFSET_rope` adds to the travel there [m].
+    speed, acceleration : str, optional
+        Variables of the node with the rate of the rope's travel [m/s] and the rate of that [m/s2]; None where they are
+        zero or unknown.
+    rates : str, default ""
+        Prefix of the variables `velocity_x` ... `acceleration_z` with which the end of the rope moves there; by default
+        those of the node.
 
     Examples
     --------
@@ -104,6 +114,9 @@ class Seat(Port):
     travel: str | None = None
     optional: bool = False
     offset: str | None = None
+    speed: str | None = None
+    acceleration: str | None = None
+    rates: str = ""
 
 
 def _alone(component: Any) -> Hashable:
@@ -131,13 +144,22 @@ def form_of(part: Any) -> Hashable:
     return (type(part), part.structure) if "structure" in vars(type(part)) else part
 
 
+_Kind = TypeVar("_Kind", bound="Component")
+
+
+def remade(component: Component, kind: type[_Kind]) -> _Kind:
+    """A component of another kind with the values of this one."""
+    return kind(**{f.name: getattr(component, f.name) for f in fields(component)})
+
+
 @checked
 @dataclass(frozen=True)
 class Component(ABC):
     """Base class of all components.
 
     A component of your own is a frozen dataclass that inherits from this one, or from `Node` if a rope sits on it.
-    `external`: whether its equations call compiled code, which takes no scalar symbols.
+    `external`: whether its equations call compiled code, which takes no scalar symbols. `inertial`: whether its ports
+    have, besides, what its equations need for inertia (`with_inertia`).
 
     Parameters
     ----------
@@ -151,6 +173,7 @@ class Component(ABC):
     """
 
     external: ClassVar[bool] = False
+    inertial: ClassVar[bool] = False
     name: str
 
     def __post_init__(self) -> None:
@@ -207,6 +230,21 @@ class Component(ABC):
             A law for each residual, by its name. A residual without a law is checked by its own value.
         """
         return {}
+
+    def with_inertia(self, inertia: Inertia) -> Component:
+        """The component with the inertia of its rope, its load or its wheel.
+
+        Parameters
+        ----------
+        inertia : Inertia
+            What is taken into account.
+
+        Returns
+        -------
+        Component
+            By default itself: its own equations hold at each time.
+        """
+        return self
 
     @property
     def has_laws(self) -> bool:

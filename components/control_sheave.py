@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -12,8 +12,9 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import form_of
+from ropeway.components.component import Component, Seat, form_of, remade
 from ropeway.components.drive import Drive, IdealDrive
+from ropeway.components.inertia import Inertia
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import Wheel
@@ -90,6 +91,9 @@ class ControlSheave(Wheel):
         check.positive(self.grip_friction, self.described, "grip_friction")
         check.not_negative(self.turns, self.described, "turns")
 
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return remade(self, MovingControlSheave) if type(self) is ControlSheave else self
+
     @property
     def drive_speed(self) -> str:
         return self.drive.rope_speed
@@ -158,3 +162,78 @@ def _seen_by_drive(v: Any, outputs: Mapping[str, Any]) -> SimpleNamespace:
 def grip_margin(friction: Any, wrap: Any, turns: Any, tight: Any, slack: Any) -> Any:
     """Grip margin of a rope on a sheave: exp(mu wrap) minus tight over slack tension."""
     return namespace(tight).exp(friction * (wrap + 2.0 * math.pi * turns)) - tight / slack
+
+
+@checked
+@dataclass(frozen=True)
+class MovingControlSheave(ControlSheave):
+    """A driven sheave that the inertia of the rope loads; arguments as of a `ControlSheave`."""
+
+    inertial: ClassVar[bool] = True
+
+    @property
+    def a(self) -> Seat:
+        return self._moving(super().a)
+
+    @property
+    def b(self) -> Seat:
+        return self._moving(super().b)
+
+    def _moving(self, seat: Seat) -> Seat:
+        return replace(seat, speed="rope_speed" if self._commanded else self.drive.rope_speed, acceleration=_RATE)
+
+    @property
+    def _commanded(self) -> bool:
+        """Whether the drive has no speed of its own: the rope moves as it is commanded."""
+        return self.drive.rope_speed == "speed"
+
+    def structure(self, site: Site) -> Hashable:
+        return super().structure(site)
+
+    def driver(self, name: str) -> float | Schedule | None:
+        return 0.0 if name == "speed_rate" else super().driver(name)
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        alg, res = Kind.ALGEBRAIC, Kind.RESIDUAL
+        commanded = (
+            Variable("speed_rate", Kind.INPUT, "m/s2", "rate of the commanded speed", rate_of="speed"),
+            Variable("rope_speed", alg, "m/s", "speed of the unstretched rope", first_speed(self.speed)),
+            Variable("commanded", res, "m/s", "speed of the rope"),
+        )
+        return (
+            *super().variables(site),
+            *(commanded if self._commanded else ()),
+            Variable(_RATE, alg, "m/s2", "acceleration of the unstretched rope"),
+            Variable("accelerated", res, "m/s2", "acceleration of the rope"),
+            Variable("work", Kind.STATE, "J", "work of the drive on the rope", nominal=1e3),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        found, motion = super().equations(v), self.drive.motion(self._loaded(v))
+        power = motion.speed * (v.a.carried + v.a.along - v.b.carried + v.b.along)
+        if self._commanded:
+            residuals = {"commanded": v.rope_speed - motion.speed}
+            rate = v.speed_rate * (1 - v.brake)
+        else:
+            residuals, rate = {}, motion.rates[self.drive.rope_speed]
+        return replace(
+            found,
+            rates={"travel": motion.speed, **motion.rates, "work": power},
+            residuals={**residuals, "accelerated": v.rope_acceleration - rate},
+            outputs={**found.outputs, **motion.outputs, "drive_force": motion.force, "power": power},
+        )
+
+    def _loaded(self, v: Any) -> SimpleNamespace:
+        """What the drive sees: the force on the rope's travel on both sides, with the inertia of the rope."""
+        seen = {
+            **self.wheel_equations(v),
+            "tension_in": v.a.carried + v.a.along,
+            "tension_out": v.b.carried - v.b.along,
+        }
+        return _seen_by_drive(v, seen)
+
+    def demand(self, v: Any) -> Mapping[str, Any]:
+        return self.drive.demand(self._loaded(v))
+
+
+_RATE = "rope_acceleration"

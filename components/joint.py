@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Seat
+from ropeway.components.component import Component, Seat, remade
+from ropeway.components.inertia import Inertia
+from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
 from ropeway.components.node import Node
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -60,6 +62,9 @@ class Joint(Node):
         check.not_negative(self.mass, self.described, "mass", "kg")
         check.index(self.ends - 2, 98, self.described, "ends less 2")
 
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return remade(self, MovingJoint) if type(self) is Joint else self
+
     @property
     def rope(self) -> Seat:
         """A seat for a rope end."""
@@ -72,6 +77,9 @@ class Joint(Node):
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         return tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return tuple(MovingMass(axis, read("mass"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return self.ends
@@ -99,3 +107,31 @@ class Joint(Node):
         pulls = [getattr(v, seat.name).force for seat in self.seats]
         found = laws.balance(*pulls, laws.weight(v.mass * v.gravity))
         return {f"balance_{axis}": law for axis, law in found.items()}
+
+
+@checked
+@dataclass(frozen=True)
+class MovingJoint(Joint):
+    """A joint with its inertia and that of its ropes; arguments as of a `Joint`."""
+
+    inertial: ClassVar[bool] = True
+
+    @property
+    def free(self) -> tuple[tuple[str, str], ...]:
+        return ()
+
+    def structure(self, site: Site) -> Hashable:
+        return self.ends
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        own = super().variables(site)
+        places = {v.name: v for v in own if v.name in "xyz"}
+        return (*(v for v in own if v.name not in places), *motion_variables(places), *energy_outputs())
+
+    def equations(self, v: Any) -> Equations:
+        found, seats = super().equations(v), [seat.name for seat in self.seats]
+        balances = {
+            f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, v.mass, seats)
+            for axis in "xyz"
+        }
+        return replace(found, rates=motion_rates(v, "xyz"), residuals=balances, outputs=energies(v, v.mass, "xyz"))

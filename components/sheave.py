@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,10 +12,12 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, norm
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Seat
+from ropeway.components.component import Component, Seat, remade
+from ropeway.components.inertia import Inertia
+from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
-from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -130,13 +132,15 @@ class Sheave(Wheel):
         pulls the rope down.
     friction : float, default 0
         Bearing friction referred to the rope: bearing coefficient times axle radius over sheave radius.
+    inertia : float, default 0
+        Rotating inertia referred to the rope, in simulations with inertia [kg].
     label : str, optional
         Text in pictures and messages; by default the name.
 
     Raises
     ------
     InputError
-        An invalid name, position or friction.
+        An invalid name, position, friction or inertia.
 
     Examples
     --------
@@ -147,14 +151,22 @@ class Sheave(Wheel):
     role: ClassVar[str] = "idler sheave"
 
     friction: float = 0.0
+    inertia: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check.not_negative(self.friction, self.described, "friction")
+        check.not_negative(self.inertia, self.described, "inertia", "kg")
+
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return remade(self, MovingSheave) if type(self) is Sheave else self
 
     @property
     def balance(self) -> str:
         return "tension_law"
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return (MovingMass("travel", self.inertia, {"tension_law": 1.0}),)
 
     def structure(self, site: Site) -> Hashable:
         return self.friction > 0.0
@@ -183,3 +195,75 @@ class Sheave(Wheel):
         if self.friction > 0.0:
             by = np.exp(v.friction * laws.wrap(v.a.force, v.b.force) * np.tanh(v.b.speed / 0.01))
         return {"tension_law": free_or_held(v, by)}
+
+
+@checked
+@dataclass(frozen=True)
+class MovingSheave(Sheave):
+    """An idler sheave that the rope accelerates; arguments as of a `Sheave`.
+
+    What each metre of rope carries in and out, T + T^2/2EA, is the force on the rope's travel: with the plain tension
+    the stiffness of a line is not symmetric, and its energy drifts.
+    """
+
+    inertial: ClassVar[bool] = True
+
+    @property
+    def a(self) -> Seat:
+        return moving_seat(super().a)
+
+    @property
+    def b(self) -> Seat:
+        return moving_seat(super().b)
+
+    @property
+    def balance(self) -> None:  # type: ignore[override]
+        return None
+
+    def structure(self, site: Site) -> Hashable:
+        return self.friction > 0.0
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        return (
+            *inertial_law(super().variables(site)),
+            *travel_variables(),
+            Variable("inertia", Kind.PARAMETER, "kg", "rotating inertia", self.inertia, 100.0, range=NOT_NEGATIVE),
+            Variable("lost", Kind.STATE, "J", "energy lost in the bearing", nominal=1e3),
+            *energy_outputs(hangs=False),
+        )
+
+    def equations(self, v: Any) -> Equations:
+        outputs = self.wheel_equations(v)
+        lost = 0.0 * v.rope_speed
+        if self.friction > 0.0:
+            ratio = (v.friction * outputs["wrap"] * sign(v.rope_speed, 0.01)).exp()
+            lost = outputs["tension_in"] * (ratio - 1)
+        pull = v.b.carried - v.a.carried - lost
+        inertia = v.inertia * v.rope_acceleration + v.a.along + v.b.along
+        return Equations(
+            rates={"travel": v.rope_speed, "rope_speed": v.rope_acceleration, "lost": lost * v.rope_speed},
+            residuals={"tension_law": inertia - pull},
+            outputs={**outputs, "kinetic_energy": v.inertia / 2 * v.rope_speed**2},
+        )
+
+
+def moving_seat(seat: Seat) -> Seat:
+    """A seat over which the rope moves as `travel_variables` say."""
+    return replace(seat, speed="rope_speed", acceleration="rope_acceleration")
+
+
+def inertial_law(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
+    """Variables of a wheel without inertia that it has with inertia too; forces are scaled like those on loads."""
+    moved = ("travel", "held", "held_travel")
+    law = ("tension_law", "tension_kept")
+    kept = (v for v in variables if v.name not in moved)
+    return tuple(replace(v, nominal=0.01 * v.nominal) if v.name in law else v for v in kept)
+
+
+def travel_variables() -> tuple[Variable, ...]:
+    """Motion of the rope over a node that it accelerates."""
+    return (
+        Variable("travel", Kind.STATE, "m", "unstretched length of rope that has run over", kept_at_rest=True),
+        Variable("rope_speed", Kind.STATE, "m/s", "speed of the unstretched rope", kept_at_rest=True, rate_of="travel"),
+        Variable("rope_acceleration", Kind.ALGEBRAIC, "m/s2", "acceleration of the unstretched rope"),
+    )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 from ropeway.components import catenary, check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
+from ropeway.components.inertia import Inertia
+from ropeway.components.moving_rope import MovingRope, slot_variables, typical_stretch
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 from ropeway.components.weather import Weather
@@ -64,6 +66,9 @@ class Span(Component):
     @property
     def ports(self) -> tuple[RopeEnd, ...]:
         return (self.a, self.b)
+
+    def with_inertia(self, inertia: Inertia) -> Component:
+        return MovingSpan(self.name, self.rope, self.length, inertia)
 
     def limits(self) -> tuple[Limit, ...]:
         return (
@@ -144,14 +149,7 @@ class Span(Component):
         length = v.length_start + v.a.travel - v.b.travel
         distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
         n = distance.numel()
-        strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)
-        weight: catenary.Weight = v.mass_per_length * v.gravity
-        loads = [v.slot_mass[j] * v.gravity for j in range(n)]
-        if v.weather is not None:
-            chord = tuple(v.b.position[i] - v.a.position[i] for i in range(3))
-            weight = v.weather.rope(v.mass_per_length, v.gravity, v.diameter, v.drag_coefficient, chord)
-            strain = strain._replace(expansion=v.weather.expansion(v.thermal_expansion))
-            loads = [self._blown(v.weather, down, v.slot_drag[j]) for j, down in enumerate(loads)]
+        weight, strain, loads = self._hung(v, v.slot_mass)
         stations = catenary.loaded(force, weight, strain, length, [distance[j] for j in range(n)], loads)
         end = stations[-1]
         tension_a, tension_b = catenary.norm(force), catenary.norm(end.force)
@@ -188,6 +186,19 @@ class Span(Component):
             carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
             expansion=strain.expansion,
         )
+
+    def _hung(self, v: Any, mass: Any) -> tuple[catenary.Weight, catenary.Strain, list[Any]]:
+        """Weight and strain of the rope, and its loads of some masses in the slots, as `catenary.loaded` takes them."""
+        n = v.slot_at.numel()
+        strain = catenary.Strain(v.compliance, v.construction if self._constructional else 0.0)
+        weight: catenary.Weight = v.mass_per_length * v.gravity
+        loads = [mass[j] * v.gravity for j in range(n)]
+        if v.weather is not None:
+            chord = tuple(v.b.position[i] - v.a.position[i] for i in range(3))
+            weight = v.weather.rope(v.mass_per_length, v.gravity, v.diameter, v.drag_coefficient, chord)
+            strain = strain._replace(expansion=v.weather.expansion(v.thermal_expansion))
+            loads = [self._blown(v.weather, down, v.slot_drag[j]) for j, down in enumerate(loads)]
+        return weight, strain, loads
 
     def _weather_variables(self) -> tuple[Variable, ...]:
         """What the weather needs to know of the rope."""
@@ -246,3 +257,86 @@ class Span(Component):
                 gravity += potential(loads[j], reach)
                 force = catenary.after(force, loads[j])
         return elastic, gravity
+
+
+@checked
+@dataclass(frozen=True)
+class MovingSpan(Span):
+    """A span with the inertia of its rope and its loads; see `moving_rope`.
+
+    Parameters
+    ----------
+    name : str
+        Identifier; dotted names of results begin with it.
+    rope : Rope
+        Its rope.
+    length : float
+        Unstretched length at zero travel of both supports [m].
+    inertia : Inertia
+        Damping of the rope.
+    """
+
+    inertial: ClassVar[bool] = True
+    inertia: Inertia = field(default_factory=Inertia)
+
+    def limits(self) -> tuple[Limit, ...]:
+        # A rope that pulls with less than its own weight sags by more than an eighth of its span.
+        return (*super().limits(), Limit("tautness", "slack rope", low=1.0))
+
+    def structure(self, site: Site) -> Hashable:
+        return self._constructional
+
+    def variables(self, site: Site) -> tuple[Variable, ...]:
+        stretch = typical_stretch(site, self.rope.strain)
+        own = [replace(v, nominal=stretch) if v.name.startswith("closure_") else v for v in super().variables(site)]
+        return (*own, *slot_variables(site, self.inertia.damping, stretch))
+
+    def equations(self, v: Any) -> Equations:
+        rope = MovingRope(v, *self._hung(v, v.slot_mass * (1 - v.lost)))
+        strain = rope.strain
+        first, last, n = rope.pieces[0].first, rope.pieces[-1].last, rope.n
+        tension_a, tension_b = catenary.norm(first), catenary.norm(last)
+        hung, balances, inertia_a, inertia_b = rope.inertia()
+        elastic, gravity = rope.stored
+        velocities = rope.velocities
+        xp = catenary.namespace(tension_a)
+
+        def each(name: str, vectors: Sequence[catenary.Vector]) -> dict[str, Any]:
+            return {f"{name}_{axis}": xp.vertcat(*(w[i] for w in vectors)) for i, axis in enumerate("xyz")}
+
+        def own(name: str) -> list[catenary.Vector]:
+            return [rope.of(name, j) for j in range(n)]
+
+        return Equations(
+            rates={
+                **{f"place_{axis}": rope.free * getattr(v, f"velocity_{axis}") for axis in "xyz"},
+                **{f"velocity_{axis}": rope.free * getattr(v, f"acceleration_{axis}") for axis in "xyz"},
+            },
+            residuals={
+                **{f"closure_{axis}": miss for axis, miss in zip("xyz", rope.closure, strict=True)},
+                **each("hung", hung),
+                **each("balance", balances),
+            },
+            outputs={
+                "tension_a": tension_a,
+                "tension_b": tension_b,
+                "horizontal": catenary.norm((first[0], first[1], 0.0)),
+                "vertical_a": -first[2],
+                "vertical_b": last[2],
+                "length": rope.length,
+                "elastic_energy": elastic,
+                "gravity_energy": gravity,
+                "kinetic_energy": rope.kinetic,
+                **self._weather_outputs(rope.weight, strain, last),
+                "utilisation": rope.highest / v.breaking_load,
+                "tautness": rope.tautness,
+                "slot_distance": rope.distance,
+                **each("slot", rope.places),
+                **each("slot_velocity", velocities[1:-1]),
+                **each("slot_acceleration", own("acceleration")),
+            },
+            forces={"a": (-first[0], -first[1], -first[2]), "b": last},
+            carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
+            expansion=strain.expansion,
+            inertia={"a": inertia_a, "b": inertia_b},
+        )

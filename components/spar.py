@@ -214,6 +214,8 @@ class Block(Standing, Sheave):
         Identifier; dotted names of results begin with it.
     friction : float, default 0
         Bearing friction referred to the rope, as of a `Sheave`.
+    inertia : float, default 0
+        As of a `Sheave`; a block does not use it: its rope stays in balance.
     at : tuple of float, optional
         Position, (x, z) or (x, y, z) [m]; or give station and height.
     label : str, optional

@@ -59,6 +59,8 @@ class Variable:
         of zero.
     hidden : bool, default False
         Whether results omit it.
+    rate_of : str, optional
+        Variable of the same component of which this one is the rate of change.
 
     Examples
     --------
@@ -77,6 +79,7 @@ class Variable:
     range: Range = ANY
     kept_at_rest: bool = False
     hidden: bool = False
+    rate_of: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +126,8 @@ class Equations:
         Force on the component at each rope end, a vector [N].
     carried : mapping of str, optional
         Energy that each metre of rope carries at each rope end, T + T^2/2EA [N].
+    inertia : mapping of str, optional
+        Of an inertial component: inertia of the rope at each rope end, a vector [N].
     expansion : float, default 1
         Length of the rope without tension over that at which it was strung.
 
@@ -137,6 +142,7 @@ class Equations:
     outputs: Mapping[str, Any] = field(default_factory=dict)
     forces: Mapping[str, Vector] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
+    inertia: Mapping[str, Vector] = field(default_factory=dict)
     expansion: Any = 1.0
 
 
@@ -161,6 +167,24 @@ class Energies(NamedTuple):
     kinetic: Any = 0.0
     loss: Any = 0.0
     supplied: Any = 0.0
+
+
+class MovingMass(NamedTuple):
+    """A mass that moves with a variable of a node, for `rw.modes`.
+
+    Parameters
+    ----------
+    place : str
+        Name of the variable: a coordinate of the position, or a travel.
+    mass : float
+        Mass [kg]; for a travel referred to the rope.
+    forces : mapping of str to float
+        Residuals in which a force along the variable appears, each with its factor.
+    """
+
+    place: str
+    mass: Any
+    forces: Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,10 @@ _NO_WIND = 1e-300
 """Square of a negligible sine, which keeps the derivatives of a wind along the chord finite."""
 
 
+AIR_DENSITY = 1.25
+"""Density of air, by which the velocity of a wind follows from its pressure [kg/m3]."""
+
+
 class Weather(NamedTuple):
     """Weather in equations: how much warmer the ropes are than when they were strung [K], thickness [m] and density
     [kg/m3] of their ice, and the wind: dynamic pressure [Pa], and the direction (x, y) that it blows."""
@@ -58,6 +62,25 @@ class Weather(NamedTuple):
         """Force of the wind on a body with a drag area [m2]: coefficient times area."""
         force = area * self.pressure
         return (force * self.wind_x, force * self.wind_y, 0.0)
+
+    def relative(self, velocity: Vector, along: Vector | None = None) -> Vector:
+        """Dynamic pressure of the air on a body with a velocity [m/s], less that on a body at rest, as a vector [Pa];
+        `along`: unit vector of a rope, of which only what is across it counts."""
+        xp = namespace(self.pressure, *velocity)
+        speed = xp.sqrt(2 * self.pressure / AIR_DENSITY + _NO_WIND)
+        wind = _across((speed * self.wind_x, speed * self.wind_y, 0.0), along)
+        seen = _across((wind[0] - velocity[0], wind[1] - velocity[1], wind[2] - velocity[2]), along)
+        moving, still = (xp.sqrt(sum(c * c for c in w) + _NO_WIND) for w in (seen, wind))
+        x, y, z = (AIR_DENSITY / 2 * (moving * seen[i] - still * wind[i]) for i in range(3))
+        return (x, y, z)
+
+
+def _across(vector: Vector, along: Vector | None) -> Vector:
+    """The part of a vector across a unit vector."""
+    if along is None:
+        return vector
+    part = vector[0] * along[0] + vector[1] * along[1] + vector[2] * along[2]
+    return (vector[0] - part * along[0], vector[1] - part * along[1], vector[2] - part * along[2])
 
 
 INPUTS = ("temperature", "wind_pressure", "wind_from")

@@ -108,7 +108,7 @@ def export(
     EquilibriumError
         The system has no equilibrium.
     FmuExportError
-        The compiler failed, or a component is an FMU itself.
+        The compiler failed, a component is an FMU itself, or the line has inertia.
     WriteError
         The file could not be written.
     Interrupted
@@ -144,6 +144,11 @@ def export(
         raise FmuExportError(
             f"A component of {rest.model.name!r} is an FMU itself",
             "Export the system without it, and couple both by CoSimulation",
+        )
+    if rest.model.inertia is not None:
+        raise FmuExportError(
+            f"{rest.model.name!r} is a line with inertia, which an FMU does not have",
+            "Export the system, or an equilibrium of it",
         )
     interface = Interface(equations, inputs, outputs, parameters, stops=emergency_stop is not None)
     settings = model_tables.Settings(tolerance, emergency_stop)

@@ -10,30 +10,37 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError, UnknownNameError
-from ropeway.components.node import Node
+from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
+from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
-from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.external_parts import ExternalParts
+from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
+from ropeway.systems.dynamics.run_inputs import (
+    check_interventions,
+    is_speed,
+    require_compiled,
+    signals_of,
+    start_of,
+    started,
+)
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model, nearest
-from ropeway.systems.modelling.intervention import Intervention
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 from ropeway.systems.statics.pending_events import Pending
-from ropeway.systems.statics.warm_start import carried_over, declared_alike
 
 _TOGETHER = 100
 """Times of the grid that the compiled core goes through in one call: a bar moves between two calls."""
@@ -54,6 +61,7 @@ def simulate(
     progress: bool | None = None,
     compiled: bool = False,
     environment: Environment | None = None,
+    inertia: Inertia | None = None,
 ) -> Result:
     """Simulate a system in time.
 
@@ -85,6 +93,9 @@ def simulate(
         compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
+    inertia : Inertia, optional
+        The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
+        starts in equilibrium, with the line at its speed. Not compiled.
 
     Returns
     -------
@@ -114,22 +125,24 @@ def simulate(
     check.positive(tolerance, "simulate", "tolerance")
     check.count(until / every, "simulate", "records")
     model = in_weather(system, environment, inputs or ())
-    signals = _signals(model, inputs or {}, until)
+    if model.inertia is not None:
+        raise InputError(f"{model.name!r} is a model with inertia", "Give the system and inertia=")
+    signals = signals_of(model, inputs or {}, until)
     known = {*model.limits.events, "load held"}
     stops = (stop_at,) if isinstance(stop_at, str) else tuple(stop_at)
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
-    _check_interventions(model, interventions)
+    check_interventions(model, interventions, inertia)
+    if compiled and inertia is not None:
+        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
-        _require_compiled(model)
-    if start is None:
-        rest = equilibrium(model, compiled=compiled)
-    else:
-        rest = start if declared_alike(start, model.system) else carried_over(start, model)
+        require_compiled(model, signals)
+    rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    run = _Simulation(replace(rest, pending=pending), _Settings(signals, interventions, tolerance, stops, compiled))
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
+    run = _Simulation(replace(rest, pending=pending), settings)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -143,69 +156,17 @@ def simulate(
     return result
 
 
-def _require_compiled(model: Model) -> None:
-    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if model.weather:
-        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
-    compiled_line(model)
-
-
-def _signals(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
-    """The signal of each input of the model. Raises InputError, UnknownNameError."""
-    for name in inputs:
-        if name not in model.u.index:
-            raise UnknownNameError(f"{name!r} is not an input of {model.name!r}", nearest(name, model.u.names))
-    signals: list[Signal] = []
-    for name, own, within in zip(model.u.names, model.signals, model.u.ranges, strict=True):
-        signal = inputs.get(name, own)
-        if signal is None:
-            raise InputError(f"Input {name!r} is open", f"Give it: simulate(..., inputs={{{name!r}: 1.0}})")
-        if isinstance(signal, Schedule) and signal.times[-1] < until:
-            raise InputError(
-                f"The schedule of {name!r} ends at {signal.times[-1]:g} s, the run at {until:g} s",
-                "Make the schedule longer or the run shorter",
-            )
-        for value in signal.speeds if isinstance(signal, Schedule) else (signal,):
-            check.number(value, f"Input {name!r}", "value", within=within)
-        signals.append(signal)
-    return tuple(signals)
-
-
-def _is_speed(system: System, component: str, quantity: str) -> bool:
-    """Whether an input is the commanded speed of a drive."""
-    return quantity == "speed" and isinstance(system.components[component], Node)
-
-
-def _check_interventions(model: Model, interventions: Sequence[Intervention]) -> None:
-    """Raises InputError, UnknownNameError for an intervention that the system does not allow."""
-    driven = [target for target in model.system.links if _is_speed(model.system, *target)]
-    for intervention in interventions:
-        if intervention.action == "emergency stop" and driven:
-            raise InputError(
-                f"An emergency stop cannot ramp down {'.'.join(driven[0])!r}, which another component drives",
-                "Brake that sheave",
-            )
-        if intervention.component is not None and intervention.entry[0] not in model.d.index:
-            known = [
-                component_of(n)
-                for n in model.d.names
-                if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]
-            ]
-            raise UnknownNameError(
-                f"{intervention.action!r} does not apply to {intervention.component!r}",
-                f"It applies to {', '.join(known) or 'nothing in this system'}",
-            )
-
-
 @dataclass(frozen=True)
 class _Settings:
-    """What a run is asked for: a signal for each input, interventions, tolerance, and events at which it stops."""
+    """What a run is asked for: a signal for each of the inputs, interventions, tolerance, events at which it stops."""
 
+    inputs: Sequence[str]
     signals: Sequence[Signal]
     interventions: Sequence[Intervention]
     tolerance: float
     stop_at: tuple[str, ...]
     compiled: bool
+    inertia: Inertia | None
 
 
 class _Simulation:
@@ -214,10 +175,15 @@ class _Simulation:
     def __init__(self, start: Equilibrium, settings: _Settings) -> None:
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
+        signals = settings.signals
+        if settings.inertia is not None:
+            known = dict(zip(settings.inputs, signals, strict=True))
+            if state.model.inertia is None:
+                state = started(state, signals, settings.inertia)
+            # Rates of inputs follow from these: their own signals are not read.
+            signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
         self.recorder = Recorder()
-        self.stepper = EventStepper(
-            state, settings.signals, settings.tolerance, self.recorder, compiled=settings.compiled
-        )
+        self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
         self.external = ExternalParts(state.model.system, self.stepper, self.recorder)
         self.stop_at, self.settings = settings.stop_at, settings
@@ -262,7 +228,7 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if self.settings.compiled and not self.stop_at:
+            if (self.settings.compiled or self.settings.inertia) and not self.stop_at and not self.external.present:
                 stops = _grid(count, every, until, quiet)
                 if done := self.stepper.run_along(stops):
                     advance(stops[done - 1])
@@ -307,7 +273,7 @@ class _Simulation:
         due = [
             c for c in self.state.model.clocks if abs(pending.ticks.get((c.period, c.phase), np.inf) - point.t) <= 1e-9
         ]
-        d, changes, events = self.sampled(due)
+        (d, changes, events), lost = self.sampled(due), list[str]()
         while self.interventions and self.interventions[0].time <= point.t + 1e-9:
             intervention = self.interventions.pop(0)
             events.append(Event(point.t, intervention.component or self.state.model.name, intervention.action, np.nan))
@@ -315,6 +281,8 @@ class _Simulation:
                 ended, stopping = self.emergency_stop(intervention.deceleration)
                 changes.update(ended)
                 pending = replace(pending, stopping=stopping)
+            elif intervention.action == LOAD_LOST:
+                lost.append(str(intervention.component))
             else:
                 name, value = intervention.entry
                 changes[self.state.model.d.index[name]] = value
@@ -323,6 +291,8 @@ class _Simulation:
         for entry, value in changes.items():
             d[entry] = value
         point.d[:] = d
+        for name in lost:
+            lose(self.state, name)
         for clock in due:
             self.ticks[self.state.model.clocks.index(clock)] += 1
         self.recorder.pending = self.ticking(pending)
@@ -355,7 +325,7 @@ class _Simulation:
         model, t = self.state.model, self.line.time
         signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
-            if not _is_speed(model.system, *name.rpartition(".")[::2]):
+            if not is_speed(model.system, *name.rpartition(".")[::2]):
                 continue
             entry = model.d.index.get(f"{component_of(name)}.correction")
             if entry is not None:

@@ -11,6 +11,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
 from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind, Site, Variable
@@ -86,8 +87,9 @@ def in_weather(system: System | Model, environment: Environment | None, named: C
     return assemble(weathered)
 
 
-def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> Model:
-    """As `assemble`, for declarations that are known to be sound."""
+def assembled(system: System, slots: Sequence[Sequence[int]] | None = None, inertia: Inertia | None = None) -> Model:
+    """As `assemble`, for declarations that are known to be sound. Components with `inertia` have no more slots than
+    asked for: each has states."""
     functions = KNOWN.functions
     system.require_complete()
     require_weather(system)
@@ -95,7 +97,7 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:
         raise InputError("slots does not fit the system", "Give the number of slots of each span of each run")
     starts = [run_start(run, system.gravity) for run in runs]
-    sites = _sites(system, runs, starts, slots)
+    sites = _sites(system, runs, starts, slots, exact=inertia is not None)
     own = {c.name: functions.variables_of(c, sites[c.name]) for c in system.components.values()}
     variables = with_links(system, own)
     rows = with_residuals(system, variables)
@@ -135,6 +137,8 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
             for v in owned
             if v.kind is Kind.STATE and not v.kept_at_rest
         ),
+        inertia=inertia,
+        rate_of={f"{c}.{v.name}": f"{c}.{v.rate_of}" for c, owned in variables.items() for v in owned if v.rate_of},
     )
     stop_if_interrupted()
     _check_structure(model, system)
@@ -142,13 +146,20 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None) -> M
 
 
 def _sites(
-    system: System, runs: Sequence[Run], starts: Sequence[RunStart], slots: Sequence[Sequence[int]] | None
+    system: System,
+    runs: Sequence[Run],
+    starts: Sequence[RunStart],
+    slots: Sequence[Sequence[int]] | None,
+    *,
+    exact: bool,
 ) -> dict[str, Site]:
-    """Scales and initial guesses of each component, from its ropes."""
+    """Scales and initial guesses of each component, from its ropes; exact: with as many `slots` as are given."""
     sites, weather = dict[str, Site](), system.environment is not None
     for r, (run, start) in enumerate(zip(runs, starts, strict=True)):
         counts = slot_counts(run, start.counts)
-        if slots is not None:
+        if slots is not None and exact:
+            counts = tuple(slots[r])
+        elif slots is not None:
             counts = tuple(max(a, b) for a, b in zip(counts, slots[r], strict=True))
         for k, span in enumerate(run.spans):
             tension = (float(start.force[k, 0]), float(start.force[k, 1]), float(start.force[k, 2]))

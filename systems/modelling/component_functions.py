@@ -10,9 +10,10 @@ import casadi as ca
 import numpy as np
 
 from ropeway.components.argument_checks import checked
+from ropeway.components.catenary import norm
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
-from ropeway.components.variable import Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling import component_rules
@@ -23,6 +24,23 @@ SYMBOLS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER, Kind.DISCRETE
 
 MOST = 2_000
 """Functions that are kept: a class that shares none has one for each of its constants."""
+
+
+def rope_size(*, weather: bool) -> int:
+    """Number of entries of what a rope gives to a seat: the force, the energy carried; with weather its expansion."""
+    return 5 if weather else 4
+
+
+INERTIA = 5
+"""Number of entries that a rope with inertia gives to a seat besides."""
+
+
+def port_size(*, rope: bool, weather: bool, inertial: bool) -> int:
+    """Number of entries of a port: of a rope's end its position and travel, of a seat `rope_size` and the rope's
+    speed; inertial: and what these need for inertia."""
+    if rope:
+        return 12 if inertial else 4
+    return rope_size(weather=weather) + 1 + (INERTIA if inertial else 0)
 
 
 class ComponentFunctions:
@@ -92,16 +110,16 @@ def check_component(component: Component) -> None:
     --------
     >>> rw.check_component(rw.Anchor("a", at=(0.0, 0.0)))
     """
-    site = Site(1e4, 100.0)
-    variables = component.variables(site)
-    component_rules.require_declared(component, variables)
-    component_function(component, variables)
+    for weather in (False, True):
+        variables = component.variables(Site(1e4, 100.0, weather=weather))
+        component_rules.require_declared(component, variables)
+        component_function(component, variables, weather=weather)
 
 
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
     kind."""
-    return (component.form(site), site.weather, tuple(v.kind for v in variables))
+    return (component.form(site), site.weather, component.inertial, tuple(v.kind for v in variables))
 
 
 def component_function(component: Component, variables: tuple[Variable, ...], *, weather: bool = False) -> ca.Function:
@@ -119,7 +137,12 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
 
     # The force on the node at the other side of the port is opposite.
     forces = [
-        ca.vertcat(*(-f for f in eq.forces[port.name]), eq.carried[port.name], *((eq.expansion,) if weather else ()))
+        ca.vertcat(
+            *(-f for f in eq.forces[port.name]),
+            eq.carried[port.name],
+            *((eq.expansion,) if weather else ()),
+            *(_inertia_at(eq, port.name) if component.inertial else ()),
+        )
         for port in component.ports
         if isinstance(port, RopeEnd)
     ]
@@ -137,6 +160,15 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
     return found
 
 
+def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:
+    """What an inertial node has at the seat of a rope end besides force and carried energy."""
+    pull, inertia = eq.forces[end], eq.inertia[end]
+    # The force on the rope at end a points against the direction of the rope, at end b along it.
+    side = 1.0 if end == "a" else -1.0
+    along = -side * sum(pull[i] * inertia[i] for i in range(3)) / norm(pull)
+    return (*inertia, along, side)
+
+
 def _symbols(
     component: Component, variables: tuple[Variable, ...], *, weather: bool
 ) -> tuple[SimpleNamespace, list[Any]]:
@@ -151,18 +183,26 @@ def _symbols(
         offsets = np.cumsum([0, *(var.size for var in owned)])
         vector = sym(kind.value, int(offsets[-1]))
         for var, start in zip(owned, offsets[:-1].tolist(), strict=True):
-            setattr(v, var.name, vector[start : start + var.size])
+            setattr(v, var.name, vector[start : start + var.size, 0])
         vectors.append(vector)
     ports = []
     for port in component.ports:
-        symbol = sym(port.name, 4 if isinstance(port, RopeEnd) else 6 if weather else 5)
+        rope, more = isinstance(port, RopeEnd), component.inertial
+        symbol = sym(port.name, port_size(rope=rope, weather=weather, inertial=more))
         vector_3d = (symbol[0], symbol[1], symbol[2])
-        if isinstance(port, RopeEnd):
-            setattr(v, port.name, SimpleNamespace(position=vector_3d, travel=symbol[3]))
+        if rope:
+            seen = SimpleNamespace(position=vector_3d, travel=symbol[3])
+            if more:
+                seen.velocity, seen.acceleration = (symbol[4], symbol[5], symbol[6]), (symbol[7], symbol[8], symbol[9])
+                seen.speed, seen.rope_acceleration = symbol[10], symbol[11]
         else:
-            expansion, speed = (symbol[4], symbol[5]) if weather else (1.0, symbol[4])
-            rope = SimpleNamespace(force=vector_3d, carried=symbol[3], expansion=expansion, speed=speed)
-            setattr(v, port.name, rope)
+            force, rest = rope_size(weather=weather), rope_size(weather=weather) + 1
+            expansion = symbol[4] if weather else 1.0
+            seen = SimpleNamespace(force=vector_3d, carried=symbol[3], expansion=expansion, speed=symbol[force])
+            if more:
+                seen.inertia = (symbol[rest], symbol[rest + 1], symbol[rest + 2])
+                seen.along, seen.side = symbol[rest + 3], symbol[rest + 4]
+        setattr(v, port.name, seen)
         ports.append(symbol)
     names = (*component.sums, *component.shares)
     signals = sym("signals", len(names))

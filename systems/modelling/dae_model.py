@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
+from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.rope_path import Run
@@ -273,6 +274,10 @@ class Model:
         Positions in the discrete vector that do not follow from the loads.
     free_states : tuple of str, default ()
         States that `equilibrium` solves for.
+    rate_of : dict of str to str, default {}
+        Variables that are rates of change of others, and these.
+    inertia : Inertia, optional
+        The inertia that its components have.
 
     Examples
     --------
@@ -293,6 +298,8 @@ class Model:
     clocks: tuple[Clock, ...]
     kept: np.ndarray
     free_states: tuple[str, ...] = ()
+    rate_of: dict[str, str] = field(default_factory=dict)
+    inertia: Inertia | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "derived"}

@@ -13,7 +13,7 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.component_functions import SYMBOLS, ComponentFunctions
+from ropeway.systems.modelling.component_functions import INERTIA, SYMBOLS, ComponentFunctions, rope_size
 from ropeway.systems.modelling.connections.signals import differences
 from ropeway.systems.modelling.dae_model import VariableTable, shared_places
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
@@ -74,7 +74,8 @@ class EquationGraph:
             if not any(isinstance(port, RopeEnd) for port in c.ports):
                 continue
             seats = [self.system.connections[c.name, port.name] for port in c.ports]
-            self.results[c.name] = self._call(c, ca.MX(0, 1), [self._position(self.seats[seat]) for seat in seats])
+            ends = [self._position(self.seats[seat], inertial=c.inertial) for seat in seats]
+            self.results[c.name] = self._call(c, ca.MX(0, 1), ends)
             self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
 
     def _call_sources(self) -> dict[str, ca.MX]:
@@ -127,7 +128,23 @@ class EquationGraph:
         gravity, *weather = (self.vectors[kind][i] for kind, i in shared_places(self.tables))
         return ca.vertcat(gravity, *Weather.of(weather)) if weather else gravity
 
-    def _position(self, seat: Seat) -> ca.MX:
+    def _position(self, seat: Seat, *, inertial: bool) -> ca.MX:
+        """Position and travel of the rope at a seat; inertial: and their rates."""
+        place = self._place(seat)
+        return ca.vertcat(place, self._rates(seat)) if inertial else place
+
+    def _rates(self, seat: Seat) -> ca.MX:
+        """Velocity and acceleration of the rope's end at a seat, speed and acceleration of the rope's travel there;
+        zero where the node has no such variable."""
+        node = seat.owner.name
+        names = [f"{seat.rates}{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz"]
+        return ca.vertcat(*(self._rate(node, name) for name in (*names, seat.speed, seat.acceleration)))
+
+    def _rate(self, node: str, name: str | None) -> ca.MX:
+        known = name is not None and any(f"{node}.{name}" in self.tables[kind].index for kind in SYMBOLS)
+        return self._variable(node, name) if known and name is not None else ca.MX(0.0)
+
+    def _place(self, seat: Seat) -> ca.MX:
         """Position and travel of the rope at a seat."""
         node = seat.owner.name
         travel = ca.MX(0.0) if seat.travel is None else self._variable(node, seat.travel)
@@ -143,9 +160,11 @@ class EquationGraph:
         for port in component.ports:
             driver = self.speed_of.get((component.name, port.name))
             speed = ca.MX(0.0) if driver is None else self._variable(*driver)
+            size = rope_size(weather=self.weather)
             none = ca.vertcat(ca.MX.zeros(4), 1.0) if self.weather else ca.MX.zeros(4)
             force = self.force_on.get((component.name, port.name), none)
-            found.append(ca.vertcat(force, speed))
+            inertia = ca.MX.zeros(INERTIA) if force.numel() == size else force[size:]
+            found.append(ca.vertcat(force[:size], speed, *((inertia,) if component.inertial else ())))
         return found
 
     def _variable(self, component: str, name: str) -> ca.MX:

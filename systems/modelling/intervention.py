@@ -15,7 +15,10 @@ SWITCHED = {
     "pressure back": ("pressure_lost", 0.0),
 }
 """Discrete variable of a component that each action sets, and its value."""
-ACTIONS = (*SWITCHED, "emergency stop")
+INERTIAL = {"payload dropped": ("dropped", 1.0), "rope breaks": ("broken", 1.0)}
+"""As `SWITCHED`, of components with inertia."""
+LOAD_LOST = "load lost"
+ACTIONS = (*SWITCHED, "emergency stop", *INERTIAL, LOAD_LOST)
 
 
 @checked
@@ -27,12 +30,14 @@ class Intervention:
     ----------
     time : float
         Time [s].
-    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop"}
+    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop", "load lost", "payload dropped", \
+"rope breaks"}
         "brake" applies the brake of a control sheave, "release" releases it. "pressure lost" removes the force of its
         hydraulic drive, "pressure back" restores it. "emergency stop" decelerates all drives of the line to rest and
-        stops all responses.
+        stops all responses. With inertia, "load lost" takes a load off its rope, "payload dropped" takes the payload
+        off a carriage, "rope breaks" cuts the rope of a span.
     component : str, optional
-        Name of the control sheave; None for an emergency stop.
+        Name of the control sheave, load, carriage or span; None for an emergency stop.
     deceleration : float, default 1
         Deceleration of an emergency stop [m/s2].
 
@@ -61,11 +66,16 @@ class Intervention:
         if (self.component is None) != (self.action == "emergency stop"):
             raise InputError(
                 f"Intervention {self.action!r} on {self.component!r}",
-                "An emergency stop applies to the whole line, any other action to one control sheave",
+                "An emergency stop applies to the whole line, any other action to one component or load",
             )
+
+    @property
+    def inertial(self) -> bool:
+        """Whether it needs a run with inertia."""
+        return self.action in INERTIAL or self.action == LOAD_LOST
 
     @property
     def entry(self) -> tuple[str, float]:
         """Discrete variable that the action sets, and its value."""
-        variable, value = SWITCHED[self.action]
+        variable, value = {**SWITCHED, **INERTIAL}[self.action]
         return f"{self.component}.{variable}", value

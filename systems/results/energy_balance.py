@@ -50,13 +50,18 @@ def energy(result: RunData) -> pd.Series:
     that drums pay out or wind in), loads (weight put on and taken off), take_up (external work on components such as a
     tensioned return). Gains are gravity, elastic and kinetic energy (of components). Losses are friction and crossings
     (energy lost when a line jumps as a load passes an idler). The residual is zero except for the integration error.
-    Raises InputError for a run in weather.
+
+    With inertia kinetic energy is also that of ropes, loads and idlers, and crossings is the energy lost as loads come
+    near supports and leave them. What the damping of the rope takes is `damping`, with the integration error in it; a
+    run with a damping of zero has it in the residual. Raises InputError for a run in weather.
     """
     if result.model.weather:
         raise InputError(
             f"The energy balance of {result.model.name!r} does not count wind, ice and temperature",
             "Simulate it without environment",
         )
+    if result.model.inertia is not None:
+        return _with_inertia(result)
     frame, times = result.full_frame, result.times
     still = np.diff(times) == 0.0
     parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), np.zeros(len(still)))
@@ -81,6 +86,82 @@ def energy(result: RunData) -> pd.Series:
         },
         name="energy [J]",
     )
+
+
+def _with_inertia(result: RunData) -> pd.Series:
+    """The energy balance of a run with inertia: the work of drives and drums is integrated with the line."""
+    frame, times, nodes = result.full_frame, result.times, each_node(result.runs)
+    still, zeros = np.diff(times) == 0.0, np.zeros(len(times) - 1)
+    parts = dict.fromkeys(("drives", "ends", "loads", "take_up", "friction", "kinetic"), zeros)
+
+    def gain(pattern: str) -> np.ndarray:
+        return np.diff(frame.filter(regex=pattern).sum(axis=1))
+
+    for node in nodes:
+        own = "drives" if _drives(node) else "ends"
+        if f"{node.name}.work" in frame:
+            _add(parts, {own: np.diff(frame[f"{node.name}.work"])})
+        work = _own_work(result, node)
+        # The ropes of a node with inertia take part in its motion: only what comes from outside is counted.
+        moving = f"{node.name}.velocity_z" in frame
+        _add(parts, {"take_up": work["take_up"]} if moving else work)
+    for r, run in enumerate(result.runs):
+        _add(parts, {"loads": _load_work(result, r) + _load_speed(result, r), "ends": _rope_let_in(result, r)})
+        for k, node in enumerate(run.nodes):
+            if f"{node.name}.velocity_z" not in frame:
+                _add(parts, {"ends": _shift_work(result, r, k) + zeros})
+    _add(parts, {"friction": gain(r"\.lost$"), "kinetic": gain(r"\.kinetic_energy$")})
+    elastic, gravity = gain(r"\.elastic_energy$"), gain(r"\.gravity_energy$")
+    put_in = parts["drives"] + parts["ends"] + parts["loads"] + parts["take_up"]
+    remainder = put_in - parts["friction"] - elastic - gravity - parts["kinetic"]
+    moving, damped = remainder[~still].sum(), result.model.inertia is not None and result.model.inertia.damping > 0.0
+    return pd.Series(
+        {
+            **{name: parts[name].sum() for name in ("drives", "ends", "loads", "take_up")},
+            "gravity": gravity.sum(),
+            "elastic": elastic.sum(),
+            "kinetic": parts["kinetic"].sum(),
+            "friction": parts["friction"].sum(),
+            "crossings": remainder[still].sum(),
+            "damping": moving if damped else 0.0,
+            "residual": 0.0 if damped else moving,
+        },
+        name="energy [J]",
+    )
+
+
+def _load_speed(result: RunData, r: int) -> np.ndarray:
+    """Kinetic energy of loads that are put on and taken off at the speed of the rope, in each interval."""
+    run, frame, work = result.runs[r], result.full_frame, np.zeros(len(result.times) - 1)
+    for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
+        speed = f"{run.nodes[k].name}.{run.seats[k].speed}"
+        if speed in frame and not run.closed:
+            work += sign * _mass_passed(result, r, k) * _mean(frame[speed].to_numpy() ** 2) / 2.0
+    return work
+
+
+def _mass_passed(result: RunData, r: int, k: int) -> np.ndarray:
+    """Mass of the loads that pass support k in each interval."""
+    loads = result.runs[r].loads
+    passed = np.array([record.passed[r][k] - loads.first for record in result.records])
+    return np.diff(np.concatenate([[0.0], np.cumsum(loads.mass)])[passed])
+
+
+def _rope_let_in(result: RunData, r: int) -> np.ndarray:
+    """Potential and kinetic energy of the rope that enters at a run's first support and leaves at its last, in each
+    interval."""
+    frame, run = result.full_frame, result.runs[r]
+    energy = np.zeros(len(result.times) - 1)
+    if run.closed:
+        return energy
+    mass, duration = run.rope.mass_per_length, np.maximum(np.diff(result.times), 1e-12)
+    for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
+        node, seat = run.nodes[k], run.seats[k]
+        if f"{node.name}.{seat.travel}" in frame:
+            run_over = np.diff(frame[f"{node.name}.{seat.travel}"])
+            height = _mean(_coordinate(result, node, "z") + np.zeros(len(result.times)))
+            energy += sign * mass * run_over * (result.parameters[0] * height + (run_over / duration) ** 2 / 2.0)
+    return energy
 
 
 def _add(parts: dict[str, np.ndarray], more: Mapping[str, np.ndarray]) -> None:
@@ -172,10 +253,7 @@ def _load_work(result: RunData, r: int) -> np.ndarray:
     work, run = np.zeros(len(result.times) - 1), result.runs[r]
     if run.closed:
         return work
-    loads, gravity = run.loads, result.parameters[0]
     for k, sign in ((0, 1.0), (len(run.nodes) - 1, -1.0)):
-        passed = np.array([record.passed[r][k] - loads.first for record in result.records])
-        total = np.concatenate([[0.0], np.cumsum(loads.mass)])
         height = _coordinate(result, run.nodes[k], "z") + np.zeros(len(result.times))
-        work += sign * np.diff(total[passed]) * gravity * _mean(height)
+        work += sign * _mass_passed(result, r, k) * result.parameters[0] * _mean(height)
     return work

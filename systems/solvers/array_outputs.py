@@ -186,7 +186,13 @@ def _function(form: _Form) -> ArrayFunction:
 def array_outputs(model: Model) -> ArrayOutputs | None:
     """The outputs of a model at many points; None where components read each other's outputs, or call compiled code."""
     system = model.system
-    if model.external or system.supplies or system.links or any(c.sums for c in system.components.values()):
+    if (
+        model.external
+        or model.inertia is not None
+        or system.supplies
+        or system.links
+        or any(c.sums for c in system.components.values())
+    ):
         return None
     return ArrayOutputs(model)
 

@@ -10,6 +10,8 @@ The travel of a drive whose speed is commanded is a known function of time, and 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import casadi as ca
 import numpy as np
 
@@ -24,11 +26,23 @@ def strict(tolerance: float, share: float) -> float:
     return min(tolerance, max(share * tolerance, 1e-11))
 
 
-class Idas:
-    """The integrator of a model; `tolerance` is absolute, on scaled variables."""
+class Stretch(NamedTuple):
+    """How a stretch is integrated: `share` of the tolerance that one step may use, and the `first` step, a part of the
+    stretch. A quasi-static line changes slowly, so that its stretches are one step; one with inertia oscillates."""
 
-    def __init__(self, model: Model, tolerance: float) -> None:
-        self.model = model
+    share: float
+    first: float
+
+
+SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(0.1, 0.1)
+
+
+class Idas:
+    """The integrator of a model; `tolerance` is absolute, on scaled variables. It gives `count` points of a stretch, at
+    equal distances."""
+
+    def __init__(self, model: Model, tolerance: float, stretch: Stretch = SLOW, count: int = 1) -> None:
+        self.model, self.count = model, count
         nx, nz, nu = len(model.x), len(model.z), len(model.u)
         sym = model.sym
         w, unknowns, tau = sym("w", nx), sym("zeta", nz), sym("tau")
@@ -45,9 +59,11 @@ class Idas:
         x = x0 + passed * x_rate + w * model.x.nominals
         z = z0 + passed * z_rate + zeta * model.z.nominals
         ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
+        if stretch is OSCILLATING and not model.external:
+            ode, alg = ca.cse([ode, alg])
         knowns = ca.vertcat(start, h, x0, x_rate, z0, z_rate, u, slope, p, d)
         # IDAS tests the mean error over all variables, of which only the states count.
-        tight = strict(tolerance, 0.005) * float(np.sqrt(max(nx, 1) / (nx + nz)))
+        tight = strict(tolerance, stretch.share) * float(np.sqrt(max(nx, 1) / (nx + nz)))
         integrator = ca.integrator(
             "idas",
             "idas",
@@ -60,7 +76,7 @@ class Idas:
                 "alg": (alg / model.r.nominals)[rows.tolist()],
             },
             0.0,
-            1.0,
+            1.0 if count == 1 else [(i + 1) / count for i in range(count)],
             {
                 "abstol": tight,
                 "reltol": 0.0,
@@ -68,8 +84,8 @@ class Idas:
                 "suppress_algebraic": True,
                 "calc_ic": False,
                 "linear_solver": "csparse",
-                # The time between two events is short: one step is tried first, which the error test shortens.
-                "step0": 1.0,
+                # The error test shortens the first step.
+                "step0": stretch.first / count,
                 "max_num_steps": 100_000,
                 "disable_internal_warnings": True,
             },
@@ -85,7 +101,14 @@ class Idas:
 
         Raises SimulationError.
         """
-        m = self.model
+        x, z = self.along(point, h, x_rate, z_rate, slope)
+        return x[-1], z[-1]
+
+    def along(
+        self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `advance`, at all points of the stretch: (count, nx) and (count, nz)."""
+        m, passed = self.model, h * np.arange(1, self.count + 1) / self.count
         knowns = np.concatenate([[point.t, h], point.x, x_rate, point.z, z_rate, point.u, slope, point.p, point.d])
         try:
             end = self._f(self._zero[0], self._zero[1], knowns)
@@ -96,6 +119,7 @@ class Idas:
                 "Check the last result for a slack rope or a load that stands on a support; or take a larger tolerance",
                 point.t,
             ) from error
-        x = point.x + h * x_rate + end[0] * m.x.nominals
-        self._commanded.put(x[None], point, np.array([h]), slope)
-        return x, point.z + h * z_rate + end[1][self._places] * m.z.nominals
+        x = point.x + passed[:, None] * x_rate + end[0].reshape(self.count, -1) * m.x.nominals
+        self._commanded.put(x, point, passed, slope)
+        z = end[1].reshape(self.count, -1)[:, self._places]
+        return x, point.z + passed[:, None] * z_rate + z * m.z.nominals

@@ -145,6 +145,8 @@ class _Finder:
         m = self.model
         if m.external:
             raise _UnfitError("it has a component in compiled code")
+        if m.inertia is not None:
+            raise _UnfitError("its ropes have inertia")
         spans: list[tuple[int, ...]] = []
         supports: list[tuple[int, ...]] = []
         points: list[list[int]] = []

@@ -214,8 +214,8 @@ def certify_records(
     """The worst of each check over many states of one model in order of time, each a solved point and the loads
     `passed` as in `certify`, `rope` too. A check that fails is that of the first state in which it does. held: as in
     `certify`, None for all: stability is judged elsewhere then."""
-    layout, states = layout_of(model), iter(states)
-    size = max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
+    states = iter(states)
+    size = 256 if model.inertia is not None else _batch_size(layout_of(model))
     found: list[Check] = []
     first = 0
     while chunk := list(itertools.islice(states, size)):
@@ -226,6 +226,11 @@ def certify_records(
         found += [check._replace(record=check.record + first) for check in checks]
         first += len(chunk)
     return Certificate.worst(found)
+
+
+def _batch_size(layout: CertificateLayout) -> int:
+    """How many states are checked together."""
+    return max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
 
 
 def certified_variants(
@@ -266,6 +271,8 @@ def _checks(
     held: Collection[str] | None,
     masses: Sequence[np.ndarray] | None = None,
 ) -> list[Check]:
+    if model.inertia is not None:
+        return [_other_equations(model, np.arange(len(model.r)), points)]
     layout, checks = layout_of(model), []
     places = layout.spans
     gravity = values[:, places.gravity, None]
@@ -280,7 +287,7 @@ def _checks(
             pull = np.zeros((3, len(values), 1))
         checks += _law_checks(layout, values, pull)
         if len(layout.others):
-            checks.append(_other_equations(model, layout, points))
+            checks.append(_other_equations(model, layout.others, points))
         if held is None:
             return checks
         quick = None
@@ -399,11 +406,12 @@ def _law_checks(layout: CertificateLayout, values: np.ndarray, pull: np.ndarray)
     return checks
 
 
-def _other_equations(model: Model, layout: CertificateLayout, points: Sequence[Point]) -> Check:
+def _other_equations(model: Model, others: np.ndarray, points: Sequence[Point]) -> Check:
+    """Residuals of numbers `others`, by their own values."""
     residuals = residuals_of(model)
-    nominal = model.r.nominals[layout.others]
-    found = np.array([residuals(*point.arguments)[0][layout.others] for point in points])
-    names = [component_of(model.r.names[i]) for i in layout.others]
+    nominal = model.r.nominals[others]
+    found = np.array([residuals(*point.arguments)[0][others] for point in points])
+    names = [component_of(model.r.names[i]) for i in others]
     return _worst(EQUATIONS, np.abs(found) / nominal, LAW, names)
 
 

@@ -22,7 +22,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of
 from ropeway.systems.statics.certificate import Certificate, certify
-from ropeway.systems.statics.line_state import LOAD_OUTPUTS, find, load_force, span_rope, support_points
+from ropeway.systems.statics.line_state import find, load_force, load_outputs, span_rope, support_points
 from ropeway.systems.statics.pending_events import Pending
 
 
@@ -114,19 +114,22 @@ class Equilibrium(Tabular):
 
     @cached_property
     def loads(self) -> pd.DataFrame:
-        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]."""
-        rows = []
+        """The loads on the line: load, span, mass [kg], distance from the span's end a, x, y, z [m]; with inertia also
+        their velocities [m/s] and accelerations [m/s2]."""
+        rows, outputs = [], load_outputs(self.model)
         for run, beyond in zip(self.runs, self.passed, strict=True):
             for k, span in enumerate(run.spans):
                 for slot, i in enumerate(range(beyond[k] - 1, beyond[k + 1] - 1, -1)):
                     read = {
                         what: self.outputs[self.model.y.index[f"{span.name}.slot_{what}[{slot + 1}]"]]
-                        for what in LOAD_OUTPUTS
+                        for what in outputs
                     }
                     if run.loads.mass[i] == 0.0:  # a missing load
                         continue
                     rows.append({"load": run.loads.names[i], "span": span.name, "mass": run.loads.mass[i], **read})
-        return pd.DataFrame(rows, columns=["load", "span", "mass", "distance", "x", "y", "z"])
+        return pd.DataFrame(
+            rows, columns=["load", "span", "mass", "distance", *(o for o in outputs if o != "distance")]
+        )
 
     def points(self, r: int) -> np.ndarray:
         """Positions of the supports of a run.
@@ -251,5 +254,15 @@ class Equilibrium(Tabular):
             raise InputError(f"A station is outside span {name!r}", f"Its unstretched length is {length:.6g} m")
         rope = span_rope(self.model, run, k, self.__getitem__)
         tension = self.point.z[force : force + 3]
-        curve = catenary.profile(tuple(tension), rope.weight, rope.strain, length, at, pulls, spread)
-        return curve, run.start(k, self.__getitem__) + curve.reach
+        start = run.start(k, self.__getitem__)
+        if self.model.inertia is not None:
+            starts, forces = [np.zeros(3)], [tension]
+            for j in range(count):
+                slot = [f"{name}.slot_{axis}[{j + 1}]" for axis in "xyz"]
+                starts.append(read[[self.model.y.index[place] for place in slot]] - start)
+                pull = [f"{name}.pull_{axis}[{j + 1}]" for axis in "xyz"]
+                forces.append(self.point.z[[self.model.z.index[force] for force in pull]])
+            curve = catenary.through(np.array(starts), np.array(forces), rope.weight, rope.strain, at, spread)
+        else:
+            curve = catenary.profile(tuple(tension), rope.weight, rope.strain, length, at, pulls, spread)
+        return curve, start + curve.reach

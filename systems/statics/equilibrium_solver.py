@@ -99,6 +99,8 @@ def equilibrium(
         if not np.isfinite(value):
             raise InputError(f"given {name} is {value!r}", "Give a finite number")
     model = in_weather(system, environment, parameters or ())
+    if model.inertia is not None:
+        raise InputError(f"{model.name!r} is a model with inertia", "Give the system, or `assemble` of it")
     if compiled:
         require_compiled(model, wanted)
     freed = [model.swaps.get(name, name) for name in freed]

@@ -22,6 +22,13 @@ from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
+LOAD_MOTION = tuple(f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz")
+"""As `LOAD_OUTPUTS`, with inertia."""
+
+
+def load_outputs(model: Model) -> tuple[str, ...]:
+    """What the slots of a model say of their loads."""
+    return LOAD_OUTPUTS if model.inertia is None else (*LOAD_OUTPUTS, *LOAD_MOTION)
 
 
 class LineState:
@@ -102,10 +109,18 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, [[int(n) for n in c] for c in counts])
+        self.model = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
         d = self.model.d.values.copy()
-        d[self.model.kept] = self.point.d[old.kept]
-        self.point = replace(self.point, d=d)
+        if old.inertia is None:
+            d[self.model.kept] = self.point.d[old.kept]
+            self.point = replace(self.point, d=d)
+            return
+        # With inertia slots have states: those of the new slots, which are empty, have the declared values.
+        new = Point(self.model.x.values.copy(), self.model.z.values.copy(), self.point.u, self.point.p, d, self.point.t)
+        for kind in (Kind.STATE, Kind.ALGEBRAIC, Kind.DISCRETE):
+            there = self.model.tables[kind].index
+            new.vector(kind)[[there[name] for name in old.tables[kind].names]] = self.point.vector(kind)
+        self.point = new
 
     def length(self, r: int) -> float:
         """Unstretched length of a run's rope between its ends at zero travel [m]."""
@@ -250,7 +265,7 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             return kind, model.tables[kind].index[name]
     owner, _, quantity = name.rpartition(".")
     for run, beyond in zip(runs, passed, strict=True):
-        if owner in run.loads.names and quantity in (*LOAD_OUTPUTS, "mass"):
+        if owner in run.loads.names and quantity in (*load_outputs(model), "mass"):
             # Loads of an endless rope are listed once for each round.
             load = run.loads.names.index(owner, int(beyond[-1]) if run.around else 0)
             k = int(np.searchsorted(-beyond, -load, side="left")) - 1

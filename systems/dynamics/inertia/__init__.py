@@ -1,0 +1,1 @@
+"""Lines with inertia: their components, state and events, and their integration."""
