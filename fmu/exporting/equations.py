@@ -16,9 +16,9 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.errors import InputError
-from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.systems.dynamics.run_inputs import is_speed
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import SWITCHED
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -154,8 +154,8 @@ class ModelEquations:
         """Commanded speeds among the inputs, which an emergency stop ramps down, and the places of their corrections by
         responses among the discrete variables, -1 if there are none."""
         m = self.model
-        owners = {i: name.rpartition(".")[0] for i, name in enumerate(m.u.names) if name.rpartition(".")[2] == "speed"}
-        driven = {i: owner for i, owner in owners.items() if isinstance(m.system.components[owner], Node)}
+        ends = [name.rpartition(".") for name in m.u.names]
+        driven = {i: owner for i, (owner, _, quantity) in enumerate(ends) if is_speed(m.system, owner, quantity)}
         return {i: m.d.index.get(f"{owner}.correction", -1) for i, owner in driven.items()}
 
     @property
