@@ -63,6 +63,7 @@ from .components.variable import (
     Equations as Equations,
     Kind as Kind,
     Limit as Limit,
+    MovingMass as MovingMass,
     Site as Site,
     Variable as Variable,
 )
@@ -132,6 +133,11 @@ from .systems.studies.handbook.payload_methods import (
 )
 from .systems.studies.handbook.sighted_span import catenary_for_sights as catenary_for_sights
 from .systems.studies.handbook.turk_solvers import SpanProblem as SpanProblem, solve_span as solve_span
+from .systems.studies.inertia.emergency_stop import (
+    EmergencyStops as EmergencyStops,
+    emergency_stop as emergency_stop,
+)
+from .systems.studies.inertia.modes import Modes as Modes, modes as modes
 from .systems.studies.load_cases.load_case import LoadCase as LoadCase
 from .systems.studies.load_cases.study import LoadCases as LoadCases, load_cases as load_cases
 from .systems.studies.load_cases.support_table import support_table as support_table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
@@ -15,10 +15,19 @@ from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
-from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
+from ropeway.components.moving_node import (
+    across_force,
+    across_residuals,
+    across_variables,
+    energies,
+    energy_outputs,
+    inertial_force,
+    motion_rates,
+    motion_variables,
+)
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 from ropeway.components.weather import drag_variables
 
 Holding = Literal["bisector", "horizontal"]
@@ -133,6 +142,9 @@ class Carriage(Node):
         # The direction of an ideal holding force depends on the rope: the balance has no symmetric stiffness matrix.
         return () if self.holding is not None else tuple((axis, f"balance_{axis}") for axis in "xyz")
 
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return tuple(MovingMass(axis, read("mass") + read("payload"), {f"balance_{axis}": 1.0}) for axis in "xyz")
+
     def structure(self, site: Site) -> Hashable:
         return (self.clamped, self.holding)
 
@@ -217,9 +229,21 @@ class Carriage(Node):
 @checked
 @dataclass(frozen=True, kw_only=True)
 class MovingCarriage(Carriage):
-    """A carriage with the inertia of itself, its payload and its ropes; arguments as of a `Carriage`."""
+    """A carriage with the inertia of itself, its payload and its ropes; arguments as of a `Carriage`.
+
+    It rolls on the skyline: the ends of the rope there move with it across the skyline's direction `along`, the chord
+    from the support before to the one after at the start, and not along it.
+    """
 
     inertial: ClassVar[bool] = True
+
+    @property
+    def a(self) -> Seat:
+        return super().a if self.clamped else replace(super().a, rates="skyline_")
+
+    @property
+    def b(self) -> Seat:
+        return super().b if self.clamped else replace(super().b, rates="skyline_")
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
@@ -237,19 +261,31 @@ class MovingCarriage(Carriage):
         own = super().variables(site)
         places = {v.name: v for v in own if v.name in self._axes}
         dropped = Variable("dropped", Kind.DISCRETE, "1", "1: the payload has been dropped")
-        return (*(v for v in own if v.name not in places), *motion_variables(places), dropped, *energy_outputs())
+        rolling = () if self.clamped else across_variables("skyline")
+        return (
+            *(v for v in own if v.name not in places),
+            *motion_variables(places),
+            *rolling,
+            dropped,
+            *energy_outputs(),
+        )
 
     def equations(self, v: Any) -> Equations:
         v.payload = v.payload * (1 - v.dropped)
         found, seats = super().equations(v), [seat.name for seat in self.seats]
         mass = v.mass + v.payload
+        clamped = [] if self.clamped else ["a", "b"]
+        whole = [name for name in seats if name not in clamped]
         balances = {
-            f"balance_{axis}": found.residuals[f"balance_{axis}"] - inertial_force(v, axis, mass, seats)
+            f"balance_{axis}": found.residuals[f"balance_{axis}"]
+            - inertial_force(v, axis, mass, whole)
+            - across_force(v, axis, clamped)
             for axis in "xyz"
         }
+        rolling = {} if self.clamped else across_residuals(v, "skyline", self._axes)
         return replace(
             found,
             rates=motion_rates(v, self._axes),
-            residuals={**found.residuals, **balances},
+            residuals={**found.residuals, **balances, **rolling},
             outputs={**found.outputs, **energies(v, mass, self._axes)},
         )

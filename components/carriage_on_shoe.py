@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -16,7 +16,7 @@ from ropeway.components.check import POSITIVE
 from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.intermediate_support import IntermediateSupport
-from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -93,6 +93,12 @@ class CarriageOnShoe(Carriage):
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         return ()  # the shoe guides it
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        x, z = (read(axis) - read(f"centre_{axis}") for axis in "xz")
+        along = shoe.towards_a((x / read("radius"), z / read("radius")))
+        mass = read("mass") + read("payload")
+        return tuple(MovingMass(axis, mass, {"balance": part}) for axis, part in zip("xz", along, strict=True))
 
     def limits(self) -> tuple[Limit, ...]:
         return (Limit("shoe_force", "carriage off its shoe", low=0.0), *self.support.limits())

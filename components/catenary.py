@@ -72,10 +72,11 @@ class Uniform(NamedTuple):
         """The force [N/m]."""
         return (-self.size * self.up[0], -self.size * self.up[1], -self.size * self.up[2])
 
-    def along(self, force: Vector) -> tuple[Vector, Any]:
-        """A tension vector as its part across `up`, and its component along it."""
+    def parts(self, force: Vector) -> tuple[Vector, Any, Any]:
+        """Of a tension vector the part across `up`, that squared, and the component along `up`."""
         v = force[0] * self.up[0] + force[1] * self.up[1] + force[2] * self.up[2]
-        return (force[0] - v * self.up[0], force[1] - v * self.up[1], force[2] - v * self.up[2]), v
+        x, y, z = (force[i] - v * self.up[i] for i in range(3))
+        return (x, y, z), x * x + y * y + z * z + _VERTICAL, v
 
     def added(self, vector: Vector, along: Any) -> Vector:
         """A vector with more along `up`."""
@@ -110,8 +111,7 @@ def segment(force: Vector, weight: Weight, length: Any, strain: Strain) -> Segme
     Also for a folded rope, whose two parts hang vertically from its ends.
     """
     if isinstance(weight, Uniform):
-        level, v0 = weight.along(force)
-        h2 = level[0] * level[0] + level[1] * level[1] + level[2] * level[2] + _VERTICAL
+        level, h2, v0 = weight.parts(force)
         across, rise, _ = _piece(h2, v0, weight.size, length, strain)
         reach = weight.added((level[0] * across, level[1] * across, level[2] * across), rise)
         return Segment(reach, end_of(force, weight, length))
@@ -162,8 +162,7 @@ class _Integrals(NamedTuple):
 
 def _integrals(force: Vector, weight: Weight, length: Any) -> _Integrals:
     if isinstance(weight, Uniform):
-        level, v0 = weight.along(force)
-        h2, weight = level[0] * level[0] + level[1] * level[1] + level[2] * level[2] + _VERTICAL, weight.size
+        (_, h2, v0), weight = weight.parts(force), weight.size
     else:
         fx, fy, v0 = force
         h2 = fx * fx + fy * fy + _VERTICAL

@@ -100,6 +100,9 @@ class Seat(Port):
     speed, acceleration : str, optional
         Variables of the node with the rate of the rope's travel [m/s] and the rate of that [m/s2]; None where they are
         zero or unknown.
+    rates : str, default ""
+        Prefix of the variables `velocity_x` ... `acceleration_z` with which the end of the rope moves there; by default
+        those of the node.
 
     Examples
     --------
@@ -112,6 +115,7 @@ class Seat(Port):
     offset: str | None = None
     speed: str | None = None
     acceleration: str | None = None
+    rates: str = ""
 
 
 def _alone(component: Any) -> Hashable:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -18,7 +18,7 @@ from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
 from ropeway.components.sheave import inertial_law, moving_seat, travel_variables
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -92,6 +92,9 @@ class Drum(Node):
     @property
     def balance(self) -> str | None:
         return None if self.tension is None else "tension_kept"
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return (MovingMass("travel", self.inertia, {"tension_kept": 1.0}),)
 
     def structure(self, site: Site) -> Hashable:
         return self.tension is None

@@ -53,8 +53,8 @@ class Environment:
 
     Examples
     --------
-    >>> Environment("storm", temperature=-20.0, ice_thickness=0.01, wind_speed=20.0, wind_from=270.0).pressure
-    250.0
+    >>> rw.Environment("iced", temperature=-20.0, ice_thickness=0.01, wind_pressure=250.0).ice_thickness
+    0.01
     """
 
     name: str

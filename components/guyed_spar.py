@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -20,7 +20,7 @@ from ropeway.components.rope import Rope
 from ropeway.components.smooth import size
 from ropeway.components.spar import HeadSpar, Tailhold
 from ropeway.components.terrain import Profile
-from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -226,6 +226,10 @@ class GuyedSpar(HeadSpar):
 
     def limits(self) -> tuple[Limit, ...]:
         return () if self.capacity is None else (Limit("compression", "above capacity", high=self.capacity),)
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        # A uniform mast that turns about its foot.
+        return tuple(MovingMass(axis, read("mass") / 3.0, {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return (self.blocks, tuple(g.name for g in self.guylines))

@@ -34,8 +34,8 @@ class Inertia:
 
     Examples
     --------
-    >>> rw.Inertia(nodes=6).damping
-    0.0005
+    >>> rw.Inertia(damping=1e-3).zone
+    0.5
     """
 
     nodes: int = 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -13,7 +13,7 @@ from ropeway.components.component import Component, Seat, remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
 from ropeway.components.node import Node
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 
 
 @checked
@@ -77,6 +77,9 @@ class Joint(Node):
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         return tuple((axis, f"balance_{axis}") for axis in "xyz")
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return tuple(MovingMass(axis, read("mass"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return self.ends

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Seat
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
-from ropeway.components.variable import Equations, Kind, Site, Variable
+from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
 from ropeway.components.weather import drag_variables
 
 _FORCE = 1e4
@@ -125,6 +125,10 @@ class Log(Node):
     @property
     def seats(self) -> tuple[Seat, ...]:
         return (self.front,)
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        # As a point at its front; the rear follows at rest.
+        return tuple(MovingMass(axis, read("mass"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
         return ()

@@ -11,6 +11,7 @@ The tension sees the geometry a short time, the damping, ahead: stiffness-propor
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import Any, NamedTuple
 
 from ropeway.components import catenary
@@ -56,6 +57,7 @@ def slot_variables(site: Site, damping: float, stretch: float) -> tuple[Variable
         Variable("joined", Kind.DISCRETE, "1", "1: the slot moves with the slot before", zeros, 1.0, n),
         Variable("lost", Kind.DISCRETE, "1", "1: the load in the slot is lost", zeros, 1.0, n),
         Variable("broken", Kind.DISCRETE, "1", "1: the rope is cut, and its parts hang from their supports"),
+        Variable("tautness", out, "1", "least horizontal tension over the weight of the rope"),
         Variable("kinetic_energy", out, "J", "kinetic energy of rope and loads", nominal=1e3),
         *each("slot_velocity", out, "m/s", "velocity of each slot"),
         *each("slot_acceleration", out, "m/s2", "acceleration of each slot"),
@@ -238,10 +240,14 @@ class MovingRope:
     def highest(self) -> Any:
         """Highest tension at an end of a piece [N]."""
         tensions = [catenary.norm(f) for piece in self.pieces for f in (piece.first, piece.last)]
-        highest = tensions[0]
-        for tension in tensions[1:]:
-            highest = catenary.namespace(highest).fmax(highest, tension)
-        return highest
+        return reduce(catenary.namespace(tensions[0]).fmax, tensions)
+
+    @property
+    def tautness(self) -> Any:
+        """Least horizontal tension over the weight of the rope; above 1 if it is cut."""
+        level = [catenary.norm((piece.first[0], piece.first[1], 0.0)) for piece in self.pieces]
+        weight = self.weight.size if isinstance(self.weight, catenary.Uniform) else self.weight
+        return reduce(catenary.namespace(level[0]).fmin, level) / (weight * self.length) + 2 * self.v.broken
 
 
 def _unit(force: Vector) -> Vector:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port, Seat
 from ropeway.components.errors import InputError
-from ropeway.components.variable import Kind, Variable
+from ropeway.components.variable import Kind, MovingMass, Variable
 
 
 @checked
@@ -134,6 +135,21 @@ class Node(Component):
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
         """Algebraic variables of a position that ropes determine, each with the residual of the forces along it."""
+        return ()
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        """Masses that move with variables of the node. Ropes and loads have theirs already.
+
+        Parameters
+        ----------
+        read : callable
+            `read(name)` returns a variable or an output of the node.
+
+        Returns
+        -------
+        tuple of MovingMass
+            By default none.
+        """
         return ()
 
     def place(self) -> tuple[Variable, ...]:

@@ -17,7 +17,7 @@ from ropeway.components.whole_files import whole
 @checked
 @dataclass(frozen=True)
 class Schedule:
-    """A speed over time, piecewise linear.
+    """A speed over time, piecewise linear; or another quantity, such as the values of an `Environment`.
 
     Before its first time it has the first speed; a run beyond its last time is an InputError. Two close times represent
     a step.

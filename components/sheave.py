@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -17,7 +17,7 @@ from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node
 from ropeway.components.smooth import angle_between, sign
-from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 
 
 @checked
@@ -164,6 +164,9 @@ class Sheave(Wheel):
     @property
     def balance(self) -> str:
         return "tension_law"
+
+    def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
+        return (MovingMass("travel", self.inertia, {"tension_law": 1.0}),)
 
     def structure(self, site: Site) -> Hashable:
         return self.friction > 0.0

@@ -279,6 +279,10 @@ class MovingSpan(Span):
     inertial: ClassVar[bool] = True
     inertia: Inertia = field(default_factory=Inertia)
 
+    def limits(self) -> tuple[Limit, ...]:
+        # A rope that pulls with less than its own weight sags by more than an eighth of its span.
+        return (*super().limits(), Limit("tautness", "slack rope", low=1.0))
+
     def structure(self, site: Site) -> Hashable:
         return self._constructional
 
@@ -325,6 +329,7 @@ class MovingSpan(Span):
                 "kinetic_energy": rope.kinetic,
                 **self._weather_outputs(rope.weight, strain, last),
                 "utilisation": rope.highest / v.breaking_load,
+                "tautness": rope.tautness,
                 "slot_distance": rope.distance,
                 **each("slot", rope.places),
                 **each("slot_velocity", velocities[1:-1]),

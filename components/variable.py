@@ -169,6 +169,29 @@ class Energies(NamedTuple):
     supplied: Any = 0.0
 
 
+class MovingMass(NamedTuple):
+    """A mass that moves with a variable of a node, for `rw.modes`.
+
+    Parameters
+    ----------
+    place : str
+        Name of the variable: a coordinate of the position, or a travel.
+    mass : float
+        Mass [kg]; for a travel referred to the rope.
+    forces : mapping of str to float
+        Residuals in which a force along the variable appears, each with its factor.
+
+    Examples
+    --------
+    >>> rw.MovingMass("x", 450.0, {"force_x": 1.0}).mass
+    450.0
+    """
+
+    place: str
+    mass: Any
+    forces: Mapping[str, Any]
+
+
 @dataclass(frozen=True, slots=True)
 class Limit:
     """An output that must stay within bounds.

@@ -1,4 +1,4 @@
-"""What the site shows of running code: a gallery of all examples, pictures of the tutorials, figures of the theory.
+"""What the site shows of running code: a gallery of all examples, pictures of pages, figures of the theory.
 
 Each script runs in a process of its own, as many at a time as there are cores, and writes to `docs/made/`. A script
 that has not changed since is not run again.
@@ -21,7 +21,8 @@ import ropeway
 DOCS = Path(__file__).resolve().parent
 MADE = DOCS / "made"
 EXAMPLES = DOCS.parent / "examples"
-TUTORIALS = ("forest", "line", "control")
+PAGES = ("start/forest", "start/line", "start/control", "uncertainty")
+"""Pages with pictures that their own scripts make."""
 
 TITLES = {
     "one_span": "One span with a turn",
@@ -32,9 +33,11 @@ TITLES = {
     "guyed_spar": "Guyed spar",
     "corridor_map": "From the map to the map",
     "monocable": "Mono-cable line",
+    "load_cases": "Load cases",
     "turk_responses": "Responses of control sheaves",
     "optimise_schedule": "Optimal schedules",
     "sweep": "Ten thousand variants",
+    "fit_tension_log": "Fit to a tension log",
     "own_component": "Components of your own",
     "fmu_export": "A line as an FMU",
     "fmu_cosimulation": "Co-simulation",
@@ -103,11 +106,11 @@ def example(name: str) -> Script:
     return Script(path.read_text(encoding="utf-8"), code, MADE / "gallery" / name)
 
 
-def tutorial(name: str) -> Script:
+def of_page(name: str) -> Script:
     """The scripts of a page, one after the other."""
-    text = (DOCS / "start" / f"{name}.md").read_text(encoding="utf-8")
+    text = (DOCS / f"{name}.md").read_text(encoding="utf-8")
     source = "\n".join(re.findall(r"```python\n(.*?)```", text, re.DOTALL))
-    return Script(source, source, MADE / "start" / name)
+    return Script(source, source, MADE / name)
 
 
 def figures() -> Script:
@@ -122,7 +125,7 @@ def make() -> None:
     names = [path.stem for path in EXAMPLES.glob("[!_]*.py")]
     names.sort(key=lambda name: (list(TITLES).index(name) if name in TITLES else len(TITLES), name))
     scripts = [example(name) for name in names if name not in (*KEPT, *DOWNLOADS)]
-    scripts += [figures(), *map(tutorial, TUTORIALS)]
+    scripts += [figures(), *map(of_page, PAGES)]
     tasks: list[Callable[[], None]] = [script.run for script in reversed(scripts)]  # the long ones first
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         for task in [pool.submit(task) for task in tasks]:

@@ -28,6 +28,8 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/index.md",
         "docs/uncertainty.md",
         "docs/errors.md",
+        "docs/modes.md",
+        "docs/emergency_stop.md",
         "docs/faq.md",
         "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
@@ -63,6 +65,31 @@ def test_every_error_is_explained() -> None:
             if issubclass(type(kind := getattr(module, n)), type) and issubclass(kind, BaseException)
         )
         assert {prefix + name for name in errors} <= explained
+
+
+TASKS = {
+    "payload and report": r"study\.report\(",
+    "emergency stop": r"emergency stop",
+    "component of your own": r"rw\.check_component",
+    "FMU into FMPy": r"fmpy\.simulate_fmu",
+    "rope of your own": r"rw\.Rope\(mass_per_length",
+}
+
+
+def test_a_newcomers_tasks_are_two_clicks_from_the_front_page() -> None:
+    """Clicks on links of the text; the sidebar has all pages anyway."""
+    docs = ROOT / "docs"
+    front, reached = {docs / "index.md"}, {docs / "index.md"}
+    for _ in range(2):
+        links = {(page.parent / to).resolve() for page in front for to in _links(page.read_text())}
+        front = {page for page in links if page.is_file() and page.suffix == ".md"}
+        reached |= front
+    texts = [page.read_text() for page in reached]
+    assert [task for task, words in TASKS.items() if not any(re.search(words, text) for text in texts)] == []
+
+
+def _links(text: str) -> list[str]:
+    return re.findall(r"\]\(([\w./-]+\.md)", text) + [f"{to}.md" for to in re.findall(r":link: ([\w/]+)", text)]
 
 
 BANNED = (

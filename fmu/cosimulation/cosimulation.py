@@ -260,7 +260,10 @@ class CoSimulation:
 
         Examples
         --------
-        >>> master.to_ssp("yard.ssp", until=60.0)
+        >>> master = rw.fmu.CoSimulation(step=1.0)
+        >>> part = master.add("span", "span.fmu")
+        >>> master.to_ssp("yard.ssp", until=5.0).name
+        'yard.ssp'
         """
         target = Path(path)
         if target.suffix != ".ssp":
@@ -311,7 +314,11 @@ class CoSimulation:
 
         Examples
         --------
-        >>> rw.fmu.CoSimulation.from_ssp("yard.ssp").run(60.0)
+        >>> master = rw.fmu.CoSimulation(step=1.0)
+        >>> part = master.add("span", "span.fmu")
+        >>> path = master.to_ssp("span.ssp", until=5.0)
+        >>> rw.fmu.CoSimulation.from_ssp(path).run(5.0).columns.tolist()
+        ['span.a.tension', 'span.b.tension']
         """
         folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         try:

@@ -39,6 +39,11 @@ class ArchiveLimits:
     ------
     InputError
         A limit that is not positive.
+
+    Examples
+    --------
+    >>> rw.fmu.ArchiveLimits(files=2000).files
+    2000
     """
 
     unpacked: float = 2e9

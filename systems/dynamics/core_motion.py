@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
+from ropeway.components.catenary import Uniform
 from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
 from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.dynamics.load_crossings import Crossing
@@ -17,7 +19,7 @@ from ropeway.systems.native.section_library import CrossingEvent, Motion
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
 from ropeway.systems.solvers.drive_trajectories import Window
 from ropeway.systems.statics.line_records import Record
-from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope
 from ropeway.systems.statics.pending_events import Pending
 
 _NUMBERS = 2_000_000
@@ -40,14 +42,17 @@ class CoreMotion:
         self._beyond = np.zeros((most, tables.supports), dtype=np.int64)
         self._passed = np.zeros(tables.supports, dtype=np.int64)
         layouts = state.model.layouts
+        pull, wind = _forces(state)
         self._arrays = {
             "load_first": np.cumsum([0, *(len(own.place) for own in self._loads)], dtype=np.int64),
             "place": np.concatenate([own.place for own in self._loads]),
             "mass": np.concatenate([own.mass for own in self._loads]),
+            "drag": np.concatenate([own.drag for own in self._loads]),
             "rope": np.concatenate([layout.start(state.point.p) for layout in layouts]),
             "scale": np.array(state.span_scale),
             "passed": self._passed,
-            "mass_per_length": np.concatenate([layout.mass_per_length for layout in layouts]).astype(np.int32),
+            "pull": pull,
+            "wind": wind,
             "record_time": self._time,
             "record_grid": self._grid,
             "record_x": self._x,
@@ -124,3 +129,17 @@ class CoreMotion:
     def coming(self) -> Crossing:
         """The crossing that the core has left to its caller."""
         return self.crossing(self.motion.coming)
+
+
+def _forces(state: LineState) -> tuple[np.ndarray, np.ndarray]:
+    """What each metre of rope adds to its tension vector (spans, 3) [N/m], and each square metre of a load's drag area
+    (2,) [N/m2]; weather does not change in the core."""
+    read = partial(read_value, state.model, state.point, state.outputs())
+    pull = np.zeros((sum(len(run.spans) for run in state.runs), 3))
+    places = [(run, k) for run in state.runs for k in range(len(run.spans))]
+    for i, (run, k) in enumerate(places):
+        weight = span_rope(state.model, run, k, read).weight
+        pull[i] = [-f for f in weight.force] if isinstance(weight, Uniform) else [0.0, 0.0, weight]
+    on_load = load_force(state.model, 0.0, 1.0, read)
+    wind = np.array([-on_load[0], -on_load[1]]) if isinstance(on_load, tuple) else np.zeros(2)
+    return pull, wind

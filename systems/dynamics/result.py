@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,10 +17,13 @@ from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.document import Project, ReportOptions, write_report
 from ropeway.systems.reporting.style import Units
+from ropeway.systems.results.dynamic_factor import dynamic_factor, swing
 from ropeway.systems.results.energy_balance import energy, power
+from ropeway.systems.results.quasi_static import QuasiStatic
 from ropeway.systems.results.run_data import RunData
 from ropeway.systems.results.summary import Summary, summary
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -87,7 +91,7 @@ class Result(RunData):
         if not times[0] <= time <= times[-1]:
             raise InputError(f"{time} s is outside the run", f"Choose from {times[0]:g} to {times[-1]:g} s")
         i = int(np.searchsorted(times, time, side="right")) - 1
-        state = self._state(i)
+        state = self.state(i)
         if times[i] != time:
             a, b = self.records[i], self.records[i + 1]
             signals = [
@@ -101,6 +105,8 @@ class Result(RunData):
     def summary(self) -> Summary:
         """Safety report: tensions against SWL and MBL, sag, lift-off, grip, relief valves, loads held.
 
+        Of a run with inertia also the dynamic factors. Its tensions count until a rope goes slack.
+
         Returns
         -------
         Summary
@@ -111,7 +117,7 @@ class Result(RunData):
             Without a rope.
         """
         self._require_rope()
-        return summary(self)
+        return summary(self, None if self.model.inertia is None else self.dynamic_factor())
 
     def _require_rope(self) -> None:
         if not self.runs:
@@ -125,6 +131,46 @@ class Result(RunData):
         DataFrame
         """
         return power(self)
+
+    def dynamic_factor(self) -> pd.DataFrame:
+        """How far inertia raises the tensions of ropes and the loads of supports.
+
+        The peaks of the run over those of the line in equilibrium at each time, with the rope that the drives have
+        moved until then and the loads that hang on it then; until a rope breaks. After a rope has gone slack (event
+        "slack rope") tensions are not counted: the snap of a rope that tightens again is not resolved.
+
+        Returns
+        -------
+        DataFrame
+            Index component: spans and supports; columns kind ("rope" or "support"), highest [N], at [s], quasi_static
+            [N], factor.
+
+        Raises
+        ------
+        InputError
+            The run is without inertia.
+        """
+        return dynamic_factor(self, self._quasi_static)
+
+    def swing(self) -> pd.DataFrame:
+        """How far loads swing in a run with inertia.
+
+        Returns
+        -------
+        DataFrame
+            Index load; columns swing: the largest distance from where it would hang in equilibrium [m], at [s].
+
+        Raises
+        ------
+        InputError
+            The run is without inertia.
+        """
+        return swing(self, self._quasi_static)
+
+    @cached_property
+    @interruptible
+    def _quasi_static(self) -> QuasiStatic:
+        return QuasiStatic.of(self)
 
     def energy(self) -> pd.Series:
         """The energy balance of the run [J].

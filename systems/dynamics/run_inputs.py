@@ -34,10 +34,10 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
     return start
 
 
-def require_compiled(model: Model) -> None:
+def require_compiled(model: Model, signals: Sequence[Signal]) -> None:
     """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if model.weather:
-        raise CompiledError("The compiled core cannot simulate in weather", "Leave out compiled=True")
+    if any(isinstance(signal, Schedule) for signal in signals[: model.u.shared]):
+        raise CompiledError("The compiled core cannot simulate weather that changes", "Leave out compiled=True")
     compiled_line(model)
 
 

@@ -135,7 +135,7 @@ def simulate(
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
-        require_compiled(model)
+        require_compiled(model, signals)
     rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))

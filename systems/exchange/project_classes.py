@@ -14,6 +14,7 @@ from ropeway.components.drum import Drum
 from ropeway.components.environment import Environment
 from ropeway.components.ground import Ground
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
+from ropeway.components.inertia import Inertia
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.joint import Joint
 from ropeway.components.load import Load
@@ -34,9 +35,10 @@ from ropeway.systems.rigs.turn import Turn
 CLASSES: Mapping[str, type] = {
     cls.__name__: cls
     for cls in (
-        Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum, Elastic,
-        Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive,
-        IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile, ProportionalResponse, Rope,
-        Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse, Turn,
+        Anchor, Block, Carriage, CarriageOnShoe, ConstructionStretch, ControlSheave, DieselHydraulicUnit, Drum,
+        Elastic, Environment, Ground, GuyedSpar, Guyline, HeadSpar, HydraulicDrive, HydraulicPowerUnit, IdealDrive,
+        Inertia, IntermediateSupport, Intervention, Joint, Load, Log, MapFrame, PlanAxis, Profile,
+        ProportionalResponse, Rope, Sheave, Span, SpringAnchor, TailSpar, Tailhold, TensionedReturn, ThresholdResponse,
+        Turn,
     )
 }  # fmt: skip

@@ -10,12 +10,14 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.inertia.inertial_system import with_inertia
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.exchange.project_text import Json, Keys
 from ropeway.systems.exchange.project_values import Decoder, Encoder, FileKind
-from ropeway.systems.modelling.assembly import assemble
+from ropeway.systems.modelling.assembly import assemble, assembled
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Loads, Run
+from ropeway.systems.results.quasi_static import without_inertia
 from ropeway.systems.results.run_data import Event
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
@@ -41,12 +43,19 @@ def _read_frame(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> pd.Da
 
 
 def _write_model(encoder: Encoder, model: Model) -> dict[str, Json]:
-    slots = [layout.slots.count.tolist() for layout in model.layouts]
-    return {"system": encoder.value(model.system, model.name), "slots": slots}
+    slots: Json = [layout.slots.count.tolist() for layout in model.layouts]
+    if model.inertia is None:
+        return {"system": encoder.value(model.system, model.name), "slots": slots}
+    system = encoder.value(without_inertia(model.system), model.name)
+    return {"system": system, "slots": slots, "inertia": encoder.value(model.inertia, "inertia")}
 
 
 def _read_model(decoder: Decoder, data: Mapping[str, Json], keys: Keys) -> Model:
-    return assemble(decoder.thing(data["system"], (*keys, "system")), slots=data["slots"])
+    system = decoder.thing(data["system"], (*keys, "system"))
+    if "inertia" not in data:
+        return assemble(system, slots=data["slots"])
+    inertia = decoder.part(data["inertia"], (*keys, "inertia"))
+    return assembled(with_inertia(system, inertia), data["slots"], inertia)
 
 
 def _loads(runs: Sequence[Run]) -> list[Json]:

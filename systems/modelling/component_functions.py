@@ -110,16 +110,16 @@ def check_component(component: Component) -> None:
     --------
     >>> rw.check_component(rw.Anchor("a", at=(0.0, 0.0)))
     """
-    site = Site(1e4, 100.0)
-    variables = component.variables(site)
-    component_rules.require_declared(component, variables)
-    component_function(component, variables)
+    for weather in (False, True):
+        variables = component.variables(Site(1e4, 100.0, weather=weather))
+        component_rules.require_declared(component, variables)
+        component_function(component, variables, weather=weather)
 
 
 def _form(component: Component, site: Site, variables: tuple[Variable, ...]) -> tuple[Hashable, ...]:
     """Key of a component's form. Components of one form share their functions; driven and open inputs differ in
     kind."""
-    return (component.form(site), site.weather, tuple(v.kind for v in variables))
+    return (component.form(site), site.weather, component.inertial, tuple(v.kind for v in variables))
 
 
 def component_function(component: Component, variables: tuple[Variable, ...], *, weather: bool = False) -> ca.Function:

@@ -134,10 +134,10 @@ class EquationGraph:
         return ca.vertcat(place, self._rates(seat)) if inertial else place
 
     def _rates(self, seat: Seat) -> ca.MX:
-        """Velocity and acceleration of a seat's node, speed and acceleration of the rope's travel there; zero where the
-        node has no such variable."""
+        """Velocity and acceleration of the rope's end at a seat, speed and acceleration of the rope's travel there;
+        zero where the node has no such variable."""
         node = seat.owner.name
-        names = [f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz"]
+        names = [f"{seat.rates}{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz"]
         return ca.vertcat(*(self._rate(node, name) for name in (*names, seat.speed, seat.acceleration)))
 
     def _rate(self, node: str, name: str | None) -> ca.MX:

@@ -81,9 +81,10 @@ def key_of(
         (
             c.form(sites[name]),
             sites[name].weather,
+            c.inertial,
             tuple((v.name, v.kind, v.size) for v in variables[name]),
             tuple((type(port), port.name) for port in c.ports),
-            tuple((s.name, s.travel, s.offset, s.speed, s.acceleration) for s in c.seats)
+            tuple((s.name, s.travel, s.offset, s.speed, s.acceleration, s.rates) for s in c.seats)
             if isinstance(c, Node)
             else (),
             (c.sums, c.shares),

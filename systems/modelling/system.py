@@ -68,8 +68,7 @@ class System(Declarations):
     --------
     >>> s = rw.System("one span")
     >>> (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(400.0, -60.0)), length=408.0)
-    >>> s.hang(rw.Load("turn", mass=6000.0), span, at=190.0)
-    Load(name='turn', mass=6000.0)
+    >>> load = s.hang(rw.Load("turn", mass=6000.0), span, at=190.0)
     >>> list(s.components)
     ['a', 'b', 'a_b']
     """

@@ -137,29 +137,41 @@ static int beside(const rs_line *l, int k, int *sections, int count)
     return count;
 }
 
-static double length_of(const double *v, double lift)
+/* Tension of a rope with `share` of a load added to its tension vector. */
+static double length_of(const double *v, const double *load, double share)
 {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + (v[2] + lift) * (v[2] + lift));
+    double x = v[0] + share * load[0], y = v[1] + share * load[1], z = v[2] + share * load[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* What a load adds to the tension vector of a rope: its weight, and the wind on it. */
+static void pull_of(const rs_point *q, const rs_motion *m, long long load, double *pull)
+{
+    pull[0] = m->drag[load] * m->wind[0];
+    pull[1] = m->drag[load] * m->wind[1];
+    pull[2] = m->mass[load] * q->p[0];
 }
 
 /* Whether the load that stands on a support goes on beyond it (see load_crossings.py). */
 static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k, int forward)
 {
     int run = l->run_of[k], span = k - run;
-    const double *mass = m->mass + m->load_first[run], *going;
-    double coming[3], g = q->p[0], carried, weight, ratio;
-    long long load = m->passed[k] - (forward ? 0 : 1);
+    long long first = m->load_first[run], load = first + m->passed[k] - (forward ? 0 : 1);
+    const double *going;
+    double coming[3], one[3], length, ratio;
     if (l->held[k] < 0 || k == l->run_first[run] || is_last(l, k)) return 1;
     going = q->z + l->force[span];
-    memcpy(coming, q->z + l->force[span - 1], sizeof coming);
-    weight = mass[load] * g;
-    carried = q->p[m->mass_per_length[span - 1]] * (rope_at(l, q, m, k) - rope_at(l, q, m, k - 1));
-    for (long long i = m->passed[k]; i < m->passed[k - 1]; i++) carried += mass[i];
-    coming[2] += carried * g;
-    ratio = length_of(going, 0.0) / length_of(coming, 0.0);
+    length = rope_at(l, q, m, k) - rope_at(l, q, m, k - 1);
+    for (int i = 0; i < 3; i++) coming[i] = q->z[l->force[span - 1] + i] + length * m->pull[3 * (span - 1) + i];
+    for (long long n = first + m->passed[k]; n < first + m->passed[k - 1]; n++) {
+        pull_of(q, m, n, one);
+        for (int i = 0; i < 3; i++) coming[i] += one[i];
+    }
+    pull_of(q, m, load, one);
+    ratio = length_of(going, one, 0.0) / length_of(coming, one, 0.0);
     if (forward) /* it hangs at the end of the span before */
-        return length_of(going, -weight) >= (1.0 - 1e-9) * ratio * length_of(coming, -weight);
-    return ratio * length_of(coming, weight) >= (1.0 - 1e-9) * length_of(going, weight);
+        return length_of(going, one, -1.0) >= (1.0 - 1e-9) * ratio * length_of(coming, one, -1.0);
+    return ratio * length_of(coming, one, 1.0) >= (1.0 - 1e-9) * length_of(going, one, 1.0);
 }
 
 /* Slots of a span from the loads passed; 0 where there are too few. */
@@ -168,6 +180,7 @@ static int write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int sp
     int k = l->start[span], run = l->run_of[k];
     long long used = m->passed[k] - m->passed[k + 1];
     const double *place = m->place + m->load_first[run], *mass = m->mass + m->load_first[run];
+    const double *drag = m->drag + m->load_first[run];
     if (used < 0 || used > l->count[span] || used > l->slots) return 0;
     for (int slot = 0; slot < l->count[span]; slot++) {
         long long load = m->passed[k] - 1 - slot;
@@ -176,6 +189,7 @@ static int write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int sp
         q->d[l->at[span] + slot] = full ? place[load] - m->rope[k] : 0.0;
         q->d[l->ride[span] + slot] = full;
         q->d[l->empty[span] + slot] = !full;
+        if (l->drag[span] >= 0) q->d[l->drag[span] + slot] = full ? drag[load] : 0.0;
     }
     q->used[span] = used;
     return 1;

@@ -25,9 +25,10 @@ typedef struct {
     /* loads: of each run the first in the lists; places on the rope; (supports,) how many have passed; rope at each
      * support at zero travel, and mean span of each run */
     const long long *load_first;
-    const double *place, *mass, *rope, *scale;
+    const double *place, *mass, *drag, *rope, *scale;
     long long *passed;
-    const int *mass_per_length; /* of each span */
+    const double *pull; /* (spans, 3): what each metre of rope adds to its tension vector [N/m] */
+    const double *wind; /* (2,): what each square metre of a load's drag area adds to it [N/m2] */
     /* records and events */
     int records, most, events;
     int *record_grid;

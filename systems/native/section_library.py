@@ -74,8 +74,9 @@ class Motion(ctypes.Structure):
         *((name, ctypes.c_int) for name in ("strict", "single", "failure")),
         *((name, ctypes.c_void_p) for name in ("window", "window_rates")),
         *((name, ctypes.c_double) for name in ("crossed", "short_step", "least_step")),
-        *((name, ctypes.c_void_p) for name in ("load_first", "place", "mass", "rope", "scale", "passed")),
-        ("mass_per_length", ctypes.c_void_p),
+        *((name, ctypes.c_void_p) for name in ("load_first", "place", "mass", "drag", "rope", "scale", "passed")),
+        ("pull", ctypes.c_void_p),
+        ("wind", ctypes.c_void_p),
         *((name, ctypes.c_int) for name in ("records", "most", "events")),
         *(
             (name, ctypes.c_void_p)

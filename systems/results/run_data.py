@@ -27,6 +27,7 @@ from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import Record, restored, restored_points
 from ropeway.systems.statics.line_state import LineState
 
+_SLACK = "slack rope"
 _BATCH = 64
 """Number of records that are restored together."""
 
@@ -152,7 +153,8 @@ class RunData(Tabular):
         """All algebraic variables at all records, shape (records, nz)."""
         return self._solved[1]
 
-    def _state(self, i: int) -> LineState:
+    def state(self, i: int) -> LineState:
+        """The state at a record, without its certificate."""
         state = restored(self.model, self.runs, self.parameters, self.records[i])
         if not self.exact[i]:
             newton_of(self.model).solve(state.point)
@@ -223,12 +225,16 @@ class RunData(Tabular):
         Events are crossings and loads put on, taken off, held and released (value: the load's number), responses
         (value: the correction [m/s]), interventions, and limits exceeded (tension above SWL or MBL, lift-off; value:
         the output concerned). A line with a clearance also has below clearance (value: the height over the ground [m]).
+        A run with inertia also has slack rope, and hits ground, of a rope or its loads.
         """
-        found = sorted([*self.noted, *self._limits_reached(), *self._below_clearance()], key=lambda e: e.time)
+        low = [*self._lower_than(self._clearance, "below clearance"), *self._lower_than(self._touched, "hits ground")]
+        found = sorted([*self.noted, *self.limits_reached, *low], key=lambda e: e.time)
         frame = pd.DataFrame(found, columns=list(Event._fields))
         return frame.astype({"time": float, "value": float})
 
-    def _limits_reached(self) -> list[Event]:
+    @cached_property
+    def limits_reached(self) -> list[Event]:
+        """Limits of components that are exceeded, at the first record in which they are."""
         limits = self.model.limits
         exceeded = limits.broken(self.outputs)
         return [
@@ -241,21 +247,37 @@ class RunData(Tabular):
             for i, j in zip(*np.nonzero(_onsets(exceeded)), strict=True)
         ]
 
-    def _below_clearance(self) -> list[Event]:
-        """Events of spans that fall below the line's clearance."""
+    @property
+    def slack_time(self) -> float:
+        """Time at which the first rope goes slack in a run with inertia [s], inf without one: after it tensions are not
+        quoted, as the snap of a rope that tightens again is not resolved."""
+        start = self.times[0]
+        return min((e.time for e in self.limits_reached if e.event == _SLACK and e.time > start), default=np.inf)
+
+    @property
+    def _clearance(self) -> float | None:
         ground = self.model.system.ground
-        if ground is None or ground.clearance is None:
+        return None if ground is None else ground.clearance
+
+    @property
+    def _touched(self) -> float | None:
+        """The height at which loads thrown about hit the ground [m]; a line in equilibrium has its clearance only."""
+        return None if self.model.system.ground is None or self.model.inertia is None else 0.0
+
+    def _lower_than(self, height: float | None, event: str) -> list[Event]:
+        """Events of spans that fall below a height over the ground [m]."""
+        if height is None:
             return []
         names = [span.name for run in self.runs for span in run.spans]
         return [
-            Event(float(self.records[i].time), names[k], "below clearance", float(self.heights[i, k]))
-            for i, k in zip(*np.nonzero(_onsets(self.heights < ground.clearance)), strict=True)
+            Event(float(self.records[i].time), names[k], event, float(self.heights[i, k]))
+            for i, k in zip(*np.nonzero(_onsets(self.heights < height)), strict=True)
         ]
 
     def record(self, i: int) -> Equilibrium:
         """The line at a record, by its index in `full_frame`. Raises SimulationError if its certificate fails."""
         check.index(i, len(self.records), "Result.record", "i")
-        return self._line(self._state(i), i)
+        return self._line(self.state(i), i)
 
     def _line(self, state: LineState, i: int) -> Equilibrium:
         self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)

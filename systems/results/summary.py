@@ -35,18 +35,22 @@ class Summary:
 
 
 @interruptible
-def summary(result: RunData) -> Summary:
-    """The safety report, with forces in N and times in s, from both sides of every event."""
+def summary(result: RunData, factors: pd.DataFrame | None = None) -> Summary:
+    """The safety report, with forces in N and times in s, from both sides of every event. `factors`: of a run with
+    inertia, its `dynamic_factor`."""
     spans = pd.DataFrame(_span_rows(result))
     events = result.events
     held = Counter(events.loc[events["event"] == "load held", "component"])
     supports = pd.DataFrame([_support_row(result, node, held[node.name]) for node in each_node(result.runs)])
+    if factors is not None:
+        for table, key in ((spans, "span"), (supports, "support")):
+            table["dynamic_factor"] = factors["factor"].reindex(table[key]).to_numpy()
     return Summary(supports.set_index("support"), spans.set_index("span"), _text(result, supports, spans))
 
 
 def _span_rows(result: RunData) -> list[dict[str, object]]:
     """One row per span. Each record with the largest sag of a span is created once for all spans."""
-    frame = result.full_frame
+    frame, until = result.full_frame, result.slack_time
     every = [(run, span.name) for run in result.runs for span in run.spans]
     lowest_record = [int(frame[f"{name}.horizontal"].to_numpy().argmin()) for _, name in every]
     rows: dict[str, dict[str, object]] = {}
@@ -54,12 +58,15 @@ def _span_rows(result: RunData) -> list[dict[str, object]]:
         line = result.record(low)
         for (run, name), own in zip(every, lowest_record, strict=True):
             if own == low:
-                rows[name] = _span_row(frame, run, low, line.profile(name, 201), name)
+                rows[name] = _span_row(frame, run, low, line.profile(name, 201), name, until)
     return [rows[name] for _, name in every]
 
 
-def _span_row(frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name: str) -> dict[str, object]:
-    ends, rope = frame[[f"{name}.tension_a", f"{name}.tension_b"]].to_numpy(), run.rope
+def _span_row(
+    frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name: str, until: float
+) -> dict[str, object]:
+    counted = frame.index <= until
+    ends, rope = frame.loc[counted, [f"{name}.tension_a", f"{name}.tension_b"]].to_numpy(), run.rope
     high = int(ends.max(axis=1).argmax())
     x, y, z = (curve[axis].to_numpy() for axis in "xyz")
     along = np.hypot(x - x[0], y - y[0])
@@ -77,8 +84,9 @@ def _span_row(frame: pd.DataFrame, run: Run, low: int, curve: pd.DataFrame, name
 
 
 def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
-    frame, time = result.full_frame, result.full_frame.index.to_numpy()
-    tension = frame[_ends_at(result.runs, node)].to_numpy()
+    frame = result.full_frame[result.full_frame.index <= result.slack_time]
+    time = frame.index.to_numpy()
+    tension = frame[ends_at(result.runs, node)].to_numpy()
     row: dict[str, object] = {
         "support": node.name,
         "kind": type(node).__name__,
@@ -100,7 +108,7 @@ def _support_row(result: RunData, node: Node, held: int) -> dict[str, object]:
     return row
 
 
-def _ends_at(runs: Sequence[Run], node: Node) -> list[str]:
+def ends_at(runs: Sequence[Run], node: Node) -> list[str]:
     """Names of the outputs with rope tensions at a node."""
     found = []
     for run in runs:
@@ -123,6 +131,17 @@ def _text(result: RunData, supports: pd.DataFrame, spans: pd.DataFrame) -> str:
         f"Lowest tension {at_most(low['lowest_tension'] / 1e3, 1)} kN in {low['span']}; "
         f"largest sag {sag['largest_sag']:.2f} m in {sag['span']} at {sag['sag_at']:.1f} s",
     ]
+    if "dynamic_factor" in spans:
+        worst, held = (t.loc[t["dynamic_factor"].idxmax()] for t in (spans, supports))
+        lines.append(
+            f"Largest dynamic factor {at_least(worst['dynamic_factor'], 2)} of a rope ({worst['span']}), "
+            f"{at_least(held['dynamic_factor'], 2)} of a support ({held['support']})"
+        )
+    if np.isfinite(result.slack_time):
+        lines.append(
+            f"A rope goes slack at {result.slack_time:.2f} s. Tensions count until then: the snap of a rope that "
+            "tightens again is not resolved"
+        )
     for column, sign, words in (
         ("least_support_force", -1.0, "Supports where the rope lifts off (least support force [N])"),
         ("least_grip_margin", -1.0, "Drives on which the rope slips (least grip margin)"),

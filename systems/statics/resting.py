@@ -15,7 +15,7 @@ from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
-from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.solvers.newton import VECTORS, Point
 from ropeway.systems.statics.line_state import LineState, declared_point
 
 _SUFFIX = " at rest"
@@ -67,17 +67,23 @@ def on_model(state: LineState, model: Model) -> LineState:
     counts = [layout.slots.count.tolist() for layout in state.model.layouts]
     if counts != [layout.slots.count.tolist() for layout in model.layouts]:
         model = assemble(model.system, slots=counts)
+    point = same_values(state.model, state.point, model)
+    runs = [replace(own, loads=run.loads) for own, run in zip(model.runs, state.runs, strict=True)]
+    return LineState(model, point, runs, state.passed)
+
+
+def same_values(model: Model, point: Point, other: Model) -> Point:
+    """The point of another model with the same values by name; variables without a value stay as declared."""
     values = {
         name: value
         for kind in VECTORS
-        for name, value in zip(state.model.tables[kind].names, state.point.vector(kind), strict=True)
+        for name, value in zip(model.tables[kind].names, point.vector(kind), strict=True)
     }
-    point = declared_point(model)
+    found = declared_point(other)
     for kind in VECTORS:
-        declared = point.vector(kind)
-        declared[:] = [values.get(name, value) for name, value in zip(model.tables[kind].names, declared, strict=True)]
-    runs = [replace(own, loads=run.loads) for own, run in zip(model.runs, state.runs, strict=True)]
-    return LineState(model, point, runs, state.passed)
+        declared = found.vector(kind)
+        declared[:] = [values.get(name, value) for name, value in zip(other.tables[kind].names, declared, strict=True)]
+    return found
 
 
 def _is_free(v: Variable) -> bool:

@@ -21,6 +21,7 @@ FEWER = {"sweep": ["200"]}
 LONG = {"optimise_schedule", "turk_responses"}
 """Examples that run with their own constants only, in the slow tests."""
 SMALLER = {
+    "emergency_stop": {"DECELERATIONS": (2.0,), "SETTLE": 1.0},
     "fmu_cosimulation": {"UNTIL": 3.0},
     "saddle": {"SPACING": 0.5},
 }

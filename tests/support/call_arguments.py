@@ -72,6 +72,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "Disturbance": lambda: rw.Disturbance("heavy", mass=1.1),
         "Drum": lambda: rw.Drum("drum", speed=0.5, **at),
         "Elastic": rw.Elastic,
+        "EmergencyStops": lambda: rw.EmergencyStops(pd.DataFrame({"x": [1.0]}), ()),
         "Environment": lambda: rw.Environment(
             "iced", temperature=-20.0, ice_thickness=0.01, wind_pressure=250.0, wind_from=270.0
         ),
@@ -97,6 +98,7 @@ def instances() -> dict[str, Callable[[], Any]]:
         "MapFrame": lambda: MAP,
         "Model": lambda: rest().model,
         "PayloadStudy": lambda: rw.PayloadStudy(rig(), pd.DataFrame({"x": [1.0]}), 3.0, 3.0, 1.0),
+        "Modes": lambda: rw.modes(rest(), 0, 2),
         "Project": lambda: rw.Project(title="slope", place="valley"),
         "ProportionalResponse": response,
         "Reliability": lambda: rw.Reliability(
@@ -172,6 +174,10 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "load_spacing": 40.0, "take_up": None, "drive": None, "name": "ring", "gravity": 9.8,
             "crs": None, "terrain": LOW_GROUND, "clearance": 1.0, "temperature": 5.0, "load_drag_area": 0.5,
         },
+        "emergency_stop": lambda: {
+            "line": line(), "decelerations": [2.0], "settle": 0.5, "every": 0.1, "start": None,
+            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "progress": False,
+        },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
             "parameters": {"a_b.mass_per_length": 2.5}, "start": None, "compiled": False, **cold,
@@ -225,6 +231,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
             "precedence": "all at once", "gravity": 9.8, "crs": None, "terrain": LOW_GROUND, "clearance": 1.0,
             "temperature": 5.0, "load_drag_area": 0.5,
         },
+        "modes": lambda: {"eq": rest(), "nodes": 2, "count": 3, "damping": 1e-3},
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
             "line": line_of_two(), "until": 6.0, "minimise": {"energy": 1.0}, "limits": rw.ScheduleLimits(),

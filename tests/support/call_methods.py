@@ -108,6 +108,7 @@ def methods() -> dict[str, Callable[[], Call]]:
         "Fit.report": lambda: Call(fitted().report, {"path": folder() / "fit.html"}),
         "Monitor.follow": lambda: Call(watch().follow, {"rows": [{"t": 0.0, "A": 22e3}]}),
         "Monitor.update": lambda: Call(watch().update, {"row": {"t": 0.0, "A": 22e3}}),
+        "Modes.plot": lambda: Call(rw.modes(rest(), 2, 3).plot, {"k": 2}),
         "MapFrame.straight": lambda: Call(
             rw.MapFrame.straight,
             {"crs": "EPSG:2056", "start": (2.6e6, 1.2e6), "end": (2.6001e6, 1.2e6), "heights": "LN02"},

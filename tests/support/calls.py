@@ -37,8 +37,8 @@ def _fields(thing: Any) -> dict[str, Any]:
 
 
 EXTENSION = {
-    "Component", "Drive", "DriveMotion", "Energies", "Equations", "Kind", "Limit", "Node", "RopeEnd", "Seat", "Site",
-    "Variable",
+    "Component", "Drive", "DriveMotion", "Energies", "Equations", "Kind", "Limit", "MovingMass", "Node", "RopeEnd",
+    "Seat", "Site", "Variable",
 }  # fmt: skip
 """Parts of components, created a thousand times in an assembly, which checks them as a whole."""
 

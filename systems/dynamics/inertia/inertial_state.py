@@ -114,6 +114,7 @@ def inertial_state(state: LineState, inertia: Inertia, rates: tuple[np.ndarray, 
     for r in range(len(runs)):
         _start_slots(found, quasi, r, _station_rates(quasi, x_rate, z_rate))
         _share_mass(found, r)
+        _set_directions(found, quasi.points(r), r)
     newton_of(moving).solve(found.point)
     return found
 
@@ -128,6 +129,15 @@ def _share_mass(state: LineState, r: int) -> None:
         own = run.loads.mass[int(beyond[k + 1]) : int(beyond[k])]
         waves = len(own) > 0 and not own.any() and stand[k] and stand[k + 1]
         state.point.p[index[f"{span.name}.lumped"]] = 0.5 if waves else 0.0
+
+
+def _set_directions(state: LineState, points: np.ndarray, r: int) -> None:
+    """Sets the direction of a rope on which a node rolls, from the `points` of a run's supports (supports, 3)."""
+    index = state.model.p.index
+    for k, node in enumerate(state.runs[r].nodes[1:-1], 1):
+        if f"{node.name}.along_x" in index:
+            chord = points[k + 1] - points[k - 1]
+            state.point.p[[index[f"{node.name}.along_{axis}"] for axis in AXES]] = chord / np.linalg.norm(chord)
 
 
 def _slots(state: LineState, r: int) -> tuple[int, ...]:

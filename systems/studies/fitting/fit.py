@@ -87,9 +87,10 @@ def fit(
 
     Examples
     --------
-    >>> fit = rw.fit(line, "monitor.csv", columns={"A": "c2.tension_in"}, free=["l7.mass"], sigma=500.0)
-    ... # doctest: +SKIP
-    >>> fit.values["l7.mass"], fit.standard_errors["l7.mass"]  # doctest: +SKIP
+    >>> measured = pd.DataFrame({"a.tension": [6400.0, 6500.0], "b.z": [5.0, 5.02]})
+    >>> found = rw.fit(span, measured, free=["a_b.length"], sigma=100.0)
+    >>> found.frame["standard_error"].shape
+    (1,)
     """
     names = [free] if isinstance(free, str) else list(free)
     if not names or len(set(names)) != len(names):

@@ -43,6 +43,12 @@ class Fit(FitData):
         Measured values and priors minus free quantities.
     helps : Suggestions
         Measurements that would help most.
+
+    Examples
+    --------
+    >>> measured = pd.DataFrame({"a.tension": [6400.0, 6500.0], "b.z": [5.0, 5.02]})
+    >>> rw.fit(span, measured, free=["a_b.length"], sigma=100.0).degrees
+    1
     """
 
     def plot(self) -> Figure:

@@ -44,6 +44,11 @@ class Combination:
         Their units.
     standard_deviation : float
         Of the change of the first quantity along this combination; inf where nothing that is measured changes.
+
+    Examples
+    --------
+    >>> rw.Combination({"a_b.length": 1.0}, {"a_b.length": "m"}, float("inf")).standard_deviation
+    inf
     """
 
     changes: Mapping[str, float]

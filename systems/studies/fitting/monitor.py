@@ -49,6 +49,12 @@ class Estimate:
         Where the reserve is smallest.
     misses : dict of str to float
         Measured minus predicted value of each column, over its standard deviation.
+
+    Examples
+    --------
+    >>> watch = rw.monitor(line, columns={"time": "time", "A": "c1.tension_in"}, free="*.mass", sigma=100.0)
+    >>> sorted(watch.update({"time": 1.0, "A": 46.9e3}).misses)
+    ['A']
     """
 
     time: float
@@ -82,7 +88,7 @@ def monitor(
     columns : mapping of str to str
         The quantity of each column, as for `fit`: one is "time", results are measured, inputs are given.
     free : str or sequence of str
-        Masses of loads ("l7.mass"; "*.mass" for all, as they come on the line), and parameters ("s3.friction").
+        Masses of loads ("l7.mass"; `"*.mass"` for all, as they come on the line), and parameters ("s3.friction").
     sigma : float or mapping of str to float
         Standard deviation of the measured values, in SI units; by column.
     prior : mapping of str to (float, float), optional
@@ -105,10 +111,10 @@ def monitor(
 
     Examples
     --------
-    >>> watch = rw.monitor(line, columns={"time": "time", "A": "c2.tension_in"}, free="*.mass", sigma=100.0)
-    ... # doctest: +SKIP
-    >>> for now in watch.follow(rows):  # doctest: +SKIP
-    ...     print(now.time, now.value, now.reserve)
+    >>> watch = rw.monitor(line, columns={"time": "time", "A": "c1.tension_in"}, free="*.mass", sigma=100.0)
+    >>> now = watch.update({"time": 1.0, "A": 46.9e3})
+    >>> now.time
+    1.0
     """
     return Monitor(line, columns, free, sigma, prior, drift)
 
@@ -138,6 +144,13 @@ class Monitor(Tabular):
         Name of the line.
     estimates : list of Estimate
         All estimates so far.
+
+    Examples
+    --------
+    >>> watch = rw.monitor(line, columns={"time": "time", "A": "c1.tension_in"}, free="*.mass", sigma=100.0)
+    >>> now = next(iter(watch.follow([{"time": 1.0, "A": 46.9e3}])))
+    >>> now.reserve > 0.0
+    True
     """
 
     def __init__(

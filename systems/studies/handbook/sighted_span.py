@@ -54,7 +54,7 @@ def catenary_for_sights(span: float, left: Sight, right: Sight, points: Sequence
     >>> gon = rw.units.GON
     >>> sights = [(0.0, 95.3282576), (165.9951044, 76.6693939), (4.0612736, 94.4241159), (15.2623372, 88.8639692)]
     >>> left, right, *points = [(h * gon, v * gon) for h, v in sights]
-    >>> round(rw.catenary_for_sights(460.29627, left, right, points).parameter)
+    >>> round(float(rw.catenary_for_sights(460.29627, left, right, points).parameter))
     2000
     """
     check.positive(span, "catenary_for_sights", "span", "m")

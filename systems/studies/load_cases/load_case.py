@@ -42,7 +42,7 @@ class LoadCase:
 
     Examples
     --------
-    >>> LoadCase("storm, out of operation", rw.Environment("storm", wind_pressure=800.0), "empty", 2.5).name
+    >>> rw.LoadCase("storm, out of operation", rw.Environment("storm", wind_pressure=800.0), "empty", 2.5).name
     'storm, out of operation'
     """
 

@@ -9,7 +9,7 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.progress_bar import bar
-from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.load_cases.load_case import LoadCase
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
@@ -59,7 +59,7 @@ def rig_states(
     with bar("load cases", len(cases)) as advance:
         for case, payload in zip(cases, payloads, strict=True):
             try:
-                found.append(rig_path(rig.studied_in(case.environment), payload, stations))
+                found.append(rig_path(studied_in(rig, case.environment), payload, stations))
             except EquilibriumError as error:
                 cause = f"Load case {case.name!r}: {error.cause}"
                 raise EquilibriumError(cause, error.remedy, error.component) from error

@@ -62,8 +62,10 @@ class LoadCases(CasesData):
 
     Examples
     --------
-    >>> cases = rw.load_cases(line, [rw.Environment("calm"), rw.Environment("cold", temperature=-20.0)])
-    >>> cases.governing[["name", "quantity", "case", "by"]]  # doctest: +SKIP
+    >>> cold = rw.Environment("cold", temperature=-20.0)
+    >>> cases = rw.load_cases(span, [rw.Environment("calm"), cold])
+    >>> len(cases.cases)
+    2
     """
 
     def plot(self) -> Figure:
@@ -168,9 +170,10 @@ def load_cases(
 
     Examples
     --------
-    >>> line = rw.monocable(rope, "examples/line.csv", tension=45e3, load_mass=300.0, load_spacing=50.0)
     >>> cold = rw.Environment("cold", temperature=-20.0)
-    >>> rw.load_cases(line, [rw.Environment("calm"), cold], loadings=["empty", "full"]).frame["utilisation"]
+    >>> cases = rw.load_cases(span, [rw.Environment("calm"), cold])
+    >>> cases.governing.shape[0] > 0
+    True
     """
     if safety_factor is not None:
         check.positive(safety_factor, "load_cases", "safety_factor")

@@ -275,3 +275,13 @@ def test_results_and_studies_are_saved_and_reopened(tmp_path: Path) -> None:
     (tmp_path / "bad.zip").write_bytes((tmp_path / "run.zip").read_bytes()[:900])
     with pytest.raises(rw.InputError, match=r"bad.zip is damaged"):
         rw.load(tmp_path / "bad.zip")
+
+
+def test_a_run_with_inertia_is_saved_and_reopened(tmp_path: Path) -> None:
+    stop = [rw.Intervention(0.5, "emergency stop", deceleration=4.0)]
+    run = rw.simulate(objects.line(), 1.5, every=0.25, inertia=rw.Inertia(damping=1e-3), interventions=stop)
+    result = rw.load(rw.save(run, tmp_path / "run.zip"))
+    assert result.model.inertia == run.model.inertia
+    assert result.frame.equals(run.frame)
+    assert result.dynamic_factor().equals(run.dynamic_factor())
+    assert rw.save(result, tmp_path / "again.zip").read_bytes() == (tmp_path / "run.zip").read_bytes()

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, strategies as st
 
 import ropeway as rw
+from support.nets import BAY, FOOT, SAG, published_net
 from support.oracle import UP, Material, by_quadrature
 
 ROPE = rw.Rope(mass_per_length=2.6, axial_stiffness=24e6, breaking_load=380e3)
-FOOT, KIP = 0.3048, 4448.2216152605
 
 
 @given(
@@ -60,26 +60,8 @@ def test_balance_of_a_bridle_by_integration() -> None:
 
 
 def test_a_net_against_published_displacements() -> None:
-    """SAP2000 software verification, example 7-003: twelve cables between eight supports and four nodes, 8 kip at each;
-    printed displacements -0.1328, -0.1328, -1.4745 ft (Tibert 1999, elastic catenaries: -1.4764)."""
-    stiffness = 0.227 * 0.0254**2 * 12e6 * 6894.757293168
-    rope = rw.Rope(mass_per_length=0.1e-3 * KIP / FOOT / 9.80665, axial_stiffness=stiffness, breaking_load=300e3)
-    bay, sag = 100.0 * FOOT, 30.0 * FOOT
-    s = rw.System("net")
-    nodes = {
-        (i, j): s.add(rw.Joint(f"n{i}{j}", at=(i * bay, j * bay, -sag), mass=8.0 * KIP / 9.80665))
-        for i in (1, 2)
-        for j in (1, 2)
-    }
-    ends = [((i, j), (i, 3 * (j == 2))) for i, j in nodes] + [((i, j), (3 * (i == 2), j)) for i, j in nodes]
-    for k, (inner, outer) in enumerate(ends):
-        anchor = rw.Anchor(f"a{k}", at=(outer[0] * bay, outer[1] * bay, 0.0))
-        chord = math.hypot(bay, sag)
-        s.string(rope, anchor, nodes[inner], length=chord / (1.0 + 5.325 * KIP / stiffness))
-    for one, other in (((1, 1), (2, 1)), ((1, 2), (2, 2)), ((1, 1), (1, 2)), ((2, 1), (2, 2))):
-        s.string(rope, nodes[one], nodes[other], length=bay / (1.0 + 5.459 * KIP / stiffness))
-    eq = rw.equilibrium(s)
-    moved = [(eq[f"n11.{axis}"] - at) / FOOT for axis, at in zip("xyz", (bay, bay, -sag), strict=True)]
+    eq = rw.equilibrium(published_net())
+    moved = [(eq[f"n11.{axis}"] - at) / FOOT for axis, at in zip("xyz", (BAY, BAY, -SAG), strict=True)]
     assert moved[:2] == pytest.approx([-0.1328, -0.1328], abs=1e-4)
     assert moved[2] == pytest.approx(-1.4745, rel=2e-3)
     assert eq.certificate["holds"].all()

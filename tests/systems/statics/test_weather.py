@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -260,8 +261,13 @@ def test_compiled_lines_and_sweeps() -> None:
         assert frame["c.tension_in"].iloc[i] == pytest.approx(
             rw.equilibrium(mono(load_mass=None, load_spacing=None), environment=env)["c.tension_in"]
         )
-    with pytest.raises(rw.CompiledError, match="cannot simulate in weather"):
-        rw.simulate(mono(), 2.0, environment=GUST, compiled=True)
+    plain, compiled = (rw.simulate(mono(), 30.0, environment=GUST, compiled=c) for c in (False, True))
+    assert len(compiled.events) == len(plain.events) > 0
+    scale = plain.frame.abs().max() + 1.0
+    assert ((compiled.frame - plain.frame).abs() / scale).max().max() < 1e-7
+    until = rw.Environment("gust", wind_pressure=rw.Schedule([0.0, 5.0], [0.0, 300.0]))
+    with pytest.raises(rw.CompiledError, match="weather that changes"):
+        rw.simulate(mono(), 2.0, environment=until, compiled=True)
 
 
 def test_sensitivities_to_the_weather() -> None:
@@ -386,3 +392,64 @@ def test_rigs_of_all_kinds_in_a_storm() -> None:
         assert misses(eq, storm).ends < 1e-9, kind
         assert eq.certificate["holds"].all(), kind
         assert eq["carriage.y"] < -0.5, kind
+
+
+@dataclass(frozen=True)
+class Kite(rw.Anchor):
+    """An anchor that says how hard the wind pulls a kite on it."""
+
+    area: float = 2.0
+
+    def structure(self, site: rw.Site) -> float:
+        return self.area
+
+    def variables(self, site: rw.Site) -> tuple[rw.Variable, ...]:
+        return (*super().variables(site), rw.Variable("kite", rw.Kind.OUTPUT, "N", "pull of the kite"))
+
+    def equations(self, v: Any) -> rw.Equations:
+        found = super().equations(v)
+        pull = 0.0 if v.weather is None else v.weather.drag(self.area)[0]
+        return replace(found, outputs={**found.outputs, "kite": pull})
+
+
+def test_components_of_a_user_read_the_weather() -> None:
+    rw.check_component(Kite("a", at=(0.0, 0.0)))
+    s = rw.System("kite")
+    s.string(rope(), Kite("a", at=(0.0, 0.0)), rw.Anchor("b", at=(100.0, 0.0)), tension=30e3)
+    wind = rw.Environment("wind", wind_pressure=250.0, wind_from=270.0)
+    assert rw.equilibrium(s, environment=wind)["a.kite"] == pytest.approx(500.0)
+    assert rw.equilibrium(s)["a.kite"] == 0.0
+
+
+def test_a_section_with_chains_of_insulators() -> None:
+    """mechaphlowers 0.13.1: ASTER600 over 500, 300 and 400 m, chains of 3 m (1000, 500, 500 and 1000 N), parameter
+    2000 m, 300 Pa of wind: under the chain at the end V 4345.386, H -2473.369, L 39117.954 N. A metre as it hangs has
+    its weight there: so it has here."""
+    own = rw.Rope(1.8, 3.6e7, 2e5, 31.86e-3, drag_coefficient=1.0)
+    s, x, at = rw.System("section", gravity=9.81), (0.0, 500.0, 800.0, 1200.0), 2000.0 * 1.8 * 9.81
+    low = [
+        rw.Joint(f"j{i}", at=(x[i] + shift, 0.0, 30.0 - sag), ends=3)
+        for i, (shift, sag) in enumerate([(3.0, 0.4), (0.0, 0.0), (0.0, 0.0), (-3.0, 0.4)])
+    ]
+    for i, (weight, over) in enumerate([(1000.0, 0.0), (500.0, 3.0), (500.0, 3.0), (1000.0, 0.0)]):
+        chain = rw.Rope(weight / 9.81 / 3.0, 1e10, 1e7, 0.01, drag_coefficient=0.0, thermal_expansion=0.0)
+        s.string(chain, rw.Anchor(f"t{i}", at=(x[i], 0.0, 30.0 + over)), low[i].seats[0], length=3.0)
+    for i, length in enumerate((497.8, 300.0, 397.3)):
+        s.string(own, low[i].seats[2 if i else 1], low[i + 1].seats[1], length=length)
+    spans = ("j0_j1", "j1_j2", "j2_j3")
+
+    def weighed(tension: float) -> dict[str, float]:
+        return {f"{span}.mass_per_length": 1.8 * (1.0 + tension / 3.6e7) for span in spans}
+
+    strung = rw.equilibrium(
+        s,
+        given={f"{span}.horizontal": at for span in spans},
+        solve_for=[f"{span}.length" for span in spans],
+        parameters=weighed(at),
+    )
+    lengths = {f"{span}.length": strung[f"{span}.length"] for span in spans}
+    drag = {f"{span}.drag_coefficient": 1.0 + 39.2e3 / 3.6e7 for span in spans}
+    wind = rw.Environment("wind", wind_pressure=300.0)
+    eq = rw.equilibrium(s, environment=wind, parameters=lengths | weighed(39.2e3) | drag)
+    found = [eq[f"j0_j1.force_{axis}"] for axis in "xyz"]
+    assert found == pytest.approx([39117.954, -2473.369, -4345.386], rel=1e-4)

@@ -1,0 +1,1 @@
+"""Studies of inertia: natural frequencies and shapes, emergency stops."""
