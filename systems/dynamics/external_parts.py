@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ropeway.components.errors import SimulationError
 from ropeway.components.external_events import ExternalPoint
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
@@ -31,7 +32,12 @@ class ExternalParts:
         self.ended = False
         self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
-            stepper.line.tiny = _RESOLUTION
+            self._stepper.line.tiny = _RESOLUTION
+
+    @property
+    def present(self) -> bool:
+        """Whether there are such components."""
+        return bool(self._parts)
 
     def run_to(self, stop: float) -> None:
         """Advances to a time [s] through all events before it and at it, or until a component ends the run. Raises
@@ -131,4 +137,7 @@ class ExternalParts:
             self._recorder.record(state)
             if self.ended:
                 return
-        self._stepper.guard.require(self._stepper.state.point.t)
+        time = self._stepper.state.point.t
+        raise SimulationError(
+            f"{due[0]!r} has more than {_MOST_EVENTS} events at t = {time:.9g} s", "Check its inputs at that time", time
+        )
