@@ -31,6 +31,11 @@ class Inertia:
     ------
     InputError
         A negative value, a zone of zero, or a value that is not a number.
+
+    Examples
+    --------
+    >>> rw.Inertia(nodes=6).damping
+    0.0005
     """
 
     nodes: int = 0

@@ -65,7 +65,8 @@ def slot_variables(site: Site, damping: float, stretch: float) -> tuple[Variable
 
 
 class Piece(NamedTuple):
-    """A load-free piece: where it starts, the tension vectors at its start and end [N], its unstretched length [m]."""
+    """A load-free piece: where it starts, seen from end a, the tension vectors at its start and end [N], its
+    unstretched length [m]."""
 
     start: Vector
     first: Vector
@@ -74,8 +75,8 @@ class Piece(NamedTuple):
 
 
 class Slot(NamedTuple):
-    """A slot: its place as the rope sees it, by how much the rope misses it if it is free [m], the force that
-    accelerates it [N], and what its load adds to the tension vector of a rope in balance [N]."""
+    """A slot: its place as the rope sees it from end a, by how much the rope misses it if it is free [m], the force
+    that accelerates it [N], and what its load adds to the tension vector of a rope in balance [N]."""
 
     place: Vector
     miss: Vector
@@ -104,14 +105,15 @@ class MovingRope:
         self.along = _unit(first), _unit(last)
 
     def _chain(self) -> Vector:
-        """Goes through the span piece by piece; returns where it ends."""
+        """Goes through the span piece by piece; returns where it ends. All places are seen from end a, so that far from
+        the origin they are not rounded."""
         v, ahead = self.v, self.v.damping
         shift = v.a.speed - v.b.speed
         to = self.distance + ahead * (v.slot_ride * v.a.speed + v.slot_empty * shift)
-        place, force, at = _moved(v.a.position, v.a.velocity, ahead), (v.force_x, v.force_y, v.force_z), 0.0
+        place, force, at = _times(ahead, v.a.velocity), (v.force_x, v.force_y, v.force_z), 0.0
         for j in range(self.n):
             piece, there = self._piece(place, force, to[j] - at)
-            own = _moved(self.of("place", j), self.of("velocity", j), ahead)
+            own = _moved(_minus(self.of("place", j), v.a.position), self.of("velocity", j), ahead)
             pull, free, behind = self.of("pull", j), self.free[j], catenary.after(piece, self.loads[j])
             place = _chosen(free, own, there)
             self.slots.append(Slot(place, _minus(there, own), _minus(pull, behind), _minus(behind, piece)))
@@ -132,15 +134,18 @@ class MovingRope:
     @property
     def places(self) -> list[Vector]:
         """Where the slots are [m]; tied ones as the rope sees them."""
-        ahead = [_times(self.free[j] * self.v.damping, self.of("velocity", j)) for j in range(self.n)]
-        return [_minus(slot.place, moved) for slot, moved in zip(self.slots, ahead, strict=True)]
+        v, found = self.v, list[Vector]()
+        for j, slot in enumerate(self.slots):
+            ahead = _times(self.free[j] * v.damping, self.of("velocity", j))
+            found.append(_plus(v.a.position, _minus(slot.place, ahead)))
+        return found
 
     @property
     def closure(self) -> Vector:
         """By how much the rope misses its end b [m]; if it is cut, by how much its tension at end a differs from the
         weight of half the rope."""
         v = self.v
-        miss = _minus(self.end, _moved(v.b.position, v.b.velocity, v.damping))
+        miss = _minus(self.end, _moved(_minus(v.b.position, v.a.position), v.b.velocity, v.damping))
         half = _times(self.length / 2, self.force)
         hanging = (v.force_x - half[0] - _LEAST, v.force_y - half[1], v.force_z - half[2])
         return _chosen(1 - v.broken, miss, _times(self.yields, hanging))
@@ -225,7 +230,7 @@ class MovingRope:
         for piece in self.pieces:
             own = catenary.energy(piece.first, self.weight, piece.length, self.strain)
             elastic, gravity = elastic + own.elastic, gravity + own.gravity
-            gravity = gravity - piece.length * _dot(self.force, piece.start)
+            gravity = gravity - piece.length * _dot(self.force, _plus(piece.start, self.v.a.position))
         for slot, place in zip(self.slots, self.places, strict=True):
             # A load adds to the tension vector what pulls it, against its own direction.
             gravity = gravity + _dot(slot.load, place)

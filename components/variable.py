@@ -180,6 +180,11 @@ class MovingMass(NamedTuple):
         Mass [kg]; for a travel referred to the rope.
     forces : mapping of str to float
         Residuals in which a force along the variable appears, each with its factor.
+
+    Examples
+    --------
+    >>> rw.MovingMass("x", 450.0, {"balance_x": 1.0}).mass
+    450.0
     """
 
     place: str

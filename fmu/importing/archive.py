@@ -42,8 +42,8 @@ class ArchiveLimits:
 
     Examples
     --------
-    >>> rw.fmu.ArchiveLimits(files=2000).files
-    2000
+    >>> rw.fmu.load("span.fmu", limits=rw.fmu.ArchiveLimits(unpacked=50e6)).fmi
+    '2.0'
     """
 
     unpacked: float = 2e9

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 
-from ropeway.components.errors import InputError, SimulationError
+from ropeway.components.errors import SimulationError
 from ropeway.components.external_events import ExternalPoint
 from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
@@ -28,14 +26,9 @@ class ExternalParts:
     """The components of a system that have events of their own; `ended`: one of them has ended the run."""
 
     def __init__(self, system: System, stepper: EventStepper | InertialStepper, recorder: Recorder) -> None:
+        self._stepper, self._recorder = stepper, recorder
         found = ((name, component.external_events) for name, component in system.components.items())
         self._parts = {name: events for name, events in found if events is not None}
-        if self._parts and isinstance(stepper, InertialStepper):
-            name = next(iter(self._parts))
-            raise InputError(
-                f"{name!r} has events of its own, which a run with inertia does not handle", "Omit inertia"
-            )
-        self._any_stepper, self._recorder = stepper, recorder
         self.ended = False
         self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
@@ -46,15 +39,11 @@ class ExternalParts:
         """Whether there are such components."""
         return bool(self._parts)
 
-    @property
-    def _stepper(self) -> EventStepper:
-        return cast(EventStepper, self._any_stepper)
-
     def run_to(self, stop: float) -> None:
         """Advances to a time [s] through all events before it and at it, or until a component ends the run. Raises
         EquilibriumError, SimulationError."""
         if not self._parts:
-            self._any_stepper.run_to(stop)
+            self._stepper.run_to(stop)
             return
         state = self._stepper.state
         while state.point.t < stop and not self.ended:

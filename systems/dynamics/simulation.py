@@ -23,6 +23,7 @@ from ropeway.systems.dynamics.run_inputs import (
     check_interventions,
     is_speed,
     require_compiled,
+    require_no_events,
     signals_of,
     start_of,
     started,
@@ -133,6 +134,8 @@ def simulate(
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     check_interventions(model, interventions, inertia)
+    if inertia is not None:
+        require_no_events(model.system)
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:

@@ -11,6 +11,8 @@ from ropeway.systems.modelling.dae_model import component_of
 
 _SMALL = 1e-11
 """Scaled residual of a root."""
+_STAGNANT = 20
+"""Number of iterations after which small steps at a root are taken for its rounding error."""
 
 
 def damped(
@@ -30,7 +32,7 @@ def damped(
     n = len(v)
     residual: np.ndarray | None = None
     move, before, last = np.zeros(n), np.inf, np.inf
-    for _ in range(iterations):
+    for number in range(iterations):
         try:
             now, sides = step(v)
             after = float(np.linalg.norm(now))
@@ -48,6 +50,8 @@ def damped(
         size = float(np.abs(move).max())
         if not np.isfinite(size):
             raise _failure(residual, "The equations are singular", names)
+        if number >= _STAGNANT and size <= 1e-6 and after <= 1e-12:
+            return v - move, sides  # stiff: rounding errors of the unknowns move the others by more than a root's steps
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
         coming = size * (size / last) * (size / last) if np.isfinite(last) else 100.0 * size * size
         if min(size, coming) <= 1e-12 or after <= 1e-15 * np.sqrt(n):

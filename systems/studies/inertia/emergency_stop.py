@@ -55,6 +55,11 @@ class EmergencyStops(Tabular):
         tensions then count until that time).
     results : tuple of Result
         The runs, in the order of the frame.
+
+    Examples
+    --------
+    >>> rw.emergency_stop(line, decelerations=[2.0], settle=0.5)
+    <EmergencyStops of 'mono-cable line': 1 decelerations>
     """
 
     frame: pd.DataFrame
@@ -129,8 +134,9 @@ def emergency_stop(
 
     Examples
     --------
-    >>> stops = rw.emergency_stop(line, decelerations=[0.5, 2.0])  # doctest: +SKIP
-    >>> stops.frame[["highest_tension", "stopping_distance"]]  # doctest: +SKIP
+    >>> stops = rw.emergency_stop(line, decelerations=[2.0], settle=1.0)
+    >>> stops.frame["stopping_distance"].round(2).tolist()
+    [0.25]
     """
     chosen = sorted({float(a) for a in decelerations})
     if not chosen:

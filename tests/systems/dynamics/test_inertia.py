@@ -7,6 +7,7 @@ of the emergency stop are of a separate program with the same catenaries.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -16,6 +17,7 @@ import pytest
 from scipy.special import ellipk
 
 import ropeway as rw
+from ropeway.components.node import Node
 from ropeway.systems.dynamics.result import Result
 from support.drives import hydraulic_drive
 
@@ -297,3 +299,23 @@ def test_hydraulic_drives_and_responses_work_with_inertia() -> None:
     energy = result.energy()
     assert energy["friction"] > 0.0
     assert abs(energy["residual"]) < 1e-3 * (abs(energy["drives"]) + abs(energy["ends"]) + energy["friction"])
+
+
+def test_a_line_far_from_the_origin_starts() -> None:
+    line = fed_line(1.5, spans=4)
+    far = rw.System("far")
+    for component in line.components.values():
+        if isinstance(component, Node):
+            far.add(
+                replace(component, at=tuple(x + d for x, d in zip(component.at, (6000.0, 2000.0, 1500.0), strict=True)))
+            )
+        else:
+            far.add(component)
+    for (name, end), (node, seat) in line.connections.items():
+        span, other = far.components[name], far.components[node]
+        far.connect(getattr(span, end), next(s for s in other.seats if s.name == seat))
+    far.feed(
+        tuple(c for c in far.components.values() if isinstance(c, rw.Span)), spacing=38.0, masses=(300.0, 420.0, 350.0)
+    )
+    near, away = (rw.simulate(s, 3.0, inertia=rw.Inertia(), tolerance=1e-6) for s in (line, far))
+    assert away.frame["s1_s2.tension_a"].iloc[-1] == pytest.approx(near.frame["s1_s2.tension_a"].iloc[-1], abs=1.0)
