@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
@@ -9,8 +10,9 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from ropeway.components import check, laws
+from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
-from ropeway.components.catenary import Vector, norm
+from ropeway.components.catenary import Vector, namespace, norm
 from ropeway.components.check import NOT_NEGATIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.errors import InputError
@@ -27,7 +29,7 @@ from ropeway.components.moving_node import (
 )
 from ropeway.components.node import Node
 from ropeway.components.smooth import size
-from ropeway.components.variable import Equations, Kind, MovingMass, Site, Variable
+from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 from ropeway.components.weather import drag_variables
 
 Holding = Literal["bisector", "horizontal"]
@@ -63,6 +65,9 @@ class Carriage(Node):
         Distance from the skyline down to the lowest point of the load [m].
     drag_area : float, default 0
         Drag coefficient times area of carriage and load in the wind [m2].
+    swing : float, default inf
+        Angle of the dropline from the vertical beyond which a simulation with inertia reports the event "swing beyond
+        limit" [rad].
 
     Raises
     ------
@@ -84,6 +89,7 @@ class Carriage(Node):
     holding: Holding | None = None
     depth: float = 0.0
     drag_area: float = 0.0
+    swing: Unbounded = math.inf
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -91,6 +97,7 @@ class Carriage(Node):
         check.not_negative(self.payload, self.described, "payload", "kg")
         check.not_negative(self.depth, self.described, "depth", "m")
         check.not_negative(self.drag_area, self.described, "drag_area", "m2")
+        check.positive(self.swing, self.described, "swing", "rad", infinite=True)
         if self.holding not in (None, "bisector", "horizontal"):
             raise InputError(
                 f"{self.described}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None'
@@ -249,6 +256,9 @@ class MovingCarriage(Carriage):
     def free(self) -> tuple[tuple[str, str], ...]:
         return ()
 
+    def limits(self) -> tuple[Limit, ...]:
+        return (*super().limits(), Limit("dropline_angle", "swing beyond limit", high=self.swing))
+
     @property
     def _axes(self) -> str:
         """The axes along which it is free to move: an ideal holding force holds its x."""
@@ -262,11 +272,13 @@ class MovingCarriage(Carriage):
         places = {v.name: v for v in own if v.name in self._axes}
         dropped = Variable("dropped", Kind.DISCRETE, "1", "1: the payload has been dropped")
         rolling = () if self.clamped else across_variables("skyline")
+        angle = Variable("dropline_angle", Kind.OUTPUT, "rad", "angle of the dropline from the vertical")
         return (
             *(v for v in own if v.name not in places),
             *motion_variables(places),
             *rolling,
             dropped,
+            angle,
             *energy_outputs(),
         )
 
@@ -274,6 +286,7 @@ class MovingCarriage(Carriage):
         v.payload = v.payload * (1 - v.dropped)
         found, seats = super().equations(v), [seat.name for seat in self.seats]
         mass = v.mass + v.payload
+        down = 1e-12 - v.dropline.force[2]  # an angle of zero where there is no dropline
         clamped = [] if self.clamped else ["a", "b"]
         whole = [name for name in seats if name not in clamped]
         balances = {
@@ -287,5 +300,9 @@ class MovingCarriage(Carriage):
             found,
             rates=motion_rates(v, self._axes),
             residuals={**found.residuals, **balances, **rolling},
-            outputs={**found.outputs, **energies(v, mass, self._axes)},
+            outputs={
+                **found.outputs,
+                **energies(v, mass, self._axes),
+                "dropline_angle": namespace(down).atan2(size((v.dropline.force[0], v.dropline.force[1], 0.0)), down),
+            },
         )

@@ -48,6 +48,8 @@ class CarriageOnShoe(Carriage):
         Distance from the skyline down to the lowest point of the load [m].
     drag_area : float, default 0
         Drag coefficient times area of carriage and load in the wind [m2].
+    swing : float, default inf
+        Largest angle of the dropline in a simulation with inertia, as of a `Carriage` [rad].
     support : IntermediateSupport
         The support; its saddle has a radius and no friction.
     mainline_on_roller : bool, default False

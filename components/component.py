@@ -16,6 +16,7 @@ from typing import Any, ClassVar, TypeVar
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import UnknownNameError
+from ropeway.components.external_events import ExternalEvents
 from ropeway.components.inertia import Inertia
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
@@ -250,6 +251,11 @@ class Component(ABC):
         """Whether `laws` belong to these equations: a subclass that overrides `equations` loses those of its parent."""
         laws, equations = (next(k for k in type(self).__mro__ if n in vars(k)) for n in ("laws", "equations"))
         return laws is not Component and issubclass(laws, equations)
+
+    @property
+    def external_events(self) -> ExternalEvents | None:
+        """Events of its own, of a component whose equations are code from outside."""
+        return None
 
     @property
     def outlet(self) -> Outlet:

@@ -34,8 +34,8 @@ class Inertia:
 
     Examples
     --------
-    >>> rw.Inertia(damping=1e-3).zone
-    0.5
+    >>> rw.Inertia(nodes=6).damping
+    0.0005
     """
 
     nodes: int = 0

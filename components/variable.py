@@ -183,7 +183,7 @@ class MovingMass(NamedTuple):
 
     Examples
     --------
-    >>> rw.MovingMass("x", 450.0, {"force_x": 1.0}).mass
+    >>> rw.MovingMass("x", 450.0, {"balance_x": 1.0}).mass
     450.0
     """
 

@@ -12,6 +12,6 @@ from .errors import (
 )
 from .exporting.export import export as export
 from .importing.archive import ArchiveLimits as ArchiveLimits
-from .importing.fmu_component import FmuComponent as FmuComponent, component as component
+from .importing.embedded.fmu_component import FmuComponent as FmuComponent, component as component
 from .importing.fmu_file import Fmu as Fmu, load as load
 from .importing.participant import Slave as Slave

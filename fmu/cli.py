@@ -99,6 +99,7 @@ def run_structure(
         float | None, typer.Option(help="End of the run [s]; by default that of its default experiment.")
     ] = None,
     step: Annotated[float | None, typer.Option(help="Communication step [s]; by default its own.")] = None,
+    isolated: Annotated[bool, typer.Option("--isolated", help="Run each FMU in a process of its own.")] = False,
     out: Annotated[Path, typer.Option("--out", "-o", help="The table to write.")] = Path("result.csv"),
 ) -> None:
     """Run a system of FMUs and write its outputs as a table."""
@@ -107,7 +108,7 @@ def run_structure(
 
     with errors_on_one_line():
         _require_writable(out)
-        master = CoSimulation.from_ssp(file, step=step)
+        master = CoSimulation.from_ssp(file, step=step, isolated=isolated or None)
         end = master.stop_time if until is None else until
         if end is None:
             raise InputError(f"{file} has no end of the run", "Give it with --until")

@@ -26,6 +26,7 @@ from ropeway.fmu.cosimulation.scenario import Scenario
 from ropeway.fmu.cosimulation.step_control import StepControl
 from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting.export import export
+from ropeway.fmu.importing.archive import ArchiveLimits
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
 from ropeway.fmu.importing.participant import require_connectable
@@ -284,7 +285,14 @@ class CoSimulation:
         return target
 
     @classmethod
-    def from_ssp(cls, path: str | Path, *, step: float | None = None) -> CoSimulation:
+    def from_ssp(
+        cls,
+        path: str | Path,
+        *,
+        step: float | None = None,
+        isolated: bool | None = None,
+        limits: ArchiveLimits | None = None,
+    ) -> CoSimulation:
         """Read a system structure (SSP).
 
         Systems within systems become slaves with joined names: `winch.drum` becomes `winch_drum`. Values of parameter
@@ -296,6 +304,10 @@ class CoSimulation:
             A file .ssp, or .ssd with its FMUs beside it; of version 1.0 or 2.0.
         step : float, optional
             Communication step [s]; by default that of `to_ssp`, or the smallest one that an FMU suggests.
+        isolated : bool, optional
+            Whether all slaves run in processes of their own; by default those that `to_ssp` has noted.
+        limits : ArchiveLimits, optional
+            Limits on the archive and on those of its FMUs.
 
         Returns
         -------
@@ -322,11 +334,12 @@ class CoSimulation:
         """
         folder = Path(tempfile.mkdtemp(prefix="ropeway-"))
         try:
-            system = read_ssp(path, folder)
+            system = read_ssp(path, folder, limits or ArchiveLimits())
             made = cls(**ssp_exchange.arguments_of(system, step))
             for one in system.slaves:
                 options = ssp_exchange.options_of(one)
                 opened = tuple(options.pop("open", ()))
+                options |= {} if isolated is None else {"isolated": isolated}
                 made.add(one.name, one.fmu, kind=one.kind, start=one.start, **options)  # type: ignore[arg-type]
                 made._participants[one.name] = replace(made._participants[one.name], open=opened)
             for c in system.connections:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields
 from typing import Any
 
 from ropeway.components.errors import InputError
@@ -27,9 +27,10 @@ def settings_of(step: float, scheme: Scheme, control: StepControl | None) -> dic
 
 def arguments_of(system: SspSystem, step: float | None) -> dict[str, Any]:
     """Arguments of the master of a system structure. Raises InputError, FmuImportError."""
-    found = _values(system.settings.get(_MASTER, {}))
+    found = _values(system.settings.get(_MASTER, {}), ("step", *(f.name for f in fields(Scheme))))
     if _CONTROL in system.settings:
-        found["control"] = StepControl(**_values(system.settings[_CONTROL]))
+        known = [f.name for f in fields(StepControl)]
+        found["control"] = StepControl(**_values(system.settings[_CONTROL], known))
     steps = [float(s) for slave in system.slaves if (s := _experiment(slave.fmu, "stepSize")) is not None]
     chosen = step if step is not None else found.get("step", min(steps, default=None))
     if chosen is None:
@@ -52,7 +53,7 @@ def slave(name: str, one: Participant) -> SspSlave:
 
 def options_of(one: SspSlave) -> dict[str, Any]:
     """What else is known of a participant. Raises FmuImportError."""
-    return _values(one.settings)
+    return _values(one.settings, ("open", "step", "isolated", "timeout"))
 
 
 def connection(one: Connection, participants: Mapping[str, Participant]) -> SspConnection:
@@ -79,7 +80,9 @@ def _texts(values: Mapping[str, object]) -> dict[str, str]:
     return {name: json.dumps(value) for name, value in values.items()}
 
 
-def _values(texts: Mapping[str, str]) -> dict[str, Any]:
+def _values(texts: Mapping[str, str], known: Sequence[str]) -> dict[str, Any]:
+    if unknown := [name for name in texts if name not in known]:
+        raise FmuImportError(f"A setting of the master is unknown: {unknown[0]!r}", "Remove the annotation")
     try:
         return {name: json.loads(text) for name, text in texts.items()}
     except json.JSONDecodeError as error:

@@ -42,8 +42,8 @@ class ArchiveLimits:
 
     Examples
     --------
-    >>> rw.fmu.ArchiveLimits(files=2000).files
-    2000
+    >>> rw.fmu.load("span.fmu", limits=rw.fmu.ArchiveLimits(unpacked=50e6)).fmi
+    '2.0'
     """
 
     unpacked: float = 2e9
@@ -64,7 +64,7 @@ def read_description(path: Path, limits: ArchiveLimits) -> tuple[bytes, str]:
             entries = archive.infolist()
             if _DESCRIPTION not in archive.namelist():
                 raise FmuImportError(f"{path.name} has no {_DESCRIPTION}", "It is a zip archive, but not an FMU")
-            _require_within(path, entries, limits)
+            require_within(path, entries, limits)
             return archive.read(_DESCRIPTION), _checksum(entries)
     except _BROKEN as error:
         raise FmuImportError(f"{path.name} cannot be read: {error}", "Export the FMU again") from error
@@ -77,7 +77,7 @@ def unpack(path: Path, folder: Path, limits: ArchiveLimits, checksum: str) -> No
             entries = archive.infolist()
             if checksum and _checksum(entries) != checksum:
                 raise FmuImportError(f"{path.name} has changed since it was loaded", "Load it again")
-            _require_within(path, entries, limits)
+            require_within(path, entries, limits)
             archive.extractall(folder)
     except _BROKEN as error:
         raise FmuImportError(f"{path.name} cannot be unpacked: {error}", "Export the FMU again") from error
@@ -92,7 +92,7 @@ def require_identifier(path: Path, identifier: str) -> None:
         )
 
 
-def _require_within(path: Path, entries: list[zipfile.ZipInfo], limits: ArchiveLimits) -> None:
+def require_within(path: Path, entries: list[zipfile.ZipInfo], limits: ArchiveLimits) -> None:
     """Raises FmuImportError. `zipfile` reads no more of an entry than the size that it declares."""
     unpacked = sum(entry.file_size for entry in entries)
     ratio = unpacked / max(path.stat().st_size, 1)

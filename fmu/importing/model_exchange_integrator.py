@@ -106,6 +106,35 @@ class Integrator:
         self._size(*self._instance.sizes())
         self._update()
 
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Numbers of continuous states and event indicators."""
+        return self._n, len(self._indicators)
+
+    def place(self, time: float, states: np.ndarray, inputs: Mapping[str, float]) -> None:
+        """Sets the instance to a trial time, states and continuous inputs. Raises FmuRunError."""
+        self._put(time, states if self._n else np.ones(1))
+        self._instance.set(inputs)
+
+    def rates(self) -> np.ndarray:
+        """Rates of the states at the trial point, shape (states,). Raises FmuRunError."""
+        self._vector("its rates", "getDerivatives", self._values[: self._n])
+        return self._values[: self._n].copy()
+
+    def margin(self) -> float:
+        """Least distance of an event indicator from its change of sign since the last event, not positive beyond it.
+
+        Raises FmuRunError.
+        """
+        values = self._vector("its event indicators", "getEventIndicators", self._indicators)
+        beyond = (values > 0.0) != self._positive
+        return float(np.min(np.where(beyond, -np.abs(values), np.maximum(np.abs(values), 1e-300)), initial=np.inf))
+
+    def event(self) -> None:
+        """An event at the trial point, which ends a step. Raises FmuRunError."""
+        self._instance.call("the end of a step", "completedIntegratorStep", False)
+        self._event({})
+
     def set(self, values: Mapping[str, object]) -> None:
         """Sets variables; discrete ones at an event, as FMI requires. Raises FmuRunError, FmuVariableError."""
         entries = self._instance.fmu.entries

@@ -30,6 +30,7 @@ def main() -> None:
     with _connection(sys.argv[1]) as connection, suppress(ConnectionError):
         connection.sendall(framed(encoded(Answer(0.0, "ready"))))
         _Server(connection, folder).run()
+    shutil.rmtree(folder, ignore_errors=True)  # the session may be gone
 
 
 def _connection(name: str) -> socket.socket:

@@ -9,6 +9,7 @@ from urllib.parse import unquote, urlsplit
 from urllib.request import url2pathname
 
 from ropeway.fmu.errors import FmuImportError
+from ropeway.fmu.importing.archive import ArchiveLimits, require_within
 
 ROOT = "SystemStructure.ssd"
 """The description that a package is opened with."""
@@ -17,7 +18,7 @@ ROOT = "SystemStructure.ssd"
 class Package:
     """The files of a system structure, by their URIs relative to the description. Raises FmuImportError."""
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, limits: ArchiveLimits) -> None:
         self.path = Path(path)
         if not self.path.is_file():
             raise FmuImportError(f"There is no file {self.path}", "Check the path")
@@ -26,6 +27,9 @@ class Package:
             raise FmuImportError(
                 f"{self.path.name} is neither a zip archive nor an .ssd file", "Give a file .ssp or .ssd"
             )
+        if self._zipped:
+            with zipfile.ZipFile(self.path) as archive:
+                require_within(self.path, archive.infolist(), limits)
         self.root = ROOT if self._zipped else self.path.name
         if self._zipped and ROOT not in self._names():
             raise FmuImportError(f"{self.path.name} has no {ROOT}", "It is a zip archive, but not an SSP")

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path as File
 from typing import Any
 
-from ropeway.components.errors import RopewayWarning
+from ropeway.components.errors import RopewayError, RopewayWarning
 from ropeway.components.identifier import identifier
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
+from ropeway.fmu.importing.archive import ArchiveLimits
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.ssp.package import Package
 from ropeway.fmu.ssp.parameters import Binding, Parameter, quantity_in, scaled
@@ -54,20 +55,25 @@ class SspSystem:
     settings: Mapping[str, Mapping[str, str]]
 
 
-def read_ssp(path: str | File, folder: File) -> SspSystem:
+def read_ssp(path: str | File, folder: File, limits: ArchiveLimits) -> SspSystem:
     """The content of a file .ssp or .ssd; FMUs of an archive are written into a folder.
 
     Parameter values that fit no variable are ignored, with a RopewayWarning. Raises FmuImportError, FmuVariableError.
     """
-    package = Package(path)
-    described = read_description(package)
+    package = Package(path, limits)
+    try:
+        described = read_description(package)
+    except RopewayError:
+        raise
+    except ValueError as error:  # documents of version 2.0 are not checked by a schema
+        raise FmuImportError(f"{package.path.name} has a value that cannot be read: {error}", "Correct it") from error
     components = dict(_components(described.system, ()))
     if not components:
         raise FmuImportError(f"{package.path.name} has no FMU", "Export the SSP again")
     loaded: dict[str, Fmu] = {}
     for component in components.values():
         if component.source not in loaded:
-            loaded[component.source] = load(package.local(component.source, folder))
+            loaded[component.source] = load(package.local(component.source, folder), limits=limits)
     fmus = {path: loaded[component.source] for path, component in components.items()}
     names = _names(components)
     wiring = Wiring(described.system, fmus)

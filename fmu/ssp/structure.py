@@ -118,10 +118,10 @@ def _settings(element: ElementTree.Element) -> dict[str, dict[str, str]]:
 
 
 class _Reader:
-    """Reads the systems of one description, at `base` in the package."""
+    """Reads the systems of one description, at `base` in the package; `around`: descriptions that contain it."""
 
-    def __init__(self, package: Package, base: str, root: ElementTree.Element) -> None:
-        self.package, self.base = package, base
+    def __init__(self, package: Package, base: str, root: ElementTree.Element, around: tuple[str, ...] = ()) -> None:
+        self.package, self.base, self.around = package, base, (*around, base)
         self.units = defined_units(root, SSD)
 
     def system(self, element: ElementTree.Element) -> SubSystem:
@@ -165,8 +165,10 @@ class _Reader:
     def _nested(self, element: ElementTree.Element, source: str) -> SubSystem:
         """A system of another description, with the connectors and bindings of the component."""
         base = self.package.inside(source, self.base)
+        if base in self.around:
+            raise FmuImportError(f"{base} contains itself", "Remove the component that refers to it")
         root = parsed(self.package.read(base), base, STRUCTURE)
-        inner = _Reader(self.package, base, root).system(_required(root, "System"))
+        inner = _Reader(self.package, base, root, self.around).system(_required(root, "System"))
         outer = read_bindings(element, self.package, self.base, self.units)
         return SubSystem(
             element.get("name", ""),

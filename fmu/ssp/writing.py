@@ -22,6 +22,8 @@ for _prefix, _namespace in (("ssd", SSD), ("ssc", SSC), ("ssv", SSV), ("ropeway"
     ElementTree.register_namespace(_prefix, _namespace)
 
 _MADE = {"version": "1.0", "generationTool": f"ropeway {ropeway.__version__}"}
+_SET = "initialValues"
+"""Name of all parameter sets: ecos applies those of one name."""
 _TYPES = {"Real": "Real", "Integer": "Integer", "Boolean": "Boolean", "String": "String", "Binary": "Binary"}
 _SHOWN = ("Real", "Integer", "Boolean", "String", "Binary", "Enumeration")
 
@@ -146,7 +148,7 @@ def _annotate(element: ElementTree.Element, settings: Mapping[str, Mapping[str, 
 
 def _parameters(name: str, fmu: Fmu, start: Mapping[str, object]) -> ElementTree.Element:
     """The start values of a slave as a parameter set, in the units of its variables."""
-    root = ElementTree.Element(f"{{{SSV}}}ParameterSet", {**_MADE, "name": name})
+    root = ElementTree.Element(f"{{{SSV}}}ParameterSet", {**_MADE, "name": _SET})
     parent = ElementTree.SubElement(root, f"{{{SSV}}}Parameters")
     symbols = _Symbols()
     for variable, value in start.items():

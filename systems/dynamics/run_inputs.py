@@ -41,6 +41,17 @@ def require_compiled(model: Model, signals: Sequence[Signal]) -> None:
     compiled_line(model)
 
 
+def require_no_events(system: System) -> None:
+    """Raises InputError for a component with events of its own, as an embedded FMU, which a line with inertia does not
+    handle."""
+    for name, component in system.components.items():
+        if component.external_events is not None:
+            raise InputError(
+                f"{name!r} has events of its own, which a run with inertia does not handle",
+                "Leave out inertia=, or couple it by CoSimulation",
+            )
+
+
 def signals_of(model: Model, inputs: Mapping[str, Signal], until: float) -> tuple[Signal, ...]:
     """The signal of each input of the model. Raises InputError, UnknownNameError."""
     for name in inputs:

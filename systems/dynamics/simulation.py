@@ -13,6 +13,7 @@ from ropeway.components.environment import Environment
 from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.external_parts import ExternalParts
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
@@ -22,6 +23,7 @@ from ropeway.systems.dynamics.run_inputs import (
     check_interventions,
     is_speed,
     require_compiled,
+    require_no_events,
     signals_of,
     start_of,
     started,
@@ -132,6 +134,8 @@ def simulate(
     if unknown := [event for event in stops if event not in known]:
         raise InputError(f"A run cannot stop at {unknown[0]!r}", f"Events are {', '.join(sorted(known))}")
     check_interventions(model, interventions, inertia)
+    if inertia is not None:
+        require_no_events(model.system)
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
@@ -184,6 +188,7 @@ class _Simulation:
         self.recorder = Recorder()
         self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
+        self.external = ExternalParts(state.model.system, self.stepper, self.recorder)
         self.stop_at, self.settings = settings.stop_at, settings
         self.interventions = sorted(settings.interventions, key=lambda i: i.time)
         self.first_tick = [start.pending.next_tick(clock) for clock in start.model.clocks]
@@ -235,7 +240,10 @@ class _Simulation:
                         return
                     continue
             stop = min(grid, quiet)
-            self.stepper.run_to(stop)
+            self.external.run_to(stop)
+            if self.external.ended:
+                self.record(on_grid=True)
+                return
             if stop == bend:  # inputs are linear between records
                 self.record()
             ticked = self.act()

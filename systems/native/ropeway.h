@@ -32,10 +32,10 @@ typedef struct {
     double jac[RW_NNZ + 1]; /* derivatives of f and g by x and z */
 } rw_factors;
 
-/* Trial states beyond the next crossing (Model Exchange): times after the held point up to which it is not reached, and up
- * to which equations are solved; rates there; the solution kept for later states, and its time. */
+/* Trial states beyond the next crossing (Model Exchange): times after the held point at which it is reached, and at which
+ * the equations had no solution; rates there; the solution kept for later states, and its time. */
 typedef struct {
-    double near, far, zrate[RW_NZ + 1], z[RW_NZ + 1], t;
+    double near, unsolved, zrate[RW_NZ + 1], z[RW_NZ + 1], t;
     int kept, beyond, stale; /* stale: inputs have changed since the held point */
 } rw_ahead;
 

@@ -1,12 +1,11 @@
 /* Trial states of an importer in Model Exchange, also far beyond the next crossing, where the loads of a span would be
- * beyond its end and its equations have no solution. Beyond the crossing the algebraic variables and outputs keep their
- * values from there, and travels go on at their rates: rates stay finite, and event indicators change their signs. An
- * accepted point is always solved. */
+ * beyond its end. Where its equations have no solution there, the algebraic variables and outputs keep their values from
+ * the crossing, and travels go on at their rates: rates stay finite, and event indicators change their signs. An accepted
+ * point is always solved. */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-#define SLIGHTLY 0.02 /* of a mean span: so far beyond a support equations are solved as they are */
 #define HALVINGS 20
 
 /* The last accepted point, which is solved, and the time of its next crossing. */
@@ -20,11 +19,8 @@ rw_status rw_accept_point(rw_instance *m)
     if (status != RW_OK) return status;
     m->s.held = m->s.now;
     memcpy(a->zrate, m->s.zrate, sizeof a->zrate);
-    a->near = a->far = INFINITY;
-    if (rw_next_crossing(m, &coming)) {
-        a->near = fmax(coming.time, 0.0);
-        a->far = a->near + SLIGHTLY * rw_span_scale[rw_run_of[coming.k]] / fabs(rw_travel_rate(m, coming.k));
-    }
+    a->near = a->unsolved = INFINITY;
+    if (rw_next_crossing(m, &coming)) a->near = fmax(coming.time, 0.0);
     a->kept = a->stale = 0;
     return RW_OK;
 }
@@ -89,7 +85,10 @@ rw_status rw_look_ahead(rw_instance *m)
     if (a->beyond) memcpy(m->s.now.z, m->s.held.z, sizeof to.z);
     a->beyond = 0;
     m->log = NULL; /* failures are repeated */
-    if (to.t - m->s.held.t <= a->far) status = rw_solve_here(m);
+    if (to.t - m->s.held.t < a->unsolved) {
+        status = rw_solve_here(m);
+        if (status != RW_OK && to.t - m->s.held.t > a->near) a->unsolved = to.t - m->s.held.t;
+    }
     if (status == RW_OK && a->stale && to.t == m->s.held.t) status = rw_accept_point(m); /* inputs have changed */
     if (status != RW_OK) status = beyond(m, &to);
     m->log = log;

@@ -140,7 +140,8 @@ def spoil(rng: np.random.Generator, name: str, arguments: dict[str, Any]) -> Spo
     element = type(value) in (list, tuple, dict) and len(value) > 0 and rng.random() < 0.4
     inner: Any = value
     if element:
-        place = rng.choice(list(value)) if isinstance(value, dict) else int(rng.integers(len(value)))
+        places = list(value) if isinstance(value, dict) else range(len(value))
+        place = places[int(rng.integers(len(places)))]
         inner = value[place]
     pick = rng.random()
     zoo = NEVER if pick < 0.25 else NO_NUMBER if pick < 0.5 else ODD

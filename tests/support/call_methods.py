@@ -70,7 +70,7 @@ def methods() -> dict[str, Callable[[], Call]]:
 
     def structure() -> Call:
         path = cosimulation("to_ssp", path=folder() / "read.ssp").function(folder() / "read.ssp")
-        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5})
+        return Call(rw.fmu.CoSimulation.from_ssp, {"path": path, "step": 0.5, "isolated": False, "limits": None})
 
     def slave(name: str, /, **arguments: Any) -> Call:
         one = rw.fmu.Slave(fmu())

@@ -53,10 +53,11 @@ def fit(
     columns : mapping of str to str, optional
         The quantity that each column holds: {"A": "c2.tension_in"}; by default columns are named after quantities.
         Results are measured: tensions, forces, pressures, displacements; columns of a load path of a rig; "a_b.rope_z",
-        the height of a point on a span's rope. Others are given in each row: parameters, inputs, masses; "station",
-        "payload" and "height" of a rig; "a_b.rope_x" (and rope_y), the place of the point in plan; "time" [s] of a
-        series, at regular intervals, whose given columns are inputs. Values are in SI units unless the header or the
-        key has a unit ("A [kN]") or the name ends with one (skyline_kN, load_t).
+        the height of a point on a span's rope; "a_b.return_time", in which a blow on it returns [s]. Others are given
+        in each row: parameters, inputs, masses; "station", "payload" and "height" of a rig; "a_b.rope_x" (and rope_y),
+        the place of the point in plan; "time" [s] of a series, at regular intervals, whose given columns are inputs.
+        Values are in SI units unless the header or the key has a unit ("A [kN]") or the name ends with one (skyline_kN,
+        load_t).
     free : str or sequence of str
         Quantities to fit: those of `sensitivities`, and "A.gain" and "A.offset" of the sensor of column A.
     sigma : float or mapping of str to (float or sequence of float), optional
@@ -101,13 +102,7 @@ def fit(
     units = [observations.unit(name) for name in names]
     usual = np.array([observations.usual(name, value) for name, value in zip(names, declared.tolist(), strict=True)])
     known = _prior(names, usual, bounds or {}, prior or {})
-    count = int(np.isfinite(table.cells).sum())
-    least = len(names) - int(np.isfinite(known.sigma).sum())
-    if count < max(least, 1):
-        raise InputError(
-            f"The table has {count} measured values for {len(names)} free quantities",
-            "Measure more, fit fewer quantities, or give a prior",
-        )
+    _require_enough(table, known, sigma is not None, loss)
     problem = Problem(observations, table.sigmas(sigma), known)
     solution = problem.solve(declared, loss, known_sigma=sigma is not None)
     return fit_of(problem, solution, declared, units, sigma is not None)
@@ -126,6 +121,24 @@ def _read(
     source = LineSource(system)
     table = read_measured(measured, columns, source.role, source.unit)
     return (RunSource(source) if table.time is not None else source), table
+
+
+def _require_enough(table: Measured, known: Prior, known_sigma: bool, loss: Loss) -> None:
+    """Raises InputError where the table does not suffice for the free quantities."""
+    count, free = int(np.isfinite(table.cells).sum()), len(known.scale)
+    least = free - int(np.isfinite(known.sigma).sum())
+    if count < max(least, 1):
+        raise InputError(
+            f"The table has {count} measured values for {free} free quantities",
+            "Measure more, fit fewer quantities, or give a prior",
+        )
+    if not known_sigma and count == least:
+        raise InputError(
+            f"{count} measured values for {free} free quantities do not tell how sure they are",
+            "Give sigma, the standard deviation of the measured values",
+        )
+    if not known_sigma and loss != "linear":
+        raise InputError(f"Loss {loss!r} has no scale", "Give sigma, the standard deviation of values without outliers")
 
 
 def _prior(

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from scipy.special import ndtri, stdtrit
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -103,7 +104,5 @@ class FitData(Tabular):
 def quantile(confidence: float, degrees: int) -> float:
     """Half of a confidence interval over the standard error: normal where sigma is given (`degrees` 0), otherwise of
     Student's distribution."""
-    from scipy.stats import norm, t
-
     half = 0.5 * (1.0 + confidence)
-    return float(t.ppf(half, degrees) if degrees > 0 else norm.ppf(half))
+    return float(stdtrit(degrees, half) if degrees > 0 else ndtri(half))

@@ -25,7 +25,7 @@ _TAKES_PART = 1e-4
 """Share of a quantity in an unidentifiable combination from which it has no standard error."""
 _SHOWN = 5e-3
 """Share from which a quantity is named in a combination."""
-_USUAL = {"N": 500.0, "m": 0.05, "Pa": 1e5, "rad": 2e-3, "kg": 10.0, "%": 0.05}
+_USUAL = {"N": 500.0, "m": 0.05, "Pa": 1e5, "rad": 2e-3, "kg": 10.0, "%": 0.05, "s": 0.05}
 """Standard deviations of usual devices, by unit, where the table has no column of that unit."""
 _LISTED = 12
 """Number of suggestions that are listed."""

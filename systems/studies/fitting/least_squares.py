@@ -19,7 +19,7 @@ _HELD = 1e-9
 """Weight of the declared values, relative to the largest one of the measured values."""
 _MOST = 100
 """Largest number of predictions."""
-_ACCURACY = 1e-10
+_ACCURACY = 1e-8
 """Relative change of the quantities, and of the sum of squares, at which the iteration ends."""
 
 

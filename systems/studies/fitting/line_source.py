@@ -19,7 +19,7 @@ from ropeway.systems.statics.equilibrium_solver import equilibrium, still
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.variants import LineVariants, line_variants
 from ropeway.systems.studies.fitting.measured import GIVEN, MEASURED
-from ropeway.systems.studies.fitting.rope_points import ROPE_X, ROPE_Y, ROPE_Z, rope_points
+from ropeway.systems.studies.fitting.rope_points import RETURN_TIME, ROPE_X, ROPE_Y, ROPE_Z, return_time, rope_points
 from ropeway.systems.studies.fitting.sources import Source, States
 from ropeway.systems.studies.sensitivity.linearisation import LinearState
 from ropeway.systems.studies.sensitivity.perturbations import OF_ROPES, Varied, fixed_supports, rope_from, rope_of
@@ -44,6 +44,9 @@ class LineSource(Source):
         if quantity in (ROPE_X, ROPE_Y, ROPE_Z):
             rope_points(self.rest.model, self.rest.runs, owner, np.zeros((1, 2)))
             return MEASURED if quantity == ROPE_Z else GIVEN
+        if quantity == RETURN_TIME:
+            return_time(self.rest.model, self.rest.runs, owner)
+            return MEASURED
         if quantity in OF_ROPES and name not in self.rest.model.p.index:
             rope_from(self.rest.model, self.rest.runs, owner, quantity)
             return GIVEN
@@ -52,7 +55,8 @@ class LineSource(Source):
         return MEASURED if result else GIVEN
 
     def unit(self, name: str) -> str:
-        return "m" if name.rpartition(".")[2] in (ROPE_X, ROPE_Y, ROPE_Z) else unit_of(self.rest.model, name)
+        own = {ROPE_X: "m", ROPE_Y: "m", ROPE_Z: "m", RETURN_TIME: "s"}
+        return own.get(name.rpartition(".")[2]) or unit_of(self.rest.model, name)
 
     def declared(self, name: str) -> float:
         if self.role(name) == MEASURED:
@@ -174,6 +178,9 @@ class LineStates(States):
         ]
 
     def reading(self, state: int, name: str) -> Reading:
+        owner, _, quantity = name.rpartition(".")
+        if quantity == RETURN_TIME:
+            return return_time(self._lines[state].model, self._lines[state].runs, owner)
         return Reading((name,))
 
     def points(self, state: int, span: str, at: np.ndarray) -> Reading:
@@ -181,7 +188,8 @@ class LineStates(States):
         return rope_points(line.model, line.runs, span, at)
 
     def candidates(self, state: int) -> Sequence[str]:
-        return measurable(self._lines[state])
+        line = self._lines[state]
+        return [*measurable(line), *(f"{span.name}.{RETURN_TIME}" for run in line.runs for span in run.spans)]
 
     def label(self, state: int) -> str:
         if not self.given:

@@ -15,6 +15,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.table_file import name_and_unit
+from ropeway.components.table_numbers import is_number
 from ropeway.components.table_writer import Tabular
 from ropeway.components.units import conversion
 from ropeway.systems.modelling.dae_model import Model
@@ -355,14 +356,13 @@ def _conversion(key: str, column: Column) -> tuple[float, float]:
 def _read(row: Mapping[str, Any], key: str, column: Column) -> float:
     """A value of a row in SI units; NaN where it is missing or blank. Raises InputError."""
     value = row.get(key, row.get(column.name))
-    if value is None or value == "":
+    if value is None or value is pd.NA or value == "":
         return np.nan
-    try:
-        number = float(value)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{key} is {value!r}", "Give a number, or leave it blank") from error
+    number = float(value) if isinstance(value, str) and is_number(value) else value
+    if isinstance(number, bool) or not isinstance(number, (int, float, np.integer, np.floating)):
+        raise InputError(f"{key} is {value!r}", "Give a number, or leave it blank")
     factor, offset = _conversion(key, column)
-    return factor * number + offset
+    return float(factor * number + offset)
 
 
 def _sigmas(columns: Sequence[Column], sigma: float | Mapping[str, float]) -> np.ndarray:

@@ -34,6 +34,11 @@ class Observations:
     def __init__(self, source: Source, measured: Measured, free: Sequence[str]) -> None:
         self.source, self.measured, self.free = source, measured, tuple(free)
         sensors = {f"{c.name}.{what}": (i, what) for i, c in enumerate(measured.columns) for what in SENSOR}
+        for owner, _, quantity in (name.rpartition(".") for name in free):
+            if owner in {c.name for c in measured.columns} and quantity not in SENSOR:
+                raise UnknownNameError(
+                    f"Column {owner!r} has no quantity {quantity!r}", f"Free {owner}.gain or {owner}.offset"
+                )
         self.sensors = {j: sensors[name] for j, name in enumerate(free) if name in sensors}
         self.own = [j for j in range(len(free)) if j not in self.sensors]
         self.names = tuple(free[j] for j in self.own)

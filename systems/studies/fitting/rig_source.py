@@ -10,20 +10,30 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.solvers.newton import Point
 from ropeway.systems.studies.fitting.measured import GIVEN, MEASURED
-from ropeway.systems.studies.fitting.rope_points import ROPE_X, ROPE_Y, ROPE_Z, rope_points
+from ropeway.systems.studies.fitting.rope_points import RETURN_TIME, ROPE_X, ROPE_Y, ROPE_Z, return_time, rope_points
 from ropeway.systems.studies.fitting.sources import Source, States
 from ropeway.systems.studies.sensitivity import rig_quantities
 from ropeway.systems.studies.sensitivity.linearisation import LinearState
 from ropeway.systems.studies.sensitivity.reading import Reading
 from ropeway.systems.studies.sensitivity.rig_readings import rig_columns, rig_reading, unit_of_reading
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
+from ropeway.systems.studies.skyline.carriage_model import (
+    Place,
+    Solved,
+    SpanModel,
+    StationCase,
+    span_model,
+)
 from ropeway.systems.studies.skyline.load_path import carriage_height
-from ropeway.systems.studies.skyline.root_selection import physical_state, solved_in_place
+from ropeway.systems.studies.skyline.root_selection import solved_in_place
+from ropeway.systems.studies.skyline.starting_points import from_geometry, on_mainline
 from ropeway.systems.studies.skyline.station_solver import Stations
 
 _LEAST_SHARE = 1.0 / 64.0
 """Smallest part of a change of the free quantities, in steps from one solution to the next."""
+_ITERATIONS = 40
+"""Largest number of Newton steps of a state."""
 _CANDIDATES = (
     *("skyline_tension", "headspar_tension", "tailspar_tension", "anchor_tension", "carriage_z"),
     *("mainline_pull", "mainline_tension", "haulback_tension", "spar_compression", "tailspar_compression"),
@@ -43,6 +53,8 @@ class RigSource(Source):
         quantity = name.rpartition(".")[2]
         if quantity in (ROPE_X, ROPE_Y, ROPE_Z):
             return MEASURED if quantity == ROPE_Z else GIVEN
+        if quantity == RETURN_TIME:
+            return MEASURED
         try:
             rig_quantities.unit_of(self._at, name)
         except UnknownNameError:
@@ -51,8 +63,9 @@ class RigSource(Source):
         return GIVEN
 
     def unit(self, name: str) -> str:
-        if name.rpartition(".")[2] in (ROPE_X, ROPE_Y, ROPE_Z):
-            return "m"
+        own = {ROPE_X: "m", ROPE_Y: "m", ROPE_Z: "m", RETURN_TIME: "s"}
+        if (unit := own.get(name.rpartition(".")[2])) is not None:
+            return unit
         if self.role(name) == MEASURED:
             return unit_of_reading(self._one, name)
         return rig_quantities.unit_of(self._at, name)
@@ -127,7 +140,7 @@ class RigStates(States):
             held = self._moved(i, values, clamp=True)
         if held is None or held[f"{name}.holding"] > 0.0:
             try:
-                pulled = self._moved(i, values, clamp=False)
+                pulled = self._moved(i, values, clamp=False, near=held)
             except EquilibriumError as error:
                 failure = error
         own = self.stations.own_pull(before.at.span, self.rows[i]["station"])
@@ -142,38 +155,54 @@ class RigStates(States):
             raise failure or EquilibriumError(f"No equilibrium at {self.label(i)}")
         return held
 
-    def _moved(self, i: int, after: Mapping[str, float], *, clamp: bool) -> Solved:
-        """A state with other values, from its last solution with the same hold, in smaller steps where one fails.
-        Raises EquilibriumError, InputError."""
+    def _moved(self, i: int, after: Mapping[str, float], *, clamp: bool, near: Solved | None = None) -> Solved:
+        """A state with other values, from its last solution with the same hold, in smaller steps where one fails; one
+        that has not had this hold before from a state `near` with the clamp, or from geometry. Raises EquilibriumError,
+        InputError."""
         if clamp not in self._known[i]:
-            self._known[i][clamp] = self._declared_with(i, after, clamp=clamp)
+            solved = self._first(i, after, clamp=clamp, near=near)
+            self._known[i][clamp] = _Known(solved, dict(after))
+            return solved
         solved, before = self._known[i][clamp]
-        done, share, at = 0.0, 1.0, solved.at
+        done, share = 0.0, 1.0
         while done < 1.0:
             step = min(done + share, 1.0)
             values = {name: before[name] + step * (after[name] - before[name]) for name in after}
-            point, case = solved.point.copy(), self._case(self.rows[i], values)
-            rig_quantities.write(at, point, values)
             try:
-                point, _ = solved_in_place(at, point, case)
+                solved = self._at(i, values, solved.at, solved.point.copy(), clamp=clamp)
             except EquilibriumError:
                 share *= 0.5
                 if share < _LEAST_SHARE:
                     raise
                 continue
-            solved, done = Solved(at, point, at.outputs(point), solved.held_by, case), step
+            done = step
         self._known[i][clamp] = _Known(solved, dict(after))
         return solved
 
-    def _declared_with(self, i: int, names: Mapping[str, float], *, clamp: bool) -> _Known:
-        """A state with another hold and the declared values. Raises EquilibriumError."""
-        other = self.solved[i].at
-        at, case = span_model(self.rig, other.place, other.by_height, clamp), self._case(self.rows[i], {})
-        point = physical_state(at, case)
-        solved = Solved(at, point, at.outputs(point), "clamp" if clamp else "mainline", case)
-        return _Known(solved, _declared(solved, list(names)))
+    def _first(self, i: int, values: Mapping[str, float], *, clamp: bool, near: Solved | None) -> Solved:
+        """A state with another hold. Raises EquilibriumError, InputError."""
+        other, case = self.solved[i].at, self._case(self.rows[i], values)
+        at = span_model(self.rig, other.place, other.by_height, clamp)
+        if near is not None:
+            try:
+                return self._at(i, values, at, on_mainline(at, near), clamp=clamp)
+            except EquilibriumError:
+                pass
+        return self._at(i, values, at, from_geometry(at, *case), clamp=clamp)
+
+    def _at(self, i: int, values: Mapping[str, float], at: SpanModel, point: Point, *, clamp: bool) -> Solved:
+        """A state with values, from a starting point of its model. Raises EquilibriumError, InputError."""
+        case = self._case(self.rows[i], values)
+        rig_quantities.write(at, point, values)
+        point, _ = solved_in_place(at, point, case, iterations=_ITERATIONS)
+        held_by = "clamp" if clamp else "holding" if at.rig.ideal else "mainline"
+        return Solved(at, point, at.outputs(point), held_by, case)
 
     def reading(self, state: int, name: str) -> Reading:
+        owner, _, quantity = name.rpartition(".")
+        if quantity == RETURN_TIME:
+            model = self.solved[state].at.model
+            return return_time(model, model.runs, owner)
         return rig_reading(self.solved[state], name)
 
     def points(self, state: int, span: str, at: np.ndarray) -> Reading:

@@ -15,7 +15,7 @@ from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import find
 from ropeway.systems.studies.fitting.line_source import LineSource, measurable, pretensions
-from ropeway.systems.studies.fitting.rope_points import rope_points
+from ropeway.systems.studies.fitting.rope_points import RETURN_TIME, return_time, rope_points
 from ropeway.systems.studies.fitting.sources import Source, States
 from ropeway.systems.studies.sensitivity.forward_sensitivity import ForwardSensitivity
 from ropeway.systems.studies.sensitivity.linearisation import LinearState
@@ -90,7 +90,9 @@ class RunStates(States):
         return [on_grid[k] for k in self.places]
 
     def reading(self, state: int, name: str) -> Reading:
-        line = self._lines[state]
+        line, (owner, _, quantity) = self._lines[state], name.rpartition(".")
+        if quantity == RETURN_TIME:
+            return return_time(line.model, line.runs, owner)
         kind, _ = find(line.model, line.runs, line.passed, name)
         if kind is Kind.PARAMETER:
             raise InputError(f"{name} is not measured over time", "Give it in free")

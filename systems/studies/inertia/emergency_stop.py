@@ -58,8 +58,8 @@ class EmergencyStops(Tabular):
 
     Examples
     --------
-    >>> rw.emergency_stop(line, decelerations=[2.0], settle=2.0).frame.index.tolist()
-    [2.0]
+    >>> rw.emergency_stop(line, decelerations=[2.0], settle=0.5)
+    <EmergencyStops of 'mono-cable line': 1 decelerations>
     """
 
     frame: pd.DataFrame
@@ -134,9 +134,9 @@ def emergency_stop(
 
     Examples
     --------
-    >>> stops = rw.emergency_stop(line, decelerations=[1.0, 4.0], settle=2.0)
-    >>> bool(stops.frame["stopping_distance"].is_monotonic_decreasing)
-    True
+    >>> stops = rw.emergency_stop(line, decelerations=[2.0], settle=1.0)
+    >>> stops.frame["stopping_distance"].round(2).tolist()
+    [0.25]
     """
     chosen = sorted({float(a) for a in decelerations})
     if not chosen:

@@ -54,8 +54,9 @@ class Modes(Tabular):
 
     Examples
     --------
-    >>> rw.modes(rw.equilibrium(span), nodes=4, count=3).frame.index.tolist()
-    [1, 2, 3]
+    >>> found = rw.modes(rw.equilibrium(span), nodes=4, count=3)
+    >>> found.shapes.shape, found.points["point"].iloc[0], list(found.wave_return.columns)
+    ((3, 6, 3), 'a', ['from_a', 'from_b'])
     """
 
     equilibrium: Equilibrium
@@ -128,11 +129,8 @@ def modes(eq: Equilibrium, nodes: int = 6, count: int = 10, *, damping: float = 
 
     Examples
     --------
-    >>> rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24e6, breaking_load=450e3)
-    >>> s = rw.System("one span")
-    >>> (span,) = s.string(rope, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(240.0, 0.0)), tension=50e3)
-    >>> rw.modes(rw.equilibrium(s), count=2).frame["frequency"].round(3).tolist()
-    [0.301, 0.367]
+    >>> rw.modes(rw.equilibrium(span), count=2).frame["frequency"].round(2).tolist()
+    [0.24, 0.47]
     """
     Inertia(nodes=nodes, damping=damping)  # checks them
     check.index(count - 1, _MOST, "modes", "count - 1")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from support.fmus import example_line
+from support.fmus import example_line, short_line
 
 pytestmark = pytest.mark.importers
 EVERY, STEPS = 0.73, 822  # no load crosses at one of its multiples
@@ -71,6 +71,24 @@ def test_ecos(name: str, request: pytest.FixtureRequest, names: list[str], devia
                 rows.append([simulation.get_real(f"line::{n}") for n in names])
             assert simulation.get_time() == pytest.approx(EVERY * STEPS)
     assert deviation(rows) < 1e-4
+
+
+def test_ecos_runs_a_system_structure(tmp_path: Path) -> None:
+    """Two lines, a scaled connection and a start value: as here, to the last digits."""
+    from ecospy import EcosSimulation
+
+    master = rw.fmu.CoSimulation(0.1)
+    master.add("a", short_line(), start={"c1.speed": 1.1})
+    master.add("b", short_line())
+    master.connect("a.c1.travel", "b.c1.speed", factor=0.1, convert_units=False)
+    path = master.to_ssp(tmp_path / "lines.ssp", until=3.0)
+    names, rows = ["a.c1.travel", "b.c1.travel", "b.c1.tension_in"], []
+    with EcosSimulation(step_size=0.1, ssp_path=str(path)) as simulation:
+        simulation.init(parameter_set="initialValues")
+        for _ in range(30):
+            simulation.step()
+            rows.append([simulation.get_real(name.replace(".", "::", 1)) for name in names])
+    assert np.array(rows) == pytest.approx(master.run(3.0)[names].to_numpy()[1:], rel=1e-12)
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])

@@ -267,9 +267,13 @@ def test_components_take_descriptions_without_dependencies(kinds: Path) -> None:
     assert "k.text_out" not in frame
 
 
-def test_what_cannot_be_a_component(kinds3: Path) -> None:
-    with pytest.raises(FmuImportError, match=r"1 event indicators.*Couple it by CoSimulation"):
-        component("k", kinds3)
+def test_a_component_of_all_kinds_with_its_events(kinds: Path) -> None:
+    """As without events, and the FMU ends the run."""
+    s = rw.System("alone")
+    s.add(component("k", kinds, parameters={"gain": 2.0, "stop_at": 0.75}))
+    result = rw.simulate(s, 1.0, every=0.5, inputs={"k.u": rw.Schedule((0.0, 1.0), (0.0, 3.0))})
+    assert result.frame.index[-1] == pytest.approx(0.75, abs=1e-6)
+    assert result.frame["k.x"].iloc[-1] == pytest.approx(1.5 * 0.75**2, rel=1e-5)
 
 
 def test_an_fmu_for_schedulers_only(tmp_path: Path, kinds3: Path) -> None:

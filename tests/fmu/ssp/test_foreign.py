@@ -299,6 +299,35 @@ def test_not_a_package(tmp_path: Path) -> None:
             CoSimulation.from_ssp(tmp_path / name)
 
 
+def test_packages_that_mean_harm(pack: Pack) -> None:
+    path = pack(two_masses())
+    with pytest.raises(FmuImportError, match="holds 2 files; at most 1 are allowed"):
+        CoSimulation.from_ssp(path, step=0.1, limits=rw.fmu.ArchiveLimits(files=1))
+    inside = '<ssd:Component name="a" type="application/x-ssp-definition" source="SystemStructure.ssd"/>'
+    with pytest.raises(FmuImportError, match=r"SystemStructure\.ssd contains itself"):
+        CoSimulation.from_ssp(pack(description(f"<ssd:Elements>{inside}</ssd:Elements>")), step=0.1)
+    wrong = two_masses("2.0").replace('stopTime="3.0"', 'stopTime="soon"')
+    with pytest.raises(FmuImportError, match=r"has a value that cannot be read: .*soon"):
+        CoSimulation.from_ssp(pack(wrong), step=0.1)
+
+
+def test_isolated_slaves(pack: Pack) -> None:
+    path = pack(two_masses())
+    master = CoSimulation.from_ssp(path, step=0.1, isolated=True)
+    assert all(p.fmu.isolated for p in master._participants.values())
+    assert master.run(0.3).equals(CoSimulation.from_ssp(path, step=0.1).run(0.3))
+
+
+def test_a_description_within_another(pack: Pack, mass: Path) -> None:
+    """The pair is a component of type .ssd, in another folder: its addresses count from there."""
+    inner = two_masses().replace("resources/mass.fmu", "mass.fmu")
+    outer = '<ssd:Component name="pair" type="application/x-ssp-definition" source="resources/inner.ssd"/>'
+    path = pack(description(f"<ssd:Elements>{outer}</ssd:Elements>"), inner__ssd=inner)
+    frame = CoSimulation.from_ssp(path, step=0.05).run(1.0)
+    assert frame.columns[0] == "pair_one.x"
+    assert as_coupled_here(frame, mass)
+
+
 def test_a_package_without_a_description(tmp_path: Path, mass: Path) -> None:
     with pytest.raises(FmuImportError, match=r"has no SystemStructure\.ssd"):
         CoSimulation.from_ssp(rewritten(mass, tmp_path / "c.ssp", str))

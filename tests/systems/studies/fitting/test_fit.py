@@ -151,6 +151,7 @@ BAD: Mapping[str, tuple[dict[str, Any], str]] = {
     "unknown column": ({"columns": {"q": "a.tension"}}, "no column q"),
     "unknown quantity": ({"columns": {"head": "a.tention"}}, "a.tension"),
     "unknown free quantity": ({"free": ["l9.mass"]}, "l9.mass"),
+    "unknown quantity of a sensor": ({"free": ["head.gian"]}, r"head\.gain or head\.offset"),
     "a result is free": ({"free": ["a.tension"]}, "is a result"),
     "nothing measured": ({"columns": {"m1": "l1.mass"}}, "No column is measured"),
     "free and given": ({"free": ["l1.mass"]}, "given in a column"),
@@ -164,6 +165,10 @@ BAD: Mapping[str, tuple[dict[str, Any], str]] = {
     "sigma of nothing": ({"sigma": {"foot": 1.0}}, "No measured column"),
     "sigma missing": ({"sigma": {"head": 1.0}}, "no value for z, low"),
     "sigma zero": ({"sigma": 0.0}, "above zero"),
+    "no scale of a robust loss": ({"columns": {"head": "a.tension"}, "sigma": None, "loss": "huber"}, "no scale"),
+    "nothing left for sigma": (
+        {"columns": {"head": "a.tension"}, "measured": 1, "sigma": None}, "how sure they are"
+    ),
     "unknown loss": ({"loss": "l3"}, "loss"),
 }  # fmt: skip
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from support.measured import idlers, standing
+from support.measured import ROPE, idlers, standing
 
 GON = rw.units.GON
 TWO = (460.296269689673, [(0.0, 95.3282575966228), (165.995104445107, 76.6693939496654)],
@@ -97,3 +97,60 @@ def test_a_scan_of_a_skyline() -> None:
     columns = {"station": "station", "x": "head_jack.rope_x", "z": "head_jack.rope_z"}
     fit = rw.fit(standing(), table, columns=columns, free="tension", sigma=0.01)
     assert fit.values["tension"] == pytest.approx(72e3, rel=1e-5)
+
+
+def blown(tension: float, stiffness: float = 24e6) -> rw.System:
+    """A loaded span off the x axis in wind."""
+    s = rw.System("blown", temperature=15.0)
+    rope = rw.Rope(
+        mass_per_length=2.4, axial_stiffness=stiffness, breaking_load=450e3, diameter=0.0254,
+        thermal_expansion=11.5e-6, drag_coefficient=1.1,
+    )  # fmt: skip
+    ends = rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(300.0, 60.0, 20.0))
+    (span,) = s.string(rope, *ends, tension=tension)
+    s.hang(rw.Load("turn", mass=500.0, drag_area=1.0), span, at=120.0)
+    return s.in_weather(rw.Environment("wind", temperature=5.0, wind_pressure=300.0, wind_from=0.0))
+
+
+def test_a_scan_in_wind() -> None:
+    curve = rw.equilibrium(blown(44e3)).profile("a_b", 12).iloc[1:-1]
+    columns = {axis: f"a_b.rope_{axis}" for axis in "xyz"}
+    fit = rw.fit(blown(40e3), curve[["x", "y", "z"]], columns=columns, free="a.pretension", sigma=0.01)
+    assert fit.values["a.pretension"] == pytest.approx(44e3, rel=1e-7)
+    assert fit.residuals["z"].abs().max() < 1e-8
+
+
+def test_temperatures_are_given_in_each_row() -> None:
+    true, rows = rw.assemble(blown(44e3, 20e6)), []
+    for celsius in (-20.0, 0.0, 20.0, 40.0):
+        eq = rw.equilibrium(true, parameters={"temperature": celsius})
+        rows.append({"T_degF": 1.8 * celsius + 32.0, "A_kN": eq["a.tension"] / 1e3, "z": eq["turn.z"]})
+    columns = {"T_degF": "temperature", "A_kN": "a.tension", "z": "turn.z"}
+    free, sigma = ["a.pretension", "a.axial_stiffness"], {"A_kN": 100.0, "z": 0.01}
+    fit = rw.fit(blown(40e3), pd.DataFrame(rows), columns=columns, free=free, sigma=sigma)
+    np.testing.assert_allclose(fit.values, [44e3, 20e6], rtol=1e-7)
+
+
+def test_a_pretension_by_stopwatch() -> None:
+    """The time of a wave along an empty rope and back, as the stringing table has it; with a load, from the load."""
+
+    def empty(tension: float) -> rw.System:
+        s = rw.System("empty")
+        s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), rw.Anchor("b", at=(250.0, 30.0)), tension=tension)
+        return s
+
+    (row,) = rw.stringing_table(empty(25e3), [15.0]).itertuples()
+    columns = {"t": "a_b.return_time"}
+    fit = rw.fit(empty(20e3), pd.DataFrame({"t": [row.return_time]}), columns=columns, free="a.pretension", sigma=0.05)
+    assert fit.values["a.pretension"] == pytest.approx(25e3, rel=1e-6)
+    # T is as the square of 1 / t: 1 % of the time is 2 % of the tension.
+    assert fit.standard_errors["a.pretension"] / 25e3 == pytest.approx(2.0 * 0.05 / row.return_time, rel=0.1)
+    known = {"l1.mass": (400.0, 1e-3)}
+    times = pd.DataFrame({"t": [1.2]})
+    columns = {"t": "s1_s2.return_time"}
+    blow = rw.fit(idlers(tension=33e3), times, columns=columns, free="l1.mass", sigma=0.01, prior=known)
+    eq = rw.equilibrium(idlers(tension=33e3))
+    curve = eq.profile("s1_s2", np.linspace(0.0, eq["l1.distance"], 2001))
+    slowness = np.sqrt(ROPE.mass_per_length * (1.0 + curve["tension"] / ROPE.axial_stiffness) / curve["tension"])
+    expected = 2.0 * float(np.trapezoid(slowness, curve["station"]))
+    assert blow.predicted["t"].iloc[0] == pytest.approx(expected, rel=1e-6)

@@ -106,6 +106,28 @@ def test_no_tension_is_quoted_after_a_slack_rope() -> None:
     assert result.summary().spans["at"].max() <= result.slack_time
 
 
+def test_a_turn_swings_beyond_its_limit() -> None:
+    """The mainline of a carriage stops: its turn swings on."""
+    s = rw.System("skyline")
+    carriage = rw.Carriage("carriage", at=(90.0, -38.0), mass=4000.0, swing=0.1)
+    turn = rw.Joint("turn", at=(90.0, -48.0), mass=300.0)
+    drum = rw.Drum("drum", at=(0.0, 0.0), speed=rw.Schedule([0.0, 9.0, 10.0, 10.1, 20.0], [0.0, 1.5, 1.5, 0.0, 0.0]))
+    s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), carriage, rw.Anchor("b", at=(200.0, -60.0)), length=210.5)
+    s.string(ROPE, carriage.dropline, turn, length=10.0)
+    s.string(ROPE, drum, carriage.mainline, length=95.0)
+    start = rw.equilibrium(s)
+    result = rw.simulate(s, 12.0, every=0.1, start=start, inertia=rw.Inertia())
+    swings = result.events[result.events["event"] == "swing beyond limit"]
+    assert swings["component"].iloc[0] == "carriage"
+    assert swings["value"].iloc[0] > 0.1
+    angle = result.full_frame["carriage.dropline_angle"]
+    assert angle.loc[:9.5].max() < 0.1
+    # As far as the energy of its speed lifts it, and not twice as far: the mainline lets the carriage rebound a little.
+    rigid = 1.5 / np.sqrt(9.80665 * 10.0)
+    assert rigid < angle.max() < 1.8 * rigid
+    assert result.swing().empty  # no load hangs on a rope
+
+
 def test_rejected_stops() -> None:
     for wrong in ([], [0.0], [-1.0], [float("nan")]):
         with pytest.raises(rw.InputError, match="deceleration"):

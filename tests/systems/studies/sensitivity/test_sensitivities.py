@@ -57,6 +57,25 @@ def test_statics_equal_central_differences() -> None:
         np.testing.assert_allclose(frame[name], expected, rtol=1e-5, atol=1e-7 * np.abs(expected).max(), err_msg=name)
 
 
+def test_derivatives_in_wind_equal_central_differences() -> None:
+    s = rw.System("blown", temperature=15.0)
+    rope = replace(ROPE, diameter=0.0286, drag_coefficient=1.1)
+    nodes = [rw.Anchor("a", at=(0, 0)), rw.Sheave("s1", at=(100, 5)), rw.Anchor("b", at=(210, 2, 8))]
+    spans = s.string(rope, *nodes, tension=30e3)
+    s.hang(rw.Load("l1", mass=400.0, drag_area=1.5), spans, at=150.0)
+    eq = rw.equilibrium(s, environment=rw.Environment("wind", temperature=5.0, wind_pressure=400.0, wind_from=20.0))
+    of = ["a.tension", "l1.z", "l1.y", "s1.support_force"]
+    steps = {"l1.mass": 0.1, "temperature": 1e-2, "wind_pressure": 0.1, "s1.z": 1e-2}
+    frame = rw.sensitivities(eq, of=of, to=list(steps))
+    for name, h in steps.items():
+
+        def at(value: float, name: str = name) -> np.ndarray:
+            moved = rw.equilibrium(eq.model, parameters={name: value}, start=eq)
+            return np.array([moved[o] for o in of])
+
+        np.testing.assert_allclose(frame[name], difference(at, eq[name], h), rtol=1e-5, err_msg=name)
+
+
 def test_derivative_of_the_pretension_of_an_empty_rope() -> None:
     s = rw.System("empty")
     nodes = [rw.Anchor("a", at=(0, 0)), rw.Sheave("s", at=(100, 5)), rw.Anchor("b", at=(210, 2))]

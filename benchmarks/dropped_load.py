@@ -1,6 +1,6 @@
 """A dropped load: ropeway, MoorDyn and a fine chain of springs in one run.
 
-    python benchmarks/inertia.py
+    python benchmarks/dropped_load.py
 
 A level span of 240 m carries 2950 kg at its middle and loses 1000 kg. Rows have equal numbers of pieces on each side of
 the load: exact catenaries in ropeway, springs in MoorDyn (explicit, without damping, as here). Errors are those of the

@@ -20,11 +20,12 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError
+from ropeway.fmu.importing.embedded.eventful_fmu import EventfulFmu, FmuEvents, called
+from ropeway.fmu.importing.embedded.readable_description import make_readable
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import Instance, require_kind
 from ropeway.fmu.importing.model_exchange_integrator import Integrator
 from ropeway.fmu.importing.participant import OpenFmu, require_causality
-from ropeway.fmu.importing.readable_description import make_readable
 
 
 @checked
@@ -44,6 +45,8 @@ class FmuComponent(Component):
         Its variables in SI units.
     scales : mapping of str
         Factor and offset of each variable to SI units.
+    events : FmuEvents, optional
+        Its events; `function` then has its mode as a further argument.
 
     Examples
     --------
@@ -57,6 +60,13 @@ class FmuComponent(Component):
     function: ca.Function
     owned: tuple[Variable, ...]
     scales: Mapping[str, tuple[float, float]]
+    events: FmuEvents | None = None
+
+    __eq__, __hash__ = object.__eq__, object.__hash__  # the equations are those of one open FMU
+
+    @property
+    def external_events(self) -> FmuEvents | None:
+        return self.events
 
     @property
     def ports(self) -> tuple[Port, ...]:
@@ -78,7 +88,8 @@ class FmuComponent(Component):
             ca.vertcat(ca.MX(0, 1), *((getattr(v, n) - self.scales[n][1]) / self.scales[n][0] for n in raw[kind]))
             for kind in (Kind.STATE, Kind.INPUT, Kind.PARAMETER)
         ]
-        ode, y = self.function(v.time, *vectors)
+        mode = [] if self.events is None else [getattr(v, self.events.mode)]
+        ode, y = self.function(v.time, *vectors, *mode)
         return Equations(
             rates={n: self.scales[n][0] * ode[i] for i, n in enumerate(raw[Kind.STATE])},
             outputs={n: self.scales[n][0] * y[i] + self.scales[n][1] for i, n in enumerate(raw[Kind.OUTPUT])},
@@ -96,12 +107,13 @@ def component(
     """A Model Exchange FMU of version 2.0 or 3.0 as a component of a system.
 
     Connect its inputs, outputs and states with `input` and `output`; all are in SI units. Unconnected and discrete
-    inputs, and variables that are not real scalars, keep their start values. The states start from the FMU's own
-    initialisation. Jacobians are exact if the FMU has directional derivatives, otherwise finite differences by CasADi;
-    they do not include an explicit dependence on time.
+    inputs, and variables that are not real, keep their start values. The states start from the FMU's own
+    initialisation. Jacobians are exact if the FMU has directional derivatives and no events, otherwise finite
+    differences; they do not include an explicit dependence on time.
 
-    CasADi's `DaeBuilder` calls the FMU and does not handle its events. Couple FMUs with events by `CoSimulation`. A
-    system with an FMU cannot be exported, and runs several times slower than one without.
+    State and time events of the FMU are located within the steps of the simulation; the FMU must be able to save its
+    state. An FMU that ends itself ends the run. A system with an FMU cannot be exported, and runs several times slower
+    than one without.
 
     Parameters
     ----------
@@ -110,10 +122,10 @@ def component(
     fmu : Fmu, str or Path
         The FMU, or its file.
     parameters : mapping of str to float, optional
-        Values of its parameters. Tunable parameters are parameters of the model as well.
+        Values of its parameters. Tunable parameters of an FMU without events are parameters of the model as well.
     ignore_events : bool, default False
-        Whether to accept event indicators and time events: only correct if the equations are the same on both sides, as
-        in exported systems without loads that cross supports.
+        Whether its events are not handled, which is faster: only correct if the equations are the same on both sides,
+        as in exported systems without loads that cross supports.
 
     Returns
     -------
@@ -125,7 +137,7 @@ def component(
     InputError
         An invalid name or value.
     FmuImportError
-        The file cannot be used, or the FMU has events.
+        The file cannot be used, or the FMU has events and cannot save its state.
     FmuVariableError
         An unknown parameter.
     FmuRunError
@@ -148,14 +160,36 @@ def component(
     for key, value in values.items():
         require_causality(file, key, "parameter")
         check.number(value, f"FMU component {name!r}", key)
-    count = int(file.description.numberOfEventIndicators or 0)
-    if count and not ignore_events:
-        raise _has_events(file, f"{count} event indicators")
-    if any(v.variable.dimensions for v in file.description.derivatives):
-        raise FmuImportError(
-            f"{file.path.name} has arrays of states, which CasADi does not support in a component",
-            "Couple it by CoSimulation",
-        )
+    if ignore_events:
+        return _embedded(file, name, values)
+    opened = EventfulFmu(file, name, values)
+    if opened.has_events or any(v.variable.dimensions for v in file.description.derivatives):
+        return _with_events(file, name, opened)
+    try:
+        return _embedded(file, name, values)
+    except _RefusedError:  # CasADi cannot read it
+        return _with_events(file, name, opened)
+
+
+class _RefusedError(FmuImportError):
+    """CasADi cannot use an FMU."""
+
+
+def _with_events(fmu: Fmu, name: str, opened: EventfulFmu) -> FmuComponent:
+    """A component that is called through Python, with its events."""
+    groups = {Kind.STATE: opened.states, Kind.INPUT: opened.inputs, Kind.OUTPUT: opened.outputs}
+    owned, scales = _variables(fmu, groups, dict(zip(groups, opened.starts(), strict=True)))
+    events = FmuEvents(opened, scales)
+    mode = Variable(events.mode, Kind.DISCRETE, "1", "number of a saved state of the FMU")
+    nominals = [
+        np.array([v.nominal / abs(scales[v.name][0]) for v in owned if v.kind is kind])
+        for kind in (Kind.STATE, Kind.INPUT)
+    ]
+    return FmuComponent(name, fmu, called(name, opened, nominals), (*owned, mode), scales, events)
+
+
+def _embedded(file: Fmu, name: str, values: Mapping[str, float]) -> FmuComponent:
+    """A component that CasADi calls."""
     folder = tempfile.mkdtemp(prefix="ropeway-")
     try:
         file.unpack(folder)
@@ -164,7 +198,7 @@ def component(
         # CasADi reads only real outputs.
         dae.set_y([n for n in file.outputs() if dae.has(n) and n not in dae.x()])
         groups = {Kind.STATE: dae.x(), Kind.INPUT: dae.u(), Kind.PARAMETER: dae.p(), Kind.OUTPUT: dae.y()}
-        starts = _starts(file, name, values, groups, ignore_events)  # reports values that the FMU rejects
+        starts = _starts(file, name, values, groups)  # reports values that the FMU rejects
         for key, value in values.items():
             dae.set(key, value)
         # Directional derivatives of CasADi 3.8.2 are wrong for a zero direction; Jacobians are correct.
@@ -176,7 +210,7 @@ def component(
         raise
     except RuntimeError as error:
         shutil.rmtree(folder, ignore_errors=True)
-        raise FmuImportError(
+        raise _RefusedError(
             f"CasADi cannot use {file.path.name} in a component: {_reason(file, error)}",
             "Couple it by CoSimulation",
         ) from error
@@ -219,24 +253,13 @@ def _tunes(fmu: Fmu, name: str, values: Mapping[str, float]) -> bool:
         instance.close()
 
 
-def _has_events(fmu: Fmu, what: str) -> FmuImportError:
-    return FmuImportError(
-        f"{fmu.path.name} has {what}: a component does not handle events",
-        "Couple it by CoSimulation; or give ignore_events=True if its equations do not change at events",
-    )
-
-
 def _starts(
-    fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]], ignore_events: bool
+    fmu: Fmu, name: str, values: Mapping[str, float], groups: Mapping[Kind, Sequence[str]]
 ) -> dict[Kind, np.ndarray]:
-    """Values after the FMU's own initialisation. Raises FmuImportError if it announces an event."""
+    """Values after the FMU's own initialisation."""
     with OpenFmu(fmu, name, "ModelExchange") as slave:
         slave.enter(0.0, values)
         slave.leave()
-        state = slave.save()
-        slave.forget(state)
-        if np.isfinite(state.next_event) and not ignore_events:
-            raise _has_events(fmu, f"an event at t = {state.next_event:g} s")
         return {kind: slave.get(list(names)) for kind, names in groups.items()}
 
 

@@ -1,0 +1,1 @@
+"""An FMU for Model Exchange as a component of a system."""
