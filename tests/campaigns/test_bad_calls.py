@@ -106,6 +106,7 @@ MAY_BE_NAN = {
 ANYTHING = {"fmu.Fmu.description", "fmu.Fmu.values.given", "fmu.Slave.enter.values", "fmu.Slave.set.values"} | {
     "SupportPlan.station",
     "StudyInputs.arguments",
+    "Monitor.update.row",
 }
 """Arguments that may be anything, or NaN; those of a study are checked when it runs."""
 MUCH = {"until", "generations", "population", "horizon"}

@@ -212,7 +212,8 @@ class Monitor(Tabular):
         if isinstance(rows, pd.DataFrame):
             named = rows.reset_index() if rows.index.name is not None else rows
             rows = named.to_dict("records")
-        if isinstance(rows, Collection) and not all(isinstance(row, Mapping) for row in rows):
+        listed = isinstance(rows, Collection) and not isinstance(rows, np.ndarray)
+        if isinstance(rows, np.ndarray) or (listed and not all(isinstance(row, Mapping) for row in rows)):
             raise InputError("A row is not a mapping", "Give rows with a value for each column, by name")
         return (self.update(row) for row in rows)
 
@@ -356,7 +357,7 @@ def _conversion(key: str, column: Column) -> tuple[float, float]:
 def _read(row: Mapping[str, Any], key: str, column: Column) -> float:
     """A value of a row in SI units; NaN where it is missing or blank. Raises InputError."""
     value = row.get(key, row.get(column.name))
-    if value is None or value is pd.NA or value == "":
+    if value is None or value is pd.NA or (isinstance(value, str) and not value.strip()):
         return np.nan
     number = float(value) if isinstance(value, str) and is_number(value) else value
     if isinstance(number, bool) or not isinstance(number, (int, float, np.integer, np.floating)):

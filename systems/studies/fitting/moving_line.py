@@ -16,6 +16,8 @@ from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import unpin
 
+_LONGEST = 3600.0
+"""Longest time between two rows [s]."""
 _TOLERANCE = 1e-6
 """Tolerance of the integration of drives."""
 
@@ -47,6 +49,11 @@ class MovingLine:
         line, now = self._stepper.line, self.time
         if time < now:
             raise InputError(f"A row at {time:g} s comes after {now:g} s", "Sort the rows")
+        if time - now > _LONGEST:
+            raise InputError(
+                f"A row at {time:g} s comes {time - now:g} s after the last one",
+                "Count the time from the start of the run [s]; begin a new monitor after a long stop",
+            )
         values = {**self._values, **inputs}
         signals = list(self._signals)
         for name, value in values.items():

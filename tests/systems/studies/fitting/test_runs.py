@@ -115,6 +115,8 @@ def test_rows_from_an_iterator_with_gaps() -> None:
     assert found[-1].value["l3.mass"] == pytest.approx(MASSES[2], abs=2.0 * found[-1].standard_error["l3.mass"])
     with pytest.raises(rw.InputError, match="Sort the rows"):
         watch.update({"t": 3.0, "T_kN": 45.0})
+    with pytest.raises(rw.InputError, match="from the start of the run"):
+        watch.update({"t": 1.7e9, "T_kN": 45.0})
     with pytest.raises(rw.InputError, match="has no time"):
         watch.update({"T_kN": 45.0})
     with pytest.raises(rw.InputError, match="T_kN is 'high'"):
