@@ -231,7 +231,7 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if (self.settings.compiled or self.settings.inertia) and not self.stop_at and not self.external.present:
+            if (self.settings.compiled or self.settings.inertia) and not self.stop_at:
                 stops = _grid(count, every, until, quiet)
                 if done := self.stepper.run_along(stops):
                     advance(stops[done - 1])
