@@ -32,7 +32,7 @@ class ExternalParts:
         self.ended = False
         self._step = _FIRST_STEP
         if self._parts:  # a step of the line that is linear would lose the second order of other equations
-            stepper.line.tiny = _RESOLUTION
+            self._stepper.line.tiny = _RESOLUTION
 
     def run_to(self, stop: float) -> None:
         """Advances to a time [s] through all events before it and at it, or until a component ends the run. Raises
@@ -132,4 +132,7 @@ class ExternalParts:
             self._recorder.record(state)
             if self.ended:
                 return
-        self._stepper.guard.require(self._stepper.state.point.t)
+        time = self._stepper.state.point.t
+        raise SimulationError(
+            f"{due[0]!r} has more than {_MOST_EVENTS} events at t = {time:.9g} s", "Check its inputs at that time", time
+        )
