@@ -18,11 +18,20 @@ PRINTED = {
 """A result that an example prints."""
 FEWER = {"sweep": ["200"]}
 """Arguments that make an example's work less."""
-LONG = {"optimise_schedule", "turk_responses"}
-"""Examples that run with their own constants only, in the slow tests."""
+LONG = {
+    "fit_tension_log",
+    "fmu_cosimulation",
+    "fmu_export",
+    "load_cases",
+    "optimise_schedule",
+    "own_component",
+    "standing_skyline",
+    "sweep",
+    "turk_responses",
+}
+"""Examples that run in the slow tests, and when the gallery is built."""
 SMALLER = {
     "emergency_stop": {"DECELERATIONS": (2.0,), "SETTLE": 1.0},
-    "fmu_cosimulation": {"UNTIL": 3.0},
     "saddle": {"SPACING": 0.5},
 }
 """Examples that run by their constants too: with these in less time, with their own ones they are slow."""

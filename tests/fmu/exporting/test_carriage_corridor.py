@@ -55,8 +55,15 @@ def test_fmpy_finds_no_problem(name: str, request: pytest.FixtureRequest) -> Non
 RUNS = {"corridor2": (corridor(), 2500.0), "corridor3": (corridor(haulback_tension=3e3), 0.0)}
 
 
-@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
-@pytest.mark.parametrize("name", ["corridor2", "corridor3"])
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("corridor2", "CoSimulation"),
+        pytest.param("corridor2", "ModelExchange", marks=pytest.mark.slow),
+        pytest.param("corridor3", "CoSimulation", marks=pytest.mark.slow),
+        ("corridor3", "ModelExchange"),
+    ],
+)
 def test_inwards_over_two_supports_and_outwards_again(name: str, kind: str, request: pytest.FixtureRequest) -> None:
     """Outhaul starts with more mainline wound in: the carriage is taken over the supports when the FMU starts."""
     path: Path = request.getfixturevalue(name)

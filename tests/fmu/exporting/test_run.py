@@ -41,8 +41,15 @@ def deviation(path: Path, system: rw.System, until: float, kind: str, least: int
     return names[int(error.argmax())], float(error.max())
 
 
-@pytest.mark.parametrize("kind", ["CoSimulation", "ModelExchange"])
-@pytest.mark.parametrize("name", ["line2", "line3"])
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        pytest.param("line2", "CoSimulation", marks=pytest.mark.slow),
+        ("line2", "ModelExchange"),
+        ("line3", "CoSimulation"),
+        pytest.param("line3", "ModelExchange", marks=pytest.mark.slow),
+    ],
+)
 def test_ten_minutes_with_hundreds_of_crossings(name: str, kind: str, request: pytest.FixtureRequest) -> None:
     where, error = deviation(request.getfixturevalue(name), example_line(), 600.0, kind)
     assert error < 1e-7, where

@@ -115,6 +115,7 @@ def test_a_limit_that_is_active_for_a_moment_is_detected() -> None:
         assert seldom[name].to_numpy() == pytest.approx(often.loc[seldom.index, name].to_numpy(), abs=5e-5)
 
 
+@pytest.mark.slow
 def test_energy_balance_over_half_an_hour() -> None:
     drive = hydraulic_drive(drag=100.0)
     result = rw.simulate(line(drive=drive, response=RULE), until=1800.0)

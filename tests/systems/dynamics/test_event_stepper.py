@@ -110,7 +110,9 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] if "behind a crossing" in case else []) for case in CASES]
+)
 def test_coarse_and_fine_records_agree(case: str) -> None:
     system, interventions, until, intervals = CASES[case]
     fine, *coarse = (

@@ -69,7 +69,7 @@ def failures(first: int, count: int) -> int:
     return failed
 
 
-@pytest.mark.parametrize("first", chunks(75, 200))
+@pytest.mark.parametrize("first", chunks(25, 200))
 def test_stable_lines_from_a_cold_start(first: int) -> None:
     assert failures(first, CHUNK) == 0
 

@@ -161,6 +161,7 @@ def test_the_lead_keeps_its_schedule_from_any_start() -> None:
     assert plans[0].objective == pytest.approx(plans[1].objective, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_three_starts_give_the_same_objective(plans: dict[str, rw.SchedulePlan]) -> None:
     times = plans["energy"].schedules["c1"].times
     waves = np.random.default_rng(3).uniform(-0.03, 0.03, 3)
@@ -194,6 +195,7 @@ def test_the_multiplier_of_a_limit_is_its_cost(plans: dict[str, rw.SchedulePlan]
     assert cost == pytest.approx(saved, rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_multiplier_of_a_force_limit_is_its_cost() -> None:
     """Against the central difference of simulated objectives."""
     tight, plan, wide = (

@@ -232,6 +232,7 @@ def test_derivatives_through_delayed_samples_and_drive_states() -> None:
     )
 
 
+@pytest.mark.slow
 def test_derivatives_through_drives_at_their_limit() -> None:
     """The engine's power limits the force: speeds and tensions are coupled, and crossings disturb both."""
     weak = replace(DRIVE, engine_power=12e3)

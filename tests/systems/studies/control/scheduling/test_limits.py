@@ -91,6 +91,7 @@ def slippery(friction: float) -> rw.System:
     return line
 
 
+@pytest.mark.slow
 def test_the_multiplier_of_a_grip_limit_is_its_cost() -> None:
     """Against the central difference of simulated objectives."""
     tight, plan, wide = (
