@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
 from ropeway.systems.dynamics.compiled_sections import CompiledSections
 from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
@@ -33,7 +34,7 @@ class EventStepper:
         self.line = (CompiledStepper if compiled else LineStepper)(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
-        events = LoadEvents(self.line, self.guard, self.recorder)
+        self._events = events = LoadEvents(self.line, self.guard, self.recorder)
         by_sections = CompiledSections if compiled else SectionIntegrator
         self._by_sections = by_sections(self.line, events, self.guard, self.recorder)
         self._as_whole = LineIntegrator(self.line, events, self.guard)
@@ -52,6 +53,14 @@ class EventStepper:
     def disturb(self) -> None:
         """Declares that something else than time has changed the line: it is solved before the next step."""
         self._motion = None
+
+    def settle(self, stop: float) -> None:
+        """Solves the line where a run starts. Loads that this moves past an idler cross it: friction acts there as soon
+        as the rope runs. Inputs do not bend before `stop` [s]. Raises EquilibriumError, SimulationError."""
+        motion = self.line.solve(stop)
+        ends = {(r, k) for r, run in enumerate(self.state.runs) for k in (0, len(run.nodes) - 1)}
+        for crossing in loads.overrun(self.state, ends)[:1]:
+            self._events.cross(crossing, motion, stop, exact=True, balanced=False)
 
     def run_along(self, stops: Sequence[float]) -> int:
         """Advances through the first of some stops on the grid, as `run_to` and with an entry at each, as far as the

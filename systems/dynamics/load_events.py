@@ -26,15 +26,18 @@ class LoadEvents:
         self.guard = guard
         self.recorder = recorder
 
-    def cross(self, first: loads.Crossing, motion: LineMotion, stop: float, *, exact: bool) -> LineMotion:
+    def cross(
+        self, first: loads.Crossing, motion: LineMotion, stop: float, *, exact: bool, balanced: bool = True
+    ) -> LineMotion:
         """Moves the loads that stand on their supports to the next spans, and those that the jump of the line then
-        takes past theirs. exact: all sections are solved. Returns the rates after the jump. Raises EquilibriumError,
-        SimulationError."""
+        takes past theirs. exact: all sections are solved; balanced: until now all loads are in their spans, which is
+        recorded. Returns the rates after the jump. Raises EquilibriumError, SimulationError."""
         line = self.line
         crossings = self._passing(loads.due(line.state, first, motion.travel), motion, stop)
         if not crossings:
             return motion
-        self.recorder.record(line.state, exact=exact)
+        if balanced:
+            self.recorder.record(line.state, exact=exact)
         self.guard.require(line.time, line.state.runs[first.r].nodes[first.k].name)
         before, events = loads.on_line(line.state), list[tuple[loads.Crossing, str]]()
         passed: set[tuple[int, int]] = set()

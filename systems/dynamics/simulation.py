@@ -223,7 +223,7 @@ class _Simulation:
     def go(self, until: float, every: float, advance: Callable[[float], None]) -> None:
         """Runs to the end, with an entry `every` so many seconds [s]."""
         self.line.set_time(0.0)
-        self.line.solve(until)
+        self.stepper.settle(until)
         self.record(on_grid=True)
         count, grid = 1, min(every, until)
         while True:

@@ -260,7 +260,7 @@ def test_every_argument_has_a_valid_value() -> None:
 
 SLOW = {
     "receding_horizon", "tune_response", "set_up", "SchedulePlan", "SchedulePlan.at", "SchedulePlan.robustness",
-    "optimise_schedule", "Result.report", "Result.animate",
+    "optimise_schedule", "Result.report", "Result.animate", "Fit.report", "LoadCases.report",
     "SchedulePlan.report", "PayloadStudy.report", "Inhaul.report",
     "load_path_report", "Result.plot", "Result.plot_line", "fmu.export", "inhaul",
     "tension_history", "payload", "optimise_supports", "load_path", "balanced",

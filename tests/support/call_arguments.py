@@ -268,7 +268,9 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "yarders": dict,
         "run_study": lambda: {"inputs": rw.StudyInputs("equilibrium", one_span())},
         "save": lambda: {"value": one_span(), "path": folder() / "saved.json"},
-        "sensitivities": lambda: {"solution": rest(), "of": "c.tension_in", "to": ["a_c.mass_per_length"]},
+        "sensitivities": lambda: {
+            "solution": rig(), "of": "sag", "to": ["payload"], "payload": 500.0, "stations": [150.0], "height": None,
+        },
         "set_up": lambda: {
             "rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None, **cold,
         },
@@ -276,7 +278,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "simulate": lambda: {
             "system": line(), "until": 2.0, "every": 1.0, "inputs": {"c.speed": 0.6}, "start": None,
             "tolerance": 1e-5, "interventions": [rw.Intervention(1.0, "brake", "c")], "stop_at": (),
-            "progress": False, "compiled": False, **cold,
+            "progress": False, "compiled": False, "inertia": None, **cold,
         },
         "solve_span": lambda: {
             "problem": rw.SpanProblem(120.0, 4.0, 123.0, 30.0, 3e7), "method": "Newton-Raphson",

@@ -84,6 +84,10 @@ class InertialStepper:
         self._motion = motion
         return count
 
+    def settle(self, stop: float) -> None:
+        """Solves the line where a run starts; inputs do not bend before `stop` [s]. Raises EquilibriumError."""
+        self.line.solve(stop)
+
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises
         EquilibriumError, SimulationError."""

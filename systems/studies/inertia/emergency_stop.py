@@ -35,6 +35,8 @@ _UNITS = {
 }  # fmt: skip
 _TOLERANCE = 1e-5
 """Of the simulations, at which peaks are accurate to some newtons."""
+_LONGEST = 3600.0
+"""Longest time for which a line is watched after a stop [s]."""
 _MOST = 100
 """Largest number of decelerations."""
 
@@ -145,6 +147,12 @@ def emergency_stop(
     for a in chosen:
         check.positive(a, "emergency_stop", "a deceleration", "m/s2")
     check.not_negative(settle, "emergency_stop", "settle", "s")
+    check.positive(every, "emergency_stop", "every", "s")
+    if max(settle, every) > _LONGEST:
+        raise InputError(
+            f"emergency_stop would watch the line for {max(settle, every):g} s after a stop",
+            f"Give at most {_LONGEST:g} s",
+        )
     model = line if isinstance(line, Model) else assemble(line)
     rest = equilibrium(model) if start is None else start
     speed = max((abs(v) for v in _speeds(model, rest, inputs or {}).values()), default=0.0)

@@ -126,8 +126,10 @@ def _shares(found: np.ndarray, generator: np.random.Generator) -> dict[str, np.n
 
     def shares(rows: np.ndarray) -> np.ndarray:
         """First-order and total shares, (2, inputs)."""
-        one = of_samples(func={"f_A": rows[:1], "f_B": rows[1:2], "f_AB": rows[2:, None]}, n=rows.shape[1])
-        return np.array([one.first_order.ravel(), one.total_order.ravel()])
+        # The result twice: scipy drops the axes of a single result of a single input, and then fails.
+        a, b, mixed = (np.repeat(part, 2, axis=-2) for part in (rows[:1], rows[1:2], rows[2:, None]))
+        one = of_samples(func={"f_A": a, "f_B": b, "f_AB": mixed}, n=rows.shape[1])
+        return np.array([one.first_order[0], one.total_order[0]])
 
     count = found.shape[1]
     again = [shares(found[:, generator.integers(count, size=count)]) for _ in range(_RESAMPLES)]

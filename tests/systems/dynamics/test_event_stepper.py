@@ -186,3 +186,15 @@ def test_rope_that_runs_away_at_a_crossing_is_reported_as_unstable() -> None:
     with pytest.raises(rw.SimulationError, match="rope over 'n1' is unstable") as caught:
         rw.simulate(line, until=150.0, progress=False)
     assert caught.value.result.times[-1] == pytest.approx(122.75, abs=0.01)
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+def test_a_load_at_a_rough_idler_as_the_rope_starts_the_other_way(speed: float) -> None:
+    """Friction turns with the rope, and draws a millimetre of it over the idler at once, and the load with it."""
+    s = rw.System("starting")
+    drums = rw.Drum("d", at=(0.0, 0.0), speed=speed), rw.Drum("e", at=(200.0, 0.0), tension=50e3)
+    spans = s.string(ROPE, drums[0], rw.Sheave("m", at=(100.0, 15.0), friction=0.05), drums[1], tension=50e3)
+    s.hang(rw.Load("l", mass=400.0), spans, at=spans[0].length)
+    result = rw.simulate(s, until=1.0, every=0.5, inputs={"d.speed": -speed}, progress=False)
+    assert result.certificate["holds"].all()
+    assert result.events["event"].str.startswith("crossing").any()
