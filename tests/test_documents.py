@@ -20,6 +20,8 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/skylines.md",
         "docs/load_cases.md",
         "docs/weather.md",
+        "docs/inertia.md",
+        "docs/fitting.md",
         "docs/components.md",
         "docs/projects.md",
         "docs/catalogue.md",
