@@ -9,13 +9,13 @@ from collections.abc import Sequence
 def binary_folder(fmi: str, platform: str, platforms: Sequence[str]) -> str:
     """Folder of the library of a platform inside the FMU.
 
-    FMI 2.0 has one folder for Linux and one for macOS. The first holds x86_64 if that is among the platforms, the
-    second both architectures (see `universal`).
+    FMI 2.0 has one folder for 64-bit Linux and one for macOS. The first holds x86_64 if that is among the platforms,
+    the second both architectures (see `universal`).
     """
     architecture, system = platform.split("-")
     if fmi == "3.0":
         return f"{architecture}-{'darwin' if system == 'macos' else system}"
-    if system == "linux" and architecture != "x86_64" and "x86_64-linux" in platforms:
+    if system == "linux" and architecture == "aarch64" and "x86_64-linux" in platforms:
         return platform
     bits = 32 if architecture == "x86" else 64
     return {"linux": "linux", "windows": "win", "macos": "darwin"}[system] + str(bits)
