@@ -62,7 +62,7 @@ def test_intervals_contain_the_true_values(kind: str, campaign: Campaign) -> Non
     binomial distribution, or 93 to 97 % where that is wider."""
     rng = np.random.default_rng([campaign.seed, len(kind)])
     inside, total = dict[str, int](), 0
-    for _ in range(campaign.size(15)):
+    for _ in range(campaign.size(60)):
         system, table, columns, true = drawn(kind, rng)
         sigma = dict[str, float]()
         for column in columns:
