@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Seat, remade
+from ropeway.components.component import Component, remade
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energy_outputs
 from ropeway.components.sheave import (
+    MovingWheel,
     Wheel,
     free_or_held,
     held_variables,
     inertial_law,
-    moving_seat,
     tension_law,
     travel_variables,
 )
@@ -87,7 +87,7 @@ class TensionedReturn(Wheel):
         return remade(self, MovingReturn) if type(self) is TensionedReturn else self
 
     @property
-    def balance(self) -> str:
+    def balance(self) -> str | None:
         return "tension_law"
 
     @property
@@ -156,22 +156,8 @@ class TensionedReturn(Wheel):
 
 @checked
 @dataclass(frozen=True)
-class MovingReturn(TensionedReturn):
+class MovingReturn(MovingWheel, TensionedReturn):
     """A return wheel with the inertia of its rope, its slide and itself; arguments as of a `TensionedReturn`."""
-
-    inertial: ClassVar[bool] = True
-
-    @property
-    def a(self) -> Seat:
-        return moving_seat(super().a)
-
-    @property
-    def b(self) -> Seat:
-        return moving_seat(super().b)
-
-    @property
-    def balance(self) -> None:  # type: ignore[override]
-        return None
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:

@@ -162,7 +162,7 @@ class Sheave(Wheel):
         return remade(self, MovingSheave) if type(self) is Sheave else self
 
     @property
-    def balance(self) -> str:
+    def balance(self) -> str | None:
         return "tension_law"
 
     def masses(self, read: Callable[[str], Any]) -> tuple[MovingMass, ...]:
@@ -197,14 +197,9 @@ class Sheave(Wheel):
         return {"tension_law": free_or_held(v, by)}
 
 
-@checked
-@dataclass(frozen=True)
-class MovingSheave(Sheave):
-    """An idler sheave that the rope accelerates; arguments as of a `Sheave`.
-
-    What each metre of rope carries in and out, T + T^2/2EA, is the force on the rope's travel: with the plain tension
-    the stiffness of a line is not symmetric, and its energy drifts.
-    """
+class MovingWheel(Wheel):
+    """What idlers and return wheels with inertia share: the rope over them has a speed, and no tension balances its
+    travel."""
 
     inertial: ClassVar[bool] = True
 
@@ -217,8 +212,18 @@ class MovingSheave(Sheave):
         return moving_seat(super().b)
 
     @property
-    def balance(self) -> None:  # type: ignore[override]
+    def balance(self) -> str | None:
         return None
+
+
+@checked
+@dataclass(frozen=True)
+class MovingSheave(MovingWheel, Sheave):
+    """An idler sheave that the rope accelerates; arguments as of a `Sheave`.
+
+    What each metre of rope carries in and out, T + T^2/2EA, is the force on the rope's travel: with the plain tension
+    the stiffness of a line is not symmetric, and its energy drifts.
+    """
 
     def structure(self, site: Site) -> Hashable:
         return self.friction > 0.0

@@ -21,7 +21,7 @@ from ropeway.systems.dynamics.chattering import FinalError
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.newton import residuals_of
 from ropeway.systems.statics.line_state import LineState, end_force, load_force, read_value
-from ropeway.systems.statics.load_positions import extend
+from ropeway.systems.statics.load_positions import take_more
 from ropeway.systems.statics.stability import unstable
 
 PUT_ON, TAKEN_OFF = "load put on", "load taken off"
@@ -58,11 +58,8 @@ class Gaps:
 
 def gaps(state: LineState, r: int) -> Gaps:
     """The gaps of a run; takes more loads from its feed when the last one is near."""
+    take_more(state, r)
     run = state.runs[r]
-    if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
-        extend(state, r)
-    if run.around and state.passed[r][-1] < 1:
-        extend(state, r, ahead=True)
     beyond, rope = state.passed[r], state.rope(r)
     padded = np.concatenate([[np.inf], state.runs[r].loads.place, [-np.inf]])
     # rope falls as travel grows: the next load forward is the first that has not passed.

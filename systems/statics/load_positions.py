@@ -37,6 +37,15 @@ def assign_loads(state: LineState) -> bool:
     return not moved
 
 
+def take_more(state: LineState, r: int) -> None:
+    """Lists more loads of a run from its feed where the last one, or on an endless rope the first one, is near."""
+    run = state.runs[r]
+    if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
+        extend(state, r)
+    if run.around and state.passed[r][-1] < 1:
+        extend(state, r, ahead=True)
+
+
 def extend(state: LineState, r: int, *, ahead: bool = False) -> None:
     """Doubles the listed loads of a run with a feed: behind the last, or `ahead` of the first where the rope is
     endless."""

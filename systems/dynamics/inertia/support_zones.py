@@ -17,7 +17,7 @@ import numpy as np
 from ropeway.systems.dynamics.inertia.inertial_state import join, output_rates, slot_motions, slot_outputs, tieable
 from ropeway.systems.dynamics.load_crossings import Crossing, passing_event
 from ropeway.systems.statics.line_state import LineState
-from ropeway.systems.statics.load_positions import extend
+from ropeway.systems.statics.load_positions import take_more
 
 TIE, CROSS, LEAVE = "tie", "cross", "leave"
 PAST = 1.5e-3
@@ -60,7 +60,7 @@ def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
         ties = tieable(state.model, r)
         if not ties.any() or not len(state.runs[r].loads.place):
             continue
-        _take_more(state, r)
+        take_more(state, r)
         loads, rope, last = _standing(state, r), state.rope(r), len(ties) - 1
         for end, side in ((0, 1.0), (1, -1.0)):  # free loads towards the ends a and b of their spans
             on = (loads.tied < 0) & (loads.span >= 0) & (loads.span < last)
@@ -99,15 +99,6 @@ def _events(
         ZoneEvent(what, r, int(k[i]), int(loads.index[i]) + first, float(gap[i]), float(speed[i]), forward)
         for i in np.flatnonzero(which & (speed > 1e-9))
     ]
-
-
-def _take_more(state: LineState, r: int) -> None:
-    """Lists more loads of a feed when the last one is near."""
-    run = state.runs[r]
-    if run.feed is not None and state.passed[r][0] >= len(run.loads.place) - 1:
-        extend(state, r)
-    if run.around and state.passed[r][-1] < 1:
-        extend(state, r, ahead=True)
 
 
 def _standing(state: LineState, r: int) -> _Standing:
