@@ -119,6 +119,7 @@ def main(folder: Path = Path("ropeway-own-component")) -> None:
     axes = run.frame[list(columns)].plot(subplots=True, legend=False, figsize=(8, 6), grid=True)
     for axis, label in zip(axes, columns.values(), strict=True):
         axis.set_ylabel(label)
+        axis.ticklabel_format(axis="y", useOffset=False)
     axes[-1].set_xlabel("time [s]")
     axes[0].figure.savefig(folder / "own_component.png", dpi=150, bbox_inches="tight")
     rw.fmu.export(s, folder / "own.fmu")
