@@ -72,6 +72,29 @@ class Declarations:
         self.ground: Ground | None = None
         self.map_frame: MapFrame | None = None
 
+    @property
+    def load_names(self) -> set[str]:
+        """Names of the loads that hang where the user says."""
+        return {h.load.name for h in self.hung}
+
+    def origin(self, name: str, text: str = "{}") -> str:
+        """File and line of the user's code that added a component, in a text.
+
+        Parameters
+        ----------
+        name : str
+            Name of the component.
+        text : str, default "{}"
+            Text around file and line.
+
+        Returns
+        -------
+        str
+            The text; empty if there is no such code.
+        """
+        origin = self.origins.get(name)
+        return text.format(origin) if origin else ""
+
 
 _ALONG = 1e-9
 """Sine of an angle to the line below which wind does not blow across it."""
