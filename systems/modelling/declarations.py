@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.component import Component
 from ropeway.components.environment import Environment
@@ -77,6 +78,7 @@ class Declarations:
         """Names of the loads that hang where the user says."""
         return {h.load.name for h in self.hung}
 
+    @checked
     def origin(self, name: str, text: str = "{}") -> str:
         """File and line of the user's code that added a component, in a text.
 
