@@ -13,7 +13,6 @@ from ropeway.systems.statics.line_records import AnyRecord, Record, part_of, rec
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
-
 _LARGE = 1000
 """Algebraic variables of a model from which records hold only what has changed."""
 _PARTS = 256

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -122,10 +123,10 @@ def _columns(model: Model) -> tuple[dict[tuple[int, int], np.ndarray], np.ndarra
         ends = [k for k in range(len(run.nodes)) if travel[k] < 0 or k in (0, len(run.spans))]
         sections = [
             np.concatenate([layout.force[a:b, None] + np.arange(3), travel[a : b + 1, None].repeat(3, axis=1)]).ravel()
-            for a, b in zip(ends[:-1], ends[1:], strict=True)
+            for a, b in pairwise(ends)
         ]
         for k in range(len(run.nodes)):
-            own = [s for s, (a, b) in enumerate(zip(ends[:-1], ends[1:], strict=True)) if a <= k <= b]
+            own = [s for s, (a, b) in enumerate(pairwise(ends)) if a <= k <= b]
             if run.closed and k in (0, len(run.spans)):
                 own = sorted({0, len(sections) - 1})
             columns = np.unique(np.concatenate([sections[s] for s in own]))
