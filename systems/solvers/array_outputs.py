@@ -197,10 +197,13 @@ def array_outputs(model: Model) -> ArrayOutputs | None:
     return ArrayOutputs(model)
 
 
-def outputs_of_columns(model: Model, columns: Vectors, time: np.ndarray | float = 0.0) -> np.ndarray:
-    """Outputs at points that are columns, (ny, points)."""
+def outputs_of_columns(
+    model: Model, columns: Vectors, time: np.ndarray | float = 0.0, *, few: int = _FEW
+) -> np.ndarray:
+    """Outputs at points that are columns, (ny, points); fewer than `few` are evaluated one by one, which may change
+    their last bits."""
     together, count = array_outputs(model), columns.z.shape[1]
-    if together is not None and count >= _FEW:
+    if together is not None and count >= few:
         return together(columns, time)
     times = np.broadcast_to(np.asarray(time, dtype=float), (count,))
     rows = [np.ascontiguousarray(vector.T) for vector in columns.vectors]

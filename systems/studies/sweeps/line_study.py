@@ -57,7 +57,7 @@ class LineStudy:
         many = _many(self.declared, tuple(names), self.compiled)
         if many is not None and start is not None:
             good, cases = many.solve(values)
-            y, rest = outputs_of_columns(model, cases), LineState(model, start.point, start.runs, start.passed)
+            y, rest = outputs_of_columns(model, cases, few=0), LineState(model, start.point, start.runs, start.passed)
             for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
                 found[:, i] = y[k] if kind is Kind.OUTPUT else cases.vector(kind)[k]
             left = np.flatnonzero(~good).tolist()

@@ -11,6 +11,7 @@ from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.variants import LineVariants, line_variants
+from ropeway.systems.studies.sweeps.line_study import line_study
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 
@@ -76,6 +77,15 @@ def test_the_bits_of_a_variant_do_not_depend_on_its_batch() -> None:
         np.testing.assert_array_equal(some, good[first : first + size])
         for whole, part in ((cases.z, own.z), (cases.p, own.p), (cases.d, own.d)):
             np.testing.assert_array_equal(whole[:, first : first + size][:, some], part[:, some])
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_bits_of_a_row_do_not_depend_on_its_chunk(compiled: bool) -> None:
+    study = line_study(assemble(line()), NAMES, None, compiled=compiled)
+    whole = study.rows(NAMES, values(30)).numbers
+    for size in (1, 3, 7, 11):
+        chunks = [study.rows(NAMES, values(30)[i : i + size]).numbers for i in range(0, 30, size)]
+        assert np.vstack(chunks).tobytes() == whole.tobytes()
 
 
 def test_unsuitable_variants_are_omitted_from_a_batch() -> None:
