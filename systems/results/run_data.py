@@ -19,16 +19,17 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.array_outputs import outputs_at
+from ropeway.systems.solvers.array_outputs import outputs_of_rows
 from ropeway.systems.solvers.condensed_newton import solve_points
-from ropeway.systems.solvers.newton import Point, newton_of
-from ropeway.systems.statics.certificate import Certificate, certify_records
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.statics.certificate import Certificate, certify_records, certify_rows
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_records import AnyRecord, restored, restored_points
+from ropeway.systems.statics.line_records import AnyRecord, restored, restored_rows
 from ropeway.systems.statics.line_state import LineState
+from ropeway.systems.solvers.state_rows import StateRows
 
 _SLACK = "slack rope"
-_BATCH = 64
+_BATCH = 128
 """Number of records that are restored together."""
 _KEPT = 50_000_000
 """Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""
@@ -72,18 +73,21 @@ class RunData(Tabular):
         self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
 
-    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
-        """Outputs and algebraic variables at records `which`, and the certificate of those that the run has not solved
-        itself. Raises SimulationError for a record that fails."""
-        y, z = np.empty((len(which), len(self.model.y))), np.empty((len(which), len(self.model.z)))
+    def _evaluated(self, which: np.ndarray, shown: bool = False) -> tuple[np.ndarray, np.ndarray, Certificate]:
+        """Outputs, or those that are shown, and algebraic variables at records `which`, and the certificate of those
+        that the run has not solved itself. Raises SimulationError for a record that fails."""
+        m = self.model
+        outputs = np.array(m.y.shown, dtype=int) if shown else np.arange(len(m.y))
+        y, z = np.empty((len(which), len(outputs))), np.empty((len(which), len(m.z)))
 
-        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+        def inexact() -> Iterator[StateRows]:
             done = 0
-            for points, passed in self._batches(which.tolist()):
-                block = slice(done, done + len(points))
-                y[block], z[block] = outputs_at(self.model, points), [point.z for point in points]
-                states, done = zip(points, passed, self.exact[which[block]], strict=True), block.stop
-                yield from ((point, counts) for point, counts, known in states if not known)
+            for rows in self._batches(which):
+                block = slice(done, done + len(rows))
+                y[block], z[block] = outputs_of_rows(m, rows, outputs), rows.z
+                others, done = ~self.exact[which[block]], block.stop
+                if others.any():
+                    yield rows.some(others)
 
         return y, z, self._certified(which[~self.exact[which]], inexact())
 
@@ -92,13 +96,13 @@ class RunData(Tabular):
         """The certificate of all records, with the worst of each check. Raises SimulationError for a record that
         fails."""
         others = np.flatnonzero(~self.exact)
-        return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
+        return self._exact_checks.and_also(self._certified(others, self._batches(others)))
 
     @cached_property
     def _exact_checks(self) -> Certificate:
         """The certificate of the records that the run has solved itself."""
         solved = np.flatnonzero(self.exact)
-        return self._certified(solved, self._points(solved.tolist()))
+        return self._certified(solved, self._batches(solved))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -111,23 +115,17 @@ class RunData(Tabular):
         record that fails."""
         _ = self._exact_checks
 
-    def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-        """The solved points of records `which`, and the numbers of loads passed."""
-        for points, passed in self._batches(which):
-            yield from zip(points, passed, strict=True)
-
-    def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
-        """As `_points`, in batches of records."""
+    def _batches(self, which: np.ndarray) -> Iterator[StateRows]:
+        """The solved states of records `which`, in batches."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
-            records = [self.records[i] for i in part]
-            points, passed = restored_points(self.model, self.runs, self.parameters, records)
-            solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
-            yield points, passed
+            rows = restored_rows(self.model, self.runs, self.parameters, [self.records[i] for i in part.tolist()])
+            solve_points(self.model, [rows[i] for i in np.flatnonzero(~self.exact[part]).tolist()])
+            yield rows
 
-    def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
-        """The certificate of records `which`, with their points and numbers of loads passed. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, states).numbered(which.tolist())
+    def _certified(self, which: np.ndarray, batches: Iterable[StateRows]) -> Certificate:
+        """The certificate of records `which`. Raises SimulationError."""
+        found = certify_rows(self.model, self.runs, batches).numbered(which.tolist())
         self._require(found, found.failed.record if found.failed else 0)
         return found
 
@@ -165,7 +163,8 @@ class RunData(Tabular):
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, but at all records, including both sides of each event."""
-        return self._table(np.arange(len(self.records)), *self._solved)
+        y, z = self._solved
+        return self._table(np.arange(len(self.records)), y[:, list(self.model.y.shown)], z)
 
     @cached_property
     @interruptible
@@ -173,17 +172,17 @@ class RunData(Tabular):
         """Outputs, travels and inputs over time [s], one row per interval; units in `attrs["units"]`."""
         which = np.flatnonzero(self.on_grid)
         if "_solved" in self.__dict__:
-            return self._table(which, *(values[which] for values in self._solved))
-        y, z, _ = self._evaluated(which)
-        return self._table(which, y, z)
+            y, z = (values[which] for values in self._solved)
+            return self._table(which, y[:, list(self.model.y.shown)], z)
+        return self._table(which, *self._evaluated(which, shown=True)[:2])
 
     def _table(self, which: np.ndarray, y: np.ndarray, z: np.ndarray) -> pd.DataFrame:
-        """Records `which` with their outputs and algebraic variables."""
+        """Records `which` with their outputs that are shown and algebraic variables."""
         m, records = self.model, [self.records[i] for i in which.tolist()]
         keep = list(m.y.shown)
         moves = [i for i in m.z.shown if ".force_" not in m.z.names[i]]
         states = list(m.x.shown)
-        blocks = [y[:, keep], z[:, moves], [r.x[states] for r in records], [r.u for r in records]]
+        blocks = [y, z[:, moves], [r.x[states] for r in records], [r.u for r in records]]
         tables = [(m.y, keep), (m.z, moves), (m.x, states), (m.u, range(len(m.u)))]
         names = [table.names[i] for table, chosen in tables for i in chosen]
         values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])

@@ -13,6 +13,7 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
+from ropeway.systems.solvers.state_rows import StateRows
 
 
 @dataclass(frozen=True)
@@ -152,16 +153,19 @@ def restored(model: Model, runs: Sequence[Run], p: np.ndarray, record: AnyRecord
     return state
 
 
-def restored_points(
-    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[AnyRecord]
-) -> tuple[list[Point], list[list[np.ndarray]]]:
-    """The points of many records, and the loads passed in each run, as `restored` makes them one by one;
-    none may have more loads in a span than the model has slots."""
-    d = np.repeat(model.d.values[None], len(records), axis=0)
+def restored_rows(model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[AnyRecord]) -> StateRows:
+    """The states of many records, as `restored` makes them one by one; none may have more loads in a span than the
+    model has slots."""
+    ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
+    values = np.empty((len(records), int(ends[-1]) + 1))
+    counts = list[tuple[np.ndarray, ...]]()
+    x, z, u, parameters, d, _ = np.split(values, ends, axis=1)
+    for i, record in enumerate(records):
+        x[i], z[i], u[i] = record.x, record.z, record.u
+        counts.append(record.passed)
+    parameters[:], values[:, -1], d[:] = p, 0.0, model.d.values
     d[:, model.kept] = [record.kept for record in records]
-    counts = [record.passed for record in records]
     passed = [np.array([beyond[r] for beyond in counts]) - run.loads.first for r, run in enumerate(runs)]
     for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
         layout.slots.write(d, run, beyond, layout.start(p))
-    points = [Point(q.x.copy(), q.z.copy(), q.u.copy(), p, own, q.time) for q, own in zip(records, d, strict=True)]
-    return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
+    return StateRows(model, values, np.array([record.time for record in records]), passed)
