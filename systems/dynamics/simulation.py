@@ -214,6 +214,7 @@ class _Simulation:
             recorder.exact,
             tuple(recorder.events),
             self.line.tolerance,
+            self.settings.compiled,
         )
 
     def result_so_far(self) -> Result | None:

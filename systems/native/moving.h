@@ -75,6 +75,19 @@ typedef struct {
     double *saved; /* rs_saved_size doubles */
 } rs_agenda;
 
+/* Kernels of components one after the other. Places count in one array: the vectors of a state and the zero behind them,
+ * `values`, the time, then what the calls give, in the end the outputs. Each call has the ends of its inputs and of its
+ * results in lists of places. */
+typedef struct {
+    int calls, values, size, outputs, most; /* most: inputs of a kernel */
+    const int *input_end, *input, *output_end, *output;
+    const rs_kernel *kernels;
+} rs_calls;
+
+RS_API int rs_write_rows(const rs_line *line, rs_point *q, rs_motion *m, double *d, long long stride, long long *passed,
+                         int states);
+RS_API int rs_outputs(const rs_calls *calls, const double *rows, long long stride, const double *time, int states,
+                      double *work, double *outputs);
 RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m, double stop, const rs_drives *drives);
 RS_API int rs_run(const rs_line *line, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *drives, rs_clocks *clocks);
 RS_API int rs_window(const rs_line *line, rs_point *q, rs_motion *m, rs_drives *s, double end);
@@ -96,6 +109,7 @@ int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
 int rs_beside(const rs_line *l, int k, int *sections, int count);
 int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first);
+int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span);
 void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);
 int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m);
 int rs_short_of_loads(const rs_line *l, const rs_motion *m);

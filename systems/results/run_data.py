@@ -12,7 +12,7 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.errors import CompilerError, EquilibriumError, SimulationError, WriteError
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
@@ -20,6 +20,7 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.array_outputs import outputs_of_rows
+from ropeway.systems.solvers.compiled_rows import compiled_outputs
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.certificate import Certificate, certify_records, certify_rows
@@ -29,7 +30,7 @@ from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.solvers.state_rows import StateRows
 
 _SLACK = "slack rope"
-_BATCH = 128
+_BATCH = 192
 """Number of records that are restored together."""
 _KEPT = 50_000_000
 """Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""
@@ -59,6 +60,7 @@ class RunData(Tabular):
     exact: np.ndarray
     noted: tuple[Event, ...]
     tolerance: float
+    compiled: bool = False
 
     @property
     def times(self) -> np.ndarray:
@@ -79,12 +81,14 @@ class RunData(Tabular):
         m = self.model
         outputs = np.array(m.y.shown, dtype=int) if shown else np.arange(len(m.y))
         y, z = np.empty((len(which), len(outputs))), np.empty((len(which), len(m.z)))
+        of_core = compiled_outputs(m, outputs.tobytes()) if self._in_core else None
 
         def inexact() -> Iterator[StateRows]:
             done = 0
             for rows in self._batches(which):
                 block = slice(done, done + len(rows))
-                y[block], z[block] = outputs_of_rows(m, rows, outputs), rows.z
+                y[block] = outputs_of_rows(m, rows, outputs) if of_core is None else of_core(rows)
+                z[block] = rows.z
                 others, done = ~self.exact[which[block]], block.stop
                 if others.any():
                     yield rows.some(others)
@@ -119,9 +123,22 @@ class RunData(Tabular):
         """The solved states of records `which`, in batches."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
-            rows = restored_rows(self.model, self.runs, self.parameters, [self.records[i] for i in part.tolist()])
+            records = [self.records[i] for i in part.tolist()]
+            rows = restored_rows(self.model, self.runs, self.parameters, records, compiled=self._in_core)
             solve_points(self.model, [rows[i] for i in np.flatnonzero(~self.exact[part]).tolist()])
             yield rows
+
+    @cached_property
+    def _in_core(self) -> bool:
+        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled. The
+        numbers are the same without a compiler."""
+        if not self.compiled:
+            return False
+        try:
+            compiled_outputs(self.model, np.array(self.model.y.shown, dtype=int).tobytes())
+        except (CompilerError, WriteError):
+            return False
+        return True
 
     def _certified(self, which: np.ndarray, batches: Iterable[StateRows]) -> Certificate:
         """The certificate of records `which`. Raises SimulationError."""

@@ -55,7 +55,7 @@ class Group:
 
 class OutputGroups:
     """How the outputs of a model are evaluated: groups of components in their order; `shared`: places of what all
-    components read. Rope ends are numbered; the number `ends` is that of none, and the place behind all variables is
+    components read. Rope ends are numbered; the number `ends` is that of none, and the place `none` behind all variables is
     zero."""
 
     def __init__(self, model: Model) -> None:
@@ -66,7 +66,7 @@ class OutputGroups:
             by_form[Form(c.form(site), c, c.variables(site), model.weather)].append(c)
         groups = [places.group(form, components) for form, components in by_form.items()]
         self.groups = sorted(groups, key=lambda group: not group.ropes)  # ropes pull at the seats
-        self.ends, self.force = places.ends, FORCE + model.weather
+        self.ends, self.force, self.none = places.ends, FORCE + model.weather, places.none
         self.shared = [places.first[kind] + i for kind, i in shared_places(model.tables)]
 
 
