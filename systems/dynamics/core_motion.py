@@ -72,6 +72,9 @@ class CoreMotion:
             "sign": _signs(model, line),
             "kept": model.kept.astype(np.int32),
             "room": np.zeros(2 * tables.nz + 2 * tables.supports),
+            "touched": np.zeros(tables.sections, np.int32),
+            "old_rate": np.zeros(tables.nz),
+            "curve": np.zeros(tables.nz),
         }
         written = {
             "passed": self._passed,
@@ -134,7 +137,7 @@ class CoreMotion:
         values, rates = np.ascontiguousarray(window.values), np.ascontiguousarray(window.rates)
         m.window, m.window_rates = values.ctypes.data, rates.ctypes.data
         m.begin, m.h, m.crossed = window.start, window.h, crossed
-        m.strict, m.single, m.short_step = int(strict), int(self.drives is None), short
+        m.strict, m.single, m.short_step, m.curved = int(strict), int(self.drives is None), short, 0
         drives = None if self.drives is None else self.drives.address
         return self._call("rs_move", ctypes.c_double(stop), drives)
 

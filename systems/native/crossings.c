@@ -255,6 +255,7 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
         if (!passes(l, q, m, due[i].k, due[i].forward)) return RS_CROSSING;
         count = rs_beside(l, due[i].k, sections, count);
     }
+    for (int i = 0; i < count; i++) m->touched[sections[i]] = 1;
     if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;
     rs_record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
     memcpy(z, q->z, l->nz * sizeof(double));

@@ -65,6 +65,12 @@ typedef struct {
     double *epoch_kept;     /* (epochs, keeps) */
     long long *epoch_ticks; /* (epochs, clocks) */
     double *room;           /* 2 nz + 2 supports doubles */
+    /* for the guess at a stop: time of the last one, 0 in `curved` where there is none; (nz,) rates there, and their
+     * change since the one before [per s2]; (sections,) whether a section has been solved since */
+    double stopped;
+    int curved;
+    int *touched;
+    double *old_rate, *curve;
 } rs_motion;
 
 /* Times at which inputs bend, their values there, and their rates before each of them and after the last. */
@@ -87,7 +93,7 @@ typedef struct {
 RS_API int rs_write_rows(const rs_line *line, rs_point *q, rs_motion *m, double *d, long long stride, long long *passed,
                          int states);
 RS_API int rs_outputs(const rs_calls *calls, const double *rows, long long stride, const double *time, int states,
-                      double *work, double *outputs);
+                      double *work, double *outputs, long long outputs_stride);
 RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m, double stop, const rs_drives *drives);
 RS_API int rs_run(const rs_line *line, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *drives, rs_clocks *clocks);
 RS_API int rs_window(const rs_line *line, rs_point *q, rs_motion *m, rs_drives *s, double end);
@@ -116,6 +122,7 @@ int rs_short_of_loads(const rs_line *l, const rs_motion *m);
 
 /* moving.c */
 void rs_follow(const rs_line *l, rs_point *q, rs_motion *m, double time);
+void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m);
 
 /* clocks.c */
 int rs_sample(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_clocks *c, double time);

@@ -17,7 +17,7 @@ int rs_write_rows(const rs_line *l, rs_point *q, rs_motion *m, double *d, long l
 
 /* Outputs of states, at the end of `work`: each state's row and its time are copied there, then the calls are made. */
 int rs_outputs(const rs_calls *c, const double *rows, long long stride, const double *time, int states, double *work,
-               double *outputs)
+               double *outputs, long long outputs_stride)
 {
     double *v = work + c->size, *r = v + c->most;
     for (int i = 0; i < states; i++) {
@@ -28,7 +28,7 @@ int rs_outputs(const rs_calls *c, const double *rows, long long stride, const do
             c->kernels[k](v, r);
             for (int j = 0; out < c->output_end[k]; out++, j++) work[c->output[out]] = r[j];
         }
-        memcpy(outputs + (long long)i * c->outputs, work + c->size - c->outputs, c->outputs * sizeof(double));
+        memcpy(outputs + i * outputs_stride, work + c->size - c->outputs, c->outputs * sizeof(double));
     }
     return states;
 }

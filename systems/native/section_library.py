@@ -97,6 +97,9 @@ class Motion(ctypes.Structure):
         (ctypes.c_void_p, "kept"),
         (ctypes.c_int, "keeps epochs"),
         (ctypes.c_void_p, "epoch_kept epoch_ticks room"),
+        (ctypes.c_double, "stopped"),
+        (ctypes.c_int, "curved"),
+        (ctypes.c_void_p, "touched old_rate curve"),
     )
 
 
@@ -168,7 +171,7 @@ def section_library() -> ctypes.CDLL:
         "rs_move": (pointer, pointer, pointer, ctypes.c_double, pointer),
         "rs_run": (pointer,) * 6,
         "rs_write_rows": (*(pointer,) * 4, ctypes.c_longlong, pointer, ctypes.c_int),
-        "rs_outputs": (pointer, pointer, ctypes.c_longlong, pointer, ctypes.c_int, pointer, pointer),
+        "rs_outputs": (pointer, pointer, ctypes.c_longlong, pointer, ctypes.c_int, pointer, pointer, ctypes.c_longlong),
         "rs_window": (*(pointer,) * 4, ctypes.c_double),
         "rs_coupled": (*(pointer,) * 5, ctypes.c_int),
         "rs_rates": (pointer,) * 4,

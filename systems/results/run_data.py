@@ -75,25 +75,31 @@ class RunData(Tabular):
         self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
 
-    def _evaluated(self, which: np.ndarray, shown: bool = False) -> tuple[np.ndarray, np.ndarray, Certificate]:
-        """Outputs, or those that are shown, and algebraic variables at records `which`, and the certificate of those
-        that the run has not solved itself. Raises SimulationError for a record that fails."""
-        m = self.model
-        outputs = np.array(m.y.shown, dtype=int) if shown else np.arange(len(m.y))
-        y, z = np.empty((len(which), len(outputs))), np.empty((len(which), len(m.z)))
-        of_core = compiled_outputs(m, outputs.tobytes()) if self._in_core else None
+    def _evaluate(self, which: np.ndarray, outputs: np.ndarray, y: np.ndarray, z: np.ndarray) -> Certificate:
+        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays; returns the
+        certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
+        of_core = compiled_outputs(self.model, outputs.tobytes()) if self._in_core else None
 
         def inexact() -> Iterator[StateRows]:
             done = 0
             for rows in self._batches(which):
                 block = slice(done, done + len(rows))
-                y[block] = outputs_of_rows(m, rows, outputs) if of_core is None else of_core(rows)
+                if of_core is None:
+                    y[block] = outputs_of_rows(self.model, rows, outputs)
+                else:
+                    of_core.write(rows, y[block])
                 z[block] = rows.z
                 others, done = ~self.exact[which[block]], block.stop
                 if others.any():
                     yield rows.some(others)
 
-        return y, z, self._certified(which[~self.exact[which]], inexact())
+        return self._certified(which[~self.exact[which]], inexact())
+
+    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
+        """All outputs and the algebraic variables at records `which`, and the certificate of those that the run has not
+        solved itself. Raises SimulationError for a record that fails."""
+        y, z = (np.empty((len(which), len(table))) for table in (self.model.y, self.model.z))
+        return y, z, self._evaluate(which, np.arange(len(self.model.y)), y, z)
 
     @cached_property
     def checks(self) -> Certificate:
@@ -181,34 +187,23 @@ class RunData(Tabular):
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, but at all records, including both sides of each event."""
         y, z = self._solved
-        return self._table(np.arange(len(self.records)), y[:, list(self.model.y.shown)], z)
+        table, shown = _Table(self.model, len(self.records)), np.array(self.model.y.shown, dtype=int)
+        table.outputs[:] = y[:, shown]
+        return table.frame(self.records, z)
 
     @cached_property
     @interruptible
     def frame(self) -> pd.DataFrame:
         """Outputs, travels and inputs over time [s], one row per interval; units in `attrs["units"]`."""
-        which = np.flatnonzero(self.on_grid)
+        which, shown = np.flatnonzero(self.on_grid), np.array(self.model.y.shown, dtype=int)
+        table, records = _Table(self.model, len(which)), [self.records[i] for i in which.tolist()]
         if "_solved" in self.__dict__:
             y, z = (values[which] for values in self._solved)
-            return self._table(which, y[:, list(self.model.y.shown)], z)
-        return self._table(which, *self._evaluated(which, shown=True)[:2])
-
-    def _table(self, which: np.ndarray, y: np.ndarray, z: np.ndarray) -> pd.DataFrame:
-        """Records `which` with their outputs that are shown and algebraic variables."""
-        m, records = self.model, [self.records[i] for i in which.tolist()]
-        keep = list(m.y.shown)
-        moves = [i for i in m.z.shown if ".force_" not in m.z.names[i]]
-        states = list(m.x.shown)
-        blocks = [y, z[:, moves], [r.x[states] for r in records], [r.u for r in records]]
-        tables = [(m.y, keep), (m.z, moves), (m.x, states), (m.u, range(len(m.u)))]
-        names = [table.names[i] for table, chosen in tables for i in chosen]
-        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
-        frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
-        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
-        frame.attrs["descriptions"] = Labels(
-            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
-        )
-        return frame
+            table.outputs[:] = y[:, shown]
+        else:
+            z = np.empty((len(which), len(self.model.z)))
+            self._evaluate(which, shown, table.outputs, z)
+        return table.frame(records, z)
 
     @cached_property
     @interruptible
@@ -314,6 +309,34 @@ class RunData(Tabular):
         self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
         pending = self.records[i].pending.after(state.point.t)
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
+
+
+class _Table:
+    """A frame of records; `outputs` (records, outputs) is the part of its values that the outputs that are shown
+    take."""
+
+    def __init__(self, model: Model, count: int) -> None:
+        self._model = model
+        self._moves = [i for i in model.z.shown if ".force_" not in model.z.names[i]]
+        tables = [(model.y, model.y.shown), (model.z, self._moves), (model.x, model.x.shown)]
+        self._columns = [(table, i) for table, chosen in (*tables, (model.u, range(len(model.u)))) for i in chosen]
+        self._values = np.empty((count, len(self._columns)))
+        self.outputs = self._values[:, : len(model.y.shown)]
+
+    def frame(self, records: Sequence[AnyRecord], z: np.ndarray) -> pd.DataFrame:
+        """The frame, with the algebraic variables `z` (records, nz) and the records' states and inputs."""
+        states, first = list(self._model.x.shown), self.outputs.shape[1]
+        for rows, chosen in ((z, self._moves), ([r.x for r in records], states), ([r.u for r in records], None)):
+            block = np.array(rows, dtype=float).reshape(len(records), -1)
+            block = block if chosen is None else block[:, chosen]
+            self._values[:, first : first + block.shape[1]] = block
+            first += block.shape[1]
+        names = [table.names[i] for table, i in self._columns]
+        index = pd.Index([r.time for r in records], name="time")
+        frame = pd.DataFrame(self._values, index=index, columns=names, copy=False)
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, i in self._columns})
+        frame.attrs["descriptions"] = Labels({table.names[i]: table.descriptions[i] for table, i in self._columns})
+        return frame
 
 
 def _onsets(exceeded: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:

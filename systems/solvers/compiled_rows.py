@@ -49,8 +49,7 @@ class CompiledOutputs:
     """The outputs of a model at `which` places, in compiled code."""
 
     def __init__(self, model: Model, which: np.ndarray) -> None:
-        self._plan, self._weather, self._outputs = output_groups(model), model.weather, len(which)
-        plan = self._plan
+        self._plan = plan = output_groups(model)
         place = np.full(len(model.y), -1)
         place[which] = np.arange(len(which))
         values = plan.none + 1
@@ -92,18 +91,14 @@ class CompiledOutputs:
         """Places of what the components of a group read at a port."""
         return port[0] if group.ropes else np.vstack([self._pulls(port[0]), port[1]])
 
-    def __call__(self, rows: StateRows) -> np.ndarray:
-        """The outputs of states (states, outputs)."""
-        found, work = np.empty((len(rows), self._outputs)), np.zeros(self._work)
-        none = self._pull + self._plan.force * self._plan.ends
+    def write(self, rows: StateRows, to: np.ndarray) -> None:
+        """Writes the outputs of states into `to` (states, outputs), which may be a part of rows."""
+        work, none = np.zeros(self._work), self._pull + self._plan.force * self._plan.ends
         work[none + FORCE : none + self._plan.force] = 1.0
-        values, time = rows.values, np.ascontiguousarray(rows.time)
-        stride = values.strides[0] // values.itemsize
-        section_library().rs_outputs(
-            self._calls.address, values.ctypes.data, stride, time.ctypes.data, len(rows), work.ctypes.data,
-            found.ctypes.data,
-        )  # fmt: skip
-        return found
+        time = np.ascontiguousarray(rows.time)
+        read, written = (array.strides[0] // array.itemsize for array in (rows.values, to))
+        call, first, room = section_library().rs_outputs, rows.values.ctypes.data, work.ctypes.data
+        call(self._calls.address, first, read, time.ctypes.data, len(rows), room, to.ctypes.data, written)
 
 
 @lru_cache(maxsize=256)
