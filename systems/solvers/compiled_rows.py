@@ -39,7 +39,9 @@ def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray,
     line, empty = compiled_line(model), np.zeros(0)
     beyond = np.ascontiguousarray(np.hstack(passed), dtype=np.int64)
     motion = Filled(Motion(), load_tables(model, runs, p))
-    solver = PointSolver(line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty)
+    solver = PointSolver(
+        line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty
+    )
     tables, point, first = ctypes.byref(line.tables), ctypes.byref(solver.point), d.ctypes.data
     stride = d.strides[0] // d.itemsize
     line.core.rs_write_rows(tables, point, motion.address, first, stride, beyond.ctypes.data, len(d))
@@ -50,6 +52,7 @@ class CompiledOutputs:
 
     def __init__(self, model: Model, which: np.ndarray) -> None:
         self._plan = plan = output_groups(model)
+        self._core = section_library()
         place = np.full(len(model.y), -1)
         place[which] = np.arange(len(which))
         values = plan.none + 1
@@ -62,7 +65,9 @@ class CompiledOutputs:
             own = [outputs + rows[list(chosen)]]
             if group.ropes:
                 own += [self._pulls(port[1]) for port in group.ports]
-            reads = np.vstack([self._shared(group, values), group.own, *(self._port(port, group) for port in group.ports)])
+            reads = np.vstack(
+                [self._shared(group, values), group.own, *(self._port(port, group) for port in group.ports)]
+            )
             inputs += list(reads.T)
             results += list(np.vstack(own).T)
             kernels += [_address(group.form, chosen, group.ropes)] * group.own.shape[1]
@@ -97,7 +102,7 @@ class CompiledOutputs:
         work[none + FORCE : none + self._plan.force] = 1.0
         time = np.ascontiguousarray(rows.time)
         read, written = (array.strides[0] // array.itemsize for array in (rows.values, to))
-        call, first, room = section_library().rs_outputs, rows.values.ctypes.data, work.ctypes.data
+        call, first, room = self._core.rs_outputs, rows.values.ctypes.data, work.ctypes.data
         call(self._calls.address, first, read, time.ctypes.data, len(rows), room, to.ctypes.data, written)
 
 

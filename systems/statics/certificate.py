@@ -19,6 +19,7 @@ from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import Point, outputs_of, residuals_of
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.certificate_layout import CertificateLayout, layout_of
 from ropeway.systems.statics.certificate_spans import (
     LoadsInSpans,
@@ -34,7 +35,6 @@ from ropeway.systems.statics.certificate_spans import (
 )
 from ropeway.systems.statics.certificate_stability import least_pivots
 from ropeway.systems.statics.line_state import find
-from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.stability import free_balances, has_free_nodes, least_pivot
 
 CLOSURE = 1e-9

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,9 +13,9 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.compiled_rows import write_slots
 from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
-from ropeway.systems.solvers.state_rows import StateRows
 
 
 class Record(NamedTuple):
