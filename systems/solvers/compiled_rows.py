@@ -53,6 +53,7 @@ class CompiledOutputs:
 
     def __init__(self, model: Model, which: np.ndarray) -> None:
         self._plan = plan = output_groups(model)
+        self._core = section_library()
         place = np.full(len(model.y), -1)
         place[which] = np.arange(len(which))
         values = plan.none + 1
@@ -102,7 +103,7 @@ class CompiledOutputs:
         work[none + FORCE : none + self._plan.force] = 1.0
         time = np.ascontiguousarray(rows.time)
         read, written = (array.strides[0] // array.itemsize for array in (rows.values, to))
-        call, first, room = section_library().rs_outputs, rows.values.ctypes.data, work.ctypes.data
+        call, first, room = self._core.rs_outputs, rows.values.ctypes.data, work.ctypes.data
         call(self._calls.address, first, read, time.ctypes.data, len(rows), room, to.ctypes.data, written)
 
 
