@@ -1,15 +1,16 @@
 """How the end of a loaded span moves with its tension vector and with the rope in it: derivatives of
 `catenary.loaded`, in closed form.
 
-Along the rope, at the unstretched distance s from the start, the tension vector is F(s), its size T, and the reach grows
-by g F ds, g = (1 + eps(T)) / T. F depends on s alone, and a load moves with its place: so a piece that ends later reaches
-g F farther. The derivative by the tension vector is the integral of g + (g' / T) F F', which has a closed form as the
-reach itself. Written, as there, without cancellation: for short, slack, steep and taut pieces alike.
+At the unstretched distance s from the start the tension vector is F(s), its size T, and the reach grows by g F ds with
+g = (1 + eps(T)) / T. A piece that ends farther along the rope therefore reaches g F farther, and the derivative by the
+tension vector is the integral of g + (dg/dT / T) F F', which has a closed form as the reach itself. It is written, as
+there, without cancellation: for short, slack, steep and taut pieces alike.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -27,8 +28,8 @@ class Moves(NamedTuple):
 
 
 class _Sums(NamedTuple):
-    """Integrals of g, g' / T, (g' / T) v and g + (g' / T) v^2 along pieces with one tension vector across the vertical,
-    v being its component along the vertical."""
+    """Integrals along pieces with one tension vector across the vertical, v being the component along it: of g, of k =
+    dg/dT / T, of k v, and of g + k v^2."""
 
     size: Any
     across: Any
@@ -56,7 +57,7 @@ def moves(
         force, at = after(last, load), distance
     by_distance = tuple(
         (before[0] - behind[0], before[1] - behind[1], before[2] - behind[2])
-        for (_, before), (behind, _) in zip(ends[:-1], ends[1:], strict=True)
+        for (_, before), (behind, _) in pairwise(ends)
     )
     return Moves(_matrix(sums, up), ends[-1][1], by_distance)
 
