@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import casadi as ca
 import numpy as np
@@ -117,6 +117,19 @@ class NewtonInputs(NamedTuple):
     weight: Any
 
 
+def with_freed(model: Model, point: dict[Kind, Any], freed: Sequence[Slot], values: Sequence[Any]) -> dict[Kind, Any]:
+    """The vectors of a point with the values of freed entries instead of its own. Loads behind a span whose length is
+    freed keep their places along the rope."""
+    full = dict(point)
+    for (kind, k), value in zip(freed, values, strict=True):
+        entries = ca.vertsplit(full[kind])
+        entries[k] = value
+        full[kind] = ca.vertcat(*entries)
+        if kind is Kind.PARAMETER:
+            full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (value - point[kind][k])
+    return full
+
+
 class NewtonFunctions:
     """The scaled residuals of a structure, their Jacobian and Newton's step, for `freed` and `given` entries."""
 
@@ -125,12 +138,7 @@ class NewtonFunctions:
         v, scale, weight = sym("v", count), sym("scale", count), sym("weight", len(model.r) + len(given))
         time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * scale[: len(model.z)]}
-        for i, (kind, k) in enumerate(freed, len(model.z)):
-            entries = ca.vertsplit(full[kind])
-            entries[k] = v[i] * scale[i]
-            full[kind] = ca.vertcat(*entries)
-            if kind is Kind.PARAMETER:
-                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
+        full = with_freed(model, full, freed, [v[i] * scale[i] for i in range(len(model.z), count)])
         arguments = [time, *(full[kind] for kind in VECTORS)]
         ode, alg = expanded(model)(*arguments)
         target, damping = sym("target", len(given)), sym("damping")
@@ -155,9 +163,34 @@ class NewtonFunctions:
         self._symbols = (inputs, residual, matrix)
         self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
 
+    @property
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
+        return int(self.jacobian.nnz_out(0))
+
     def sparse(self, entries: np.ndarray) -> csc_matrix:
         """The entries of a Jacobian as a matrix."""
         return csc_matrix((entries, self._rows, self._columns), shape=self.jacobian.size_out(0))
+
+    def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
+        """The entries of the Jacobian."""
+        return self.matrix(*inputs)[0].copy()
+
+    def solve(
+        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
+        n, known, function = len(inputs.unknowns), inputs[1:], self.step_and_rates if rates else self.step
+
+        def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            value, sides = function(v, *known)
+            return value.copy(), sides.copy()
+
+        def value(v: np.ndarray) -> np.ndarray:
+            return self.value(v, *known)[0]
+
+        v, sides = damped(inputs.unknowns, step, value, names, iterations, shortest)
+        return v, -sides[n:]
 
     @cached_property
     def step_and_rates(self) -> Buffered:
@@ -167,9 +200,32 @@ class NewtonFunctions:
         return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
 
 
+class Functions(Protocol):
+    """What Newton's method needs of the scaled residuals of a structure: `NewtonFunctions`, or compiled ones."""
+
+    @property
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
+
+    def sparse(self, entries: np.ndarray) -> csc_matrix:
+        """The entries of a Jacobian as a matrix."""
+
+    def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
+        """The entries of the Jacobian."""
+
+    def solve(
+        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
+
+
 @kept_with_structure
-def newton_functions(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> NewtonFunctions:
-    """The functions of a structure, made once."""
+def newton_functions(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> Functions:
+    """The functions of a structure, made once. Of a compiled model raises CompiledError, CompilerError, WriteError."""
+    if model.compiled:
+        from ropeway.systems.solvers.compiled_newton import CompiledFunctions
+
+        return CompiledFunctions(model, freed, given)
     return NewtonFunctions(model, freed, given)
 
 
@@ -207,11 +263,11 @@ class Newton:
 
     def jacobian_values(self, point: Point) -> np.ndarray:
         """The entries of `matrix` in the order of its pattern."""
-        return self.functions.matrix(*self.arguments(point))[0].copy()
+        return self.functions.jacobian_values(self.arguments(point))
 
     def matrix_places(self) -> csc_matrix:
         """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
-        return self.functions.sparse(np.arange(1, self.functions.jacobian.nnz_out(0) + 1))
+        return self.functions.sparse(np.arange(1, self.functions.entries + 1))
 
     def solve(
         self,
@@ -238,19 +294,9 @@ class Newton:
             inputs = inputs._replace(target=target)
         if slope is not None:
             inputs = inputs._replace(slope=slope)
-        known = inputs[1:]
-        function = self.functions.step if slope is None else self.functions.step_and_rates
-
-        def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, sides = function(v, *known)
-            return value.copy(), sides.copy()
-
-        def value(v: np.ndarray) -> np.ndarray:
-            return self.functions.value(v, *known)[0]
-
-        v, sides = damped(inputs.unknowns, step, value, self.model.r.names, iterations, shortest)
+        v, rates = self.functions.solve(inputs, self.model.r.names, iterations, shortest, rates=slope is not None)
         self._put(v, point)
-        return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
+        return None if slope is None else rates[: len(point.z)] * self.model.z.nominals
 
     def _start(self, point: Point) -> np.ndarray:
         freed = [point.vector(kind)[k] for kind, k in self.freed]
@@ -317,14 +363,22 @@ def dense(model: Model, function: ca.Function) -> Buffered:
 
 
 @kept_with_structure
-def outputs_of(model: Model) -> Buffered:
+def outputs_of(model: Model) -> Callable[..., list[np.ndarray]]:
     """The model's outputs as a function of a point's arguments, as arrays."""
+    if model.compiled:
+        from ropeway.systems.solvers.compiled_newton import compiled_outputs
+
+        return compiled_outputs(model)
     return dense(model, model.outputs)
 
 
 @kept_with_structure
-def residuals_of(model: Model) -> Buffered:
+def residuals_of(model: Model) -> Callable[..., list[np.ndarray]]:
     """The algebraic equations of a model as a function of a point's arguments."""
+    if model.compiled:
+        from ropeway.systems.solvers.compiled_newton import compiled_residuals
+
+        return compiled_residuals(model)
     arguments = model.dae.mx_in()
     return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
 

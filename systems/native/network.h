@@ -1,0 +1,59 @@
+/* A model as a network of kernels: each component is one call of the kernel of its kind, which reads entries of the
+ * model's vectors and results of earlier calls. What is compiled are the kernels; how they are joined is in tables (see
+ * kernel_network.py). Nothing here is global: threads share a network, each with values of its own. */
+#ifndef NETWORK_H
+#define NETWORK_H
+
+#ifdef _WIN32
+#define RN_API __declspec(dllexport)
+#else
+#define RN_API __attribute__((visibility("default")))
+#endif
+
+typedef void (*rn_kernel)(const double *v, double *r);
+
+enum { RN_OK, RN_SINGULAR, RN_STUCK, RN_SLOW, RN_MEMORY };
+
+/* Places count in one array of values: entries of the vectors, results of calls, sums, and the number one. */
+typedef struct {
+    int unknowns, calls, values, sums, drifts, entries, balances;
+    /* of each call: where its result begins; the end of its inputs in `input`, the places that it reads */
+    const int *result, *inputs_end, *input;
+    /* of each sum of products: its place, and the end of its terms: first those of the matrix, then `drifts` of rates */
+    const int *sum, *terms_end, *factor, *other;
+    /* of each unknown its place; of each residual its place; of each residual its drift where rates are asked for */
+    const int *unknown, *residual, *drift;
+    /* the matrix by columns: ends of columns, rows, places of entries; -1: zero */
+    const int *column_end, *row, *entry;
+    const int *order, *diagonal; /* columns as they are eliminated, and the row that each should take */
+    /* travels that can be held back: residual, unknown, entry of the matrix; `sign` */
+    const int *balance_residual, *balance_unknown, *balance_entry;
+    const double *sign;
+    const rn_kernel *kernels; /* of each call */
+} rn_network;
+
+/* What a solve is given besides the start. */
+typedef struct {
+    double *values; /* (values,): vectors are filled in */
+    const double *scale, *weight, *target, *anchor; /* of unknowns, residuals, residuals, unknowns */
+    double damping, shortest;
+    int iterations, rates;
+} rn_problem;
+
+RN_API void rn_evaluate(const rn_network *net, double *values);
+RN_API void rn_matrix(const rn_network *net, const rn_problem *q, const double *v, double *entries);
+RN_API int rn_solve(const rn_network *net, const rn_problem *q, double *v, double *residual, double *rates);
+
+/* sparse_lu.c */
+typedef struct {
+    int n, size_l, size_u, known; /* known: pivots and pattern of an earlier matrix */
+    int *lower_end, *upper_end, *step_of, *lower, *upper, *mark, *stack, *place, *reached;
+    double *l, *u, *work;
+} rn_factors;
+
+int rn_new_factors(rn_factors *f, int n);
+void rn_free_factors(rn_factors *f);
+int rn_factor(rn_factors *f, const rn_network *net, const double *entries);
+void rn_back(const rn_factors *f, const rn_network *net, double *b);
+
+#endif
