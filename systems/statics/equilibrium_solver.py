@@ -19,7 +19,7 @@ from ropeway.systems.modelling.system import System
 from ropeway.systems.modelling.user_code import caller
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.solvers.compiled_line import compiled_line
-from ropeway.systems.solvers.compiled_newton import require_kernels
+from ropeway.systems.solvers.kernels.compiled_newton import require_kernels
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium

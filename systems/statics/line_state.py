@@ -18,7 +18,8 @@ from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.dae_model import Model, in_code, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
-from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
+from ropeway.systems.solvers.newton import outputs_of
+from ropeway.systems.solvers.points import VECTORS, Point, Slot
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""

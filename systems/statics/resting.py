@@ -15,7 +15,7 @@ from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
-from ropeway.systems.solvers.newton import VECTORS, Point
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.line_state import LineState, declared_point
 
 _SUFFIX = " at rest"

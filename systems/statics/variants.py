@@ -16,7 +16,7 @@ from ropeway.components.variable import Kind
 from ropeway.systems.solvers.compiled_line import CompiledCases, compiled_line
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.certificate import certified_variants
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK

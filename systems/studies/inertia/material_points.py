@@ -20,7 +20,8 @@ from ropeway.components.weather import drag_variables
 from ropeway.systems.dynamics.inertia.inertial_system import rope_nodes
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
-from ropeway.systems.solvers.newton import VECTORS, Point, newton_of, residuals_of
+from ropeway.systems.solvers.newton import newton_of, residuals_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import load_force, span_rope
 from ropeway.systems.statics.resting import same_values

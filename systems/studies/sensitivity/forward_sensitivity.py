@@ -19,7 +19,8 @@ from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import update_of
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.solvers.drive_trajectories import drives_of
-from ropeway.systems.solvers.newton import Point, Slot, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point, Slot
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import find
 from ropeway.systems.studies.sensitivity.linearisation import (

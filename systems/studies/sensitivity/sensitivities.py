@@ -17,7 +17,7 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Slot
+from ropeway.systems.solvers.points import Slot
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import still
 from ropeway.systems.statics.line_state import find

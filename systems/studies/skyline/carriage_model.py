@@ -18,7 +18,8 @@ from ropeway.systems.modelling.dae_model import in_code
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.rigs.turn import GROUND, LEAST_MASS
-from ropeway.systems.solvers.newton import Newton, Point, Slot, newton_of, outputs_of
+from ropeway.systems.solvers.newton import Newton, newton_of, outputs_of
+from ropeway.systems.solvers.points import Point, Slot
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState

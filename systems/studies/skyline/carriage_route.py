@@ -10,7 +10,7 @@ from scipy.optimize import brentq, newton
 
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, StationCase, span_model
 from ropeway.systems.studies.skyline.root_selection import physical_state
 from ropeway.systems.studies.skyline.starting_points import off_shoe

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
 from ropeway.systems.studies.skyline.root_selection import Effort, physical_state
 from ropeway.systems.studies.skyline.starting_points import off_shoe, on_mainline

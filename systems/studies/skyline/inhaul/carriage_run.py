@@ -13,7 +13,8 @@ from ropeway.components.errors import EquilibriumError, Interrupted, RopewayErro
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.solvers.newton import newton_of, outputs_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model

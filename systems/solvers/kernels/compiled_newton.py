@@ -24,13 +24,14 @@ from ropeway.systems.native.network_library import (
     network_library,
 )
 from ropeway.systems.solvers.damped_newton import failure
-from ropeway.systems.solvers.kernel_network import (
+from ropeway.systems.solvers.kernels.kernel_network import (
     Network,
     network,
     network_of_outputs,
     network_of_residuals,
 )
-from ropeway.systems.solvers.newton import NewtonInputs, Slot
+from ropeway.systems.solvers.model_functions import NewtonInputs
+from ropeway.systems.solvers.points import Slot
 
 
 class CompiledNetwork:

@@ -13,7 +13,8 @@ import casadi as ca
 
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.newton import VECTORS, Slot, with_freed
+from ropeway.systems.solvers.model_functions import with_freed
+from ropeway.systems.solvers.points import VECTORS, Slot
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ def call_graph(model: Model, freed: tuple[Slot, ...], *, outputs: bool) -> CallG
         calls.append(Call(f, tuple(results[a : a + f.n_in()]), tuple(made_by[b : b + f.n_out()])))
         a, b = a + f.n_in(), b + f.n_out()
     vectors = tuple(_entries(vector) for vector in (time, *point.values(), values))
-    return CallGraph(tuple(calls), vectors, *results[:3], full)
+    return CallGraph(tuple(calls), vectors, results[0], results[1], results[2], full)
 
 
 def _entries(vector: Any) -> tuple[Any, ...]:

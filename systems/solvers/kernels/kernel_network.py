@@ -9,9 +9,9 @@ from typing import Any
 
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.call_graph import CallGraph, call_graph
-from ropeway.systems.solvers.kernel_parts import PARTS, Part
-from ropeway.systems.solvers.newton import Slot
+from ropeway.systems.solvers.kernels.call_graph import CallGraph, call_graph
+from ropeway.systems.solvers.kernels.kernel_parts import PARTS, Part
+from ropeway.systems.solvers.points import Slot
 
 Terms = list[tuple[int, int]]
 
