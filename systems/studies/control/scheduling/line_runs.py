@@ -69,9 +69,8 @@ class LineRuns:
         for name in request.limits.sheaves:
             require_sheave(name, names)
         bare = with_responses(line, dict.fromkeys(names))
-        start = (
-            equilibrium(bare, compiled=request.compiled) if request.start is None else carried_over(request.start, bare)
-        )
+        rest = equilibrium(bare, compiled=request.compiled) if request.start is None else request.start
+        start = carried_over(rest, bare)
         driven = [component_of(name) for name in start.model.u.names]
         drums = [name for name in driven if name not in names]
         if request.lead is not None:

@@ -119,9 +119,8 @@ class PayloadSearch:
         lowered further next to a support, or where the rope paid out sags in other spans. Returns `height` if no
         equilibrium is found."""
         depth = self._room(station, height)
-        search = PayloadSearch(
-            self.rig, self.limits, strict=self.strict, compiled=self.compiled
-        )  # independent of other stations
+        # Independent of other stations.
+        search = PayloadSearch(self.rig, self.limits, strict=self.strict, compiled=self.compiled)
         last = Trial(NO_EQUILIBRIUM)
 
         def hangs(gap: float, effort: Effort) -> bool:
