@@ -38,15 +38,15 @@ void rn_evaluate(const rn_network *net, double *w)
 static double evaluate(const rn_network *net, const rn_problem *q, const double *v, double *residual)
 {
     double sum = 0.0, *w = q->values;
-    for (int i = 0; i < net->unknowns; i++) w[net->unknown[i]] = v[i] * q->scale[i];
+    for (int i = 0; i < net->pattern.n; i++) w[net->unknown[i]] = v[i] * q->scale[i];
     rn_evaluate(net, w);
-    for (int i = 0; i < net->unknowns; i++) residual[i] = (w[net->residual[i]] - q->target[i]) * q->weight[i];
+    for (int i = 0; i < net->pattern.n; i++) residual[i] = (w[net->residual[i]] - q->target[i]) * q->weight[i];
     if (q->damping != 0.0)
         for (int b = 0; b < net->balances; b++) {
             int i = net->balance_unknown[b];
             residual[net->balance_residual[b]] -= q->damping * net->sign[b] * (v[i] - q->anchor[i]);
         }
-    for (int i = 0; i < net->unknowns; i++) sum += residual[i] * residual[i];
+    for (int i = 0; i < net->pattern.n; i++) sum += residual[i] * residual[i];
     return sqrt(sum);
 }
 
@@ -55,16 +55,16 @@ static void matrix_here(const rn_network *net, const rn_problem *q, double *entr
 {
     double *w = q->values;
     add_up(net, w, 0, net->sums - net->drifts);
-    for (int j = 0; j < net->unknowns; j++)
-        for (int p = begin(net->column_end, j); p < net->column_end[j]; p++)
-            entries[p] = net->entry[p] < 0 ? 0.0 : w[net->entry[p]] * q->weight[net->row[p]] * q->scale[j];
+    for (int j = 0; j < net->pattern.n; j++)
+        for (int p = begin(net->pattern.column_end, j); p < net->pattern.column_end[j]; p++)
+            entries[p] = net->entry[p] < 0 ? 0.0 : w[net->entry[p]] * q->weight[net->pattern.row[p]] * q->scale[j];
     if (q->damping != 0.0)
         for (int b = 0; b < net->balances; b++) entries[net->balance_entry[b]] -= q->damping * net->sign[b];
 }
 
 void rn_matrix(const rn_network *net, const rn_problem *q, const double *v, double *entries)
 {
-    for (int i = 0; i < net->unknowns; i++) q->values[net->unknown[i]] = v[i] * q->scale[i];
+    for (int i = 0; i < net->pattern.n; i++) q->values[net->unknown[i]] = v[i] * q->scale[i];
     rn_evaluate(net, q->values);
     matrix_here(net, q, entries);
 }
@@ -85,7 +85,7 @@ typedef struct {
 
 static int new_room(room *r, const rn_network *net)
 {
-    int n = net->unknowns, failed = rn_new_factors(&r->factors, n);
+    int n = net->pattern.n, failed = rn_new_factors(&r->factors, n);
     r->entries = malloc((net->entries + 6 * (size_t)n + 1) * sizeof(double));
     r->move = r->entries + net->entries;
     r->step = r->move + n;
@@ -99,7 +99,7 @@ static int new_room(room *r, const rn_network *net)
 /* Whether the residuals `now` at v are within the rounding error of the unknowns. */
 static int rounded(const rn_network *net, const rn_problem *q, const double *v, const double *now, room *r)
 {
-    int n = net->unknowns;
+    int n = net->pattern.n;
     for (int i = 0; i < n; i++) r->least[i] = SMALL;
     for (int alternate = 0; alternate < 2; alternate++) {
         for (int i = 0; i < n; i++) r->trial[i] = v[i] * (1.0 + (alternate && i % 2 == 0 ? -4.0 : 4.0) * DBL_EPSILON);
@@ -115,10 +115,10 @@ static int rounded(const rn_network *net, const rn_problem *q, const double *v, 
 static int newton_step(const rn_network *net, const rn_problem *q, const double *residual, room *r)
 {
     matrix_here(net, q, r->entries);
-    int failed = rn_factor(&r->factors, net, r->entries);
+    int failed = rn_factor(&r->factors, &net->pattern, r->entries);
     if (failed) return failed;
-    memcpy(r->step, residual, net->unknowns * sizeof(double));
-    rn_back(&r->factors, net, r->step);
+    memcpy(r->step, residual, net->pattern.n * sizeof(double));
+    rn_back(&r->factors, &net->pattern, r->step);
     return RN_OK;
 }
 
@@ -127,9 +127,9 @@ static void rates_here(const rn_network *net, const rn_problem *q, double *rates
 {
     if (!q->rates) return;
     add_up(net, q->values, net->sums - net->drifts, net->sums);
-    for (int i = 0; i < net->unknowns; i++)
+    for (int i = 0; i < net->pattern.n; i++)
         rates[i] = net->drift[i] < 0 ? 0.0 : -q->values[net->drift[i]] * q->weight[i];
-    rn_back(&r->factors, net, rates);
+    rn_back(&r->factors, &net->pattern, rates);
 }
 
 static void move_by(double *v, const double *step, int n)
@@ -139,11 +139,10 @@ static void move_by(double *v, const double *step, int n)
 
 static int solve(const rn_network *net, const rn_problem *q, double *v, double *residual, double *rates, room *r)
 {
-    int n = net->unknowns, failed;
+    int n = net->pattern.n, failed;
     double before = INFINITY, last = INFINITY, coming;
     for (int turn = 0; turn < q->iterations; turn++) {
         double norm = evaluate(net, q, v, r->residual), size;
-        if (turn == 0) memcpy(residual, r->residual, n * sizeof(double)); /* that of a failure, as in damped_newton.py */
         failed = newton_step(net, q, r->residual, r);
         if (failed) return failed;
         if (turn > 0 && !(norm <= 0.9 * before || (last < 1e-6 && norm <= 1e-12))) {

@@ -11,20 +11,30 @@ from ropeway.systems.native.binary_cache import library
 _FOLDER = Path(__file__).parent
 FILES = ("network.h", "network.c", "sparse_lu.c")
 
-NETWORK_SIZES = ("unknowns", "calls", "values", "sums", "drifts", "entries", "balances")
+NETWORK_SIZES = ("calls", "values", "sums", "drifts", "entries", "balances")
 NETWORK_INTEGERS = (
     *("result", "inputs_end", "input"),
     *("sum", "terms_end", "factor", "other"),
     *("unknown", "residual", "drift"),
-    *("column_end", "row", "entry", "order", "diagonal"),
+    "entry",
     *("balance_residual", "balance_unknown", "balance_entry"),
 )
+
+
+class MatrixPattern(ctypes.Structure):
+    """rn_pattern."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("n", "inner")),
+        *((name, ctypes.c_void_p) for name in ("column_end", "row", "order", "diagonal")),
+    )
 
 
 class NetworkTables(ctypes.Structure):
     """rn_network."""
 
     _fields_ = (
+        ("pattern", MatrixPattern),
         *((name, ctypes.c_int) for name in NETWORK_SIZES),
         *((name, ctypes.c_void_p) for name in (*NETWORK_INTEGERS, "sign", "kernels")),
     )
@@ -60,6 +70,7 @@ def network_library() -> ctypes.CDLL:
     for name, types, result in (
         ("rn_evaluate", (pointer, pointer), None),
         ("rn_matrix", (pointer, pointer, pointer, pointer), None),
+        ("rn_pivots", (pointer, pointer, pointer, pointer), ctypes.c_int),
         ("rn_solve", (pointer, pointer, pointer, pointer, pointer), ctypes.c_int),
     ):
         function = getattr(found, name)

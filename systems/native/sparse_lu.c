@@ -62,14 +62,14 @@ static int begin(const int *end, int k)
 }
 
 /* Rows that a column reaches through those eliminated before, in the order of elimination from f->reached[top]. */
-static int reach(rn_factors *f, const rn_network *net, int column, int stamp)
+static int reach(rn_factors *f, const rn_pattern *a, int column, int stamp)
 {
     int top = f->n;
-    for (int p = begin(net->column_end, column); p < net->column_end[column]; p++) {
+    for (int p = begin(a->column_end, column); p < a->column_end[column]; p++) {
         int depth = 0;
-        if (f->mark[net->row[p]] == stamp) continue;
-        f->stack[0] = net->row[p];
-        f->mark[net->row[p]] = stamp;
+        if (f->mark[a->row[p]] == stamp) continue;
+        f->stack[0] = a->row[p];
+        f->mark[a->row[p]] = stamp;
         f->place[0] = -1;
         while (depth >= 0) {
             int i = f->stack[depth], j = f->step_of[i], next = -1;
@@ -98,15 +98,16 @@ static void eliminate(const rn_factors *f, int j, double value)
 }
 
 /* Factors with new pivots. */
-static int choose(rn_factors *f, const rn_network *net, const double *entries)
+static int choose(rn_factors *f, const rn_pattern *a, const double *entries)
 {
     int l = 0, u = 0;
+    f->steps = 0;
     for (int i = 0; i < f->n; i++) f->step_of[i] = f->mark[i] = -1, f->work[i] = 0.0;
     for (int k = 0; k < f->n; k++) {
-        int column = net->order[k], top = reach(f, net, column, k), pivot = -1;
+        int column = a->order[k], top = reach(f, a, column, k), pivot = -1;
         double largest = 0.0;
         if (room(f, l, u)) return RN_MEMORY;
-        for (int p = begin(net->column_end, column); p < net->column_end[column]; p++) f->work[net->row[p]] = entries[p];
+        for (int p = begin(a->column_end, column); p < a->column_end[column]; p++) f->work[a->row[p]] = entries[p];
         for (int s = top; s < f->n; s++) {
             int i = f->reached[s], j = f->step_of[i];
             if (j >= 0) {
@@ -117,16 +118,16 @@ static int choose(rn_factors *f, const rn_network *net, const double *entries)
                 f->work[i] = 0.0;
             }
         }
+        int wanted = a->diagonal[k];
         for (int s = top; s < f->n; s++) {
             int i = f->reached[s];
-            if (f->step_of[i] >= 0) continue;
+            if (f->step_of[i] >= 0 || (k < a->inner && i >= a->inner)) continue;
             if (!isfinite(f->work[i])) return RN_SINGULAR;
             if (fabs(f->work[i]) > largest) largest = fabs(f->work[i]), pivot = i;
         }
-        if (pivot < 0) return RN_SINGULAR;
-        if (f->mark[net->diagonal[k]] == k && f->step_of[net->diagonal[k]] < 0 &&
-            fabs(f->work[net->diagonal[k]]) >= PREFERRED * largest)
-            pivot = net->diagonal[k];
+        if (f->mark[wanted] == k && f->step_of[wanted] < 0 && fabs(f->work[wanted]) >= (k < a->inner ? PREFERRED : 0.0) * largest)
+            pivot = wanted;
+        if (pivot < 0 || (k >= a->inner && pivot != wanted) || f->work[pivot] == 0.0) return RN_SINGULAR;
         double value = f->work[pivot];
         f->step_of[pivot] = k;
         f->upper[u] = pivot; /* the diagonal is the last of its column */
@@ -141,17 +142,18 @@ static int choose(rn_factors *f, const rn_network *net, const double *entries)
         }
         f->lower_end[k] = l;
         f->upper_end[k] = u;
+        f->steps = k + 1;
     }
     return RN_OK;
 }
 
 /* Factors with the pivots of an earlier matrix; 1 where one is too small. */
-static int again(rn_factors *f, const rn_network *net, const double *entries)
+static int again(rn_factors *f, const rn_pattern *a, const double *entries)
 {
     for (int k = 0; k < f->n; k++) {
-        int column = net->order[k], last = f->upper_end[k] - 1;
+        int column = a->order[k], last = f->upper_end[k] - 1;
         double largest;
-        for (int p = begin(net->column_end, column); p < net->column_end[column]; p++) f->work[net->row[p]] = entries[p];
+        for (int p = begin(a->column_end, column); p < a->column_end[column]; p++) f->work[a->row[p]] = entries[p];
         for (int q = begin(f->upper_end, k); q < last; q++) {
             f->u[q] = f->work[f->upper[q]];
             eliminate(f, f->step_of[f->upper[q]], f->u[q]);
@@ -175,16 +177,37 @@ static int again(rn_factors *f, const rn_network *net, const double *entries)
 }
 
 /* Factors of a matrix; RN_SINGULAR where it has none. */
-int rn_factor(rn_factors *f, const rn_network *net, const double *entries)
+int rn_factor(rn_factors *f, const rn_pattern *a, const double *entries)
 {
-    if (f->known && !again(f, net, entries)) return RN_OK;
-    int failed = choose(f, net, entries);
+    if (f->known && !again(f, a, entries)) return RN_OK;
+    int failed = choose(f, a, entries);
     f->known = !failed;
     return failed;
 }
 
+/* The pivots of the columns behind the inner ones, in their order, for a matrix whose entries are taken from others; zero
+ * from the first that is zero. */
+int rn_pivots(const rn_pattern *a, const double *from, const int *take, double *pivots)
+{
+    rn_factors f;
+    int count = a->n ? a->column_end[a->n - 1] : 0, failed = rn_new_factors(&f, a->n);
+    double *entries = malloc((count + 1) * sizeof(double));
+    for (int k = a->inner; k < a->n; k++) pivots[k - a->inner] = 0.0;
+    if (failed || !entries)
+        failed = RN_MEMORY;
+    else {
+        for (int p = 0; p < count; p++) entries[p] = from[take[p]];
+        failed = choose(&f, a, entries);
+        for (int k = a->inner; k < f.steps; k++) pivots[k - a->inner] = f.u[f.upper_end[k] - 1];
+        if (failed == RN_SINGULAR && f.steps >= a->inner) failed = RN_OK;
+    }
+    rn_free_factors(&f);
+    free(entries);
+    return failed;
+}
+
 /* Solves in place. */
-void rn_back(const rn_factors *f, const rn_network *net, double *b)
+void rn_back(const rn_factors *f, const rn_pattern *a, double *b)
 {
     double *x = f->work;
     memset(x, 0, f->n * sizeof(double));
@@ -198,5 +221,5 @@ void rn_back(const rn_factors *f, const rn_network *net, double *b)
         double value = x[k] /= f->u[f->upper_end[k] - 1];
         for (int q = begin(f->upper_end, k); q < f->upper_end[k] - 1; q++) x[f->step_of[f->upper[q]]] -= f->u[q] * value;
     }
-    for (int k = 0; k < f->n; k++) b[net->order[k]] = x[k];
+    for (int k = 0; k < f->n; k++) b[a->order[k]] = x[k];
 }

@@ -71,4 +71,4 @@ def call_graph(model: Model, freed: tuple[Slot, ...], *, outputs: bool) -> CallG
 
 
 def _entries(vector: Any) -> tuple[Any, ...]:
-    return tuple(ca.densify(vector).elements())
+    return tuple((vector if vector.is_dense() else ca.densify(vector)).elements())

@@ -54,6 +54,7 @@ def network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, r
     time, x, z, u, *_, own = graph.vectors
     for i, symbol in enumerate((*z, *own)):
         builder.unknown(symbol, i)
+    slope = builder.room(len(u)) if rates else 0
     moving = [time[0], *x, *u] if rates else []
     for i, symbol in enumerate(moving, len(rows)):
         builder.unknown(symbol, i)
@@ -62,9 +63,8 @@ def network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, r
     net.rows = [builder.place(row) for row in rows]
     net.matrix = [{i: s for i, s in builder.slots(row).items() if i < len(rows)} for row in rows]
     if rates:
-        # The rate of time is one, those of the inputs stand behind the vectors, those of the states are results.
-        first = builder.room(len(u))
-        speeds = [net.one, *(builder.place(rate) for rate in states), *range(first, first + len(u))]
+        # The rate of time is one, those of the inputs stand behind that one, those of the states are results.
+        speeds = [net.one, *(builder.place(rate) for rate in states), *range(slope, slope + len(u))]
         before = len(net.sums)
         for row in rows:
             terms = [(s, speeds[i - len(rows)]) for i, s in builder.slots(row).items() if i >= len(rows)]
