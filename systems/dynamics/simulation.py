@@ -20,9 +20,9 @@ from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.run_inputs import (
+    by_sections,
     check_interventions,
     is_speed,
-    require_compiled,
     require_no_events,
     signals_of,
     start_of,
@@ -30,13 +30,13 @@ from ropeway.systems.dynamics.run_inputs import (
 )
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
 from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.newton import Buffered, dense
+from ropeway.systems.solvers.model_functions import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
@@ -89,9 +89,10 @@ def simulate(
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
-        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
-        lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
+        lines of spans over standing supports, drives that follow their commanded speeds (`IdealDrive`, drums) run in
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit, as are other
+        systems.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
@@ -138,14 +139,14 @@ def simulate(
         require_no_events(model.system)
     if compiled and inertia is not None:
         raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
-    if compiled:
-        require_compiled(model, signals)
+    in_sections = compiled and by_sections(model, signals)
     rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
-    run = _Simulation(replace(rest, pending=pending), settings)
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, in_sections, inertia)
+    solved_on = in_code(rest.model, compiled=model.compiled or (compiled and not in_sections))
+    run = _Simulation(replace(rest, model=solved_on, pending=pending), settings, compiled=model.compiled)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -175,7 +176,8 @@ class _Settings:
 class _Simulation:
     """One run: a line, and the clocks and interventions that act on it."""
 
-    def __init__(self, start: Equilibrium, settings: _Settings) -> None:
+    def __init__(self, start: Equilibrium, settings: _Settings, *, compiled: bool) -> None:
+        self._compiled = compiled
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         signals = settings.signals
@@ -205,7 +207,7 @@ class _Simulation:
         """All entries so far."""
         state, recorder = self.state, self.recorder
         return Result(
-            state.model,
+            in_code(state.model, compiled=self._compiled),
             tuple(state.runs),
             state.point.p,
             recorder.records,

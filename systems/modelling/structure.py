@@ -26,14 +26,24 @@ MOST = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Equations of a model, (t, x, z, u, p, d) -> (ode, alg) and -> y, and what is `derived` from them alone."""
+    """Equations of a model, (t, x, z, u, p, d) -> (ode, alg) and -> y, and what is `derived` from them alone;
+    `compiled`: whether solvers use compiled code."""
 
     dae: ca.Function
     outputs: ca.Function
+    compiled: bool = False
     derived: dict[Hashable, Any] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Structure, (self.dae, self.outputs)
+        return Structure, (self.dae, self.outputs, self.compiled)
+
+    def in_code(self, *, compiled: bool) -> Structure:
+        """The same equations, for solvers that use compiled code or not."""
+        if compiled == self.compiled:
+            return self
+        other = Structure(self.dae, self.outputs, compiled, {"other": self})
+        found: Structure = self.derived.setdefault("other", other)
+        return found
 
 
 class KnownStructures(threading.local):

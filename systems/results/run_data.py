@@ -21,7 +21,8 @@ from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.array_outputs import outputs_at
 from ropeway.systems.solvers.condensed_newton import solve_points
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import AnyRecord, restored, restored_points

@@ -18,7 +18,8 @@ from scipy.sparse.csgraph import connected_components
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.damped_newton import damped
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded, solve_sparse
+from ropeway.systems.solvers.model_functions import Buffered, expanded, solve_sparse
+from ropeway.systems.solvers.points import VECTORS, Point
 
 
 @dataclass(frozen=True)
