@@ -34,11 +34,13 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
     return start
 
 
-def require_compiled(model: Model, signals: Sequence[Signal]) -> None:
-    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
+def require_compiled(model: Model, signals: Sequence[Signal], inertia: Inertia | None) -> None:
+    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError. The core for a
+    line with inertia looks at its model when the run starts."""
     if any(isinstance(signal, Schedule) for signal in signals[: model.u.shared]):
         raise CompiledError("The compiled core cannot simulate weather that changes", "Leave out compiled=True")
-    compiled_line(model)
+    if inertia is None:
+        compiled_line(model)
 
 
 def require_no_events(system: System) -> None:

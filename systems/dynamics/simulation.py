@@ -10,11 +10,10 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
+from ropeway.components.errors import InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.external_parts import ExternalParts
-from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -28,6 +27,7 @@ from ropeway.systems.dynamics.run_inputs import (
     start_of,
     started,
 )
+from ropeway.systems.dynamics.steppers import stepper_of
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
@@ -136,11 +136,10 @@ def simulate(
     check_interventions(model, interventions, inertia)
     if inertia is not None:
         require_no_events(model.system)
-    if compiled and inertia is not None:
-        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
     if compiled:
-        require_compiled(model, signals)
-    rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
+        require_compiled(model, signals, inertia)
+    at_once = compiled and inertia is None
+    rest = equilibrium(model, compiled=at_once) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)

@@ -1,0 +1,131 @@
+"""A line with inertia in the compiled core: it moves there from event to event; events are the same as with IDAS."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+
+import numpy as np
+
+from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.systems.dynamics.inertia import support_zones as zones
+from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
+from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
+from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.interrupts import stop_if_interrupted
+from ropeway.systems.modelling.dae_model import component_of
+from ropeway.systems.native.inertial_library import FAILURES, SystemRun
+from ropeway.systems.solvers.idas import OSCILLATING, strict
+from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
+from ropeway.systems.statics.line_state import LineState
+
+_FIRST, _SHORTEST = 0.01, 1e-9
+"""Step that is tried first, and shortest step [s]."""
+_NEAR = 2e-4
+"""How far past a threshold the line may stop [m]."""
+_BEHIND = 1e-4
+"""Travel after which an event is due that was due before but for the direction of the rope [m]."""
+
+
+class Bounds:
+    """Travels at which loads meet something: the `watched` states, each between `low` and `high` [m]."""
+
+    def __init__(self, state: LineState) -> None:
+        reach: dict[int, list[float]] = {}
+        for side in (1.0, -1.0):
+            rates = [side * np.ones(len(run.nodes)) for run in state.runs]
+            for event in zones.coming(state, rates):
+                place = int(state.model.layouts[event.r].travel.state[event.k])
+                own = reach.setdefault(place, [np.inf, np.inf])
+                own[int(side < 0.0)] = min(own[int(side < 0.0)], event.gap if event.gap > zones.NEAR else _BEHIND)
+        gaps = np.array(list(reach.values()), dtype=float).reshape(-1, 2)
+        self.watched = np.array(list(reach), dtype=np.int32)
+        self.high = state.point.x[self.watched] + gaps[:, 0]
+        self.low = state.point.x[self.watched] - gaps[:, 1]
+
+
+class CompiledInertialLine(InertialLine):
+    """A line with inertia that the core solves and moves."""
+
+    _point: CorePoint | None = None
+    _step = _FIRST
+
+    @property
+    def core(self) -> InertialCore:
+        """The core of the present model, which grows with the loads in a span."""
+        return inertial_core(self.state.model)
+
+    def point(self, stop: float) -> CorePoint:
+        """The present point in the core."""
+        stop_if_interrupted()
+        if self._point is None or self._point.core is not self.core:
+            self._point = CorePoint(self.core)
+        self._point.put(self.state.point, self.slope(stop))
+        return self._point
+
+    def solve(self, stop: float) -> LineMotion:
+        """Solves the algebraic variables; returns all rates at the present point. Raises EquilibriumError."""
+        start, found = self.state.point.z.copy(), self.point(stop)
+        if found.solve():
+            self.state.point.z[:] = start
+            return super().solve(stop)
+        return self.motion_at(found.x_rate.copy(), found.z_rate.copy())
+
+    def move(self, stop: float, bounds: Bounds) -> LineMotion:
+        """Moves the line to `stop` [s] or to the first of some bounds. Raises EquilibriumError, SimulationError."""
+        time, found = self.time, self.point(stop)
+        run = SystemRun(
+            stop=stop - time,
+            h=self._step,
+            tolerance=strict(self.tolerance, OSCILLATING.share),
+            shortest=_SHORTEST,
+            watches=len(bounds.watched),
+            near=_NEAR,
+            watched=bounds.watched.ctypes.data,
+            low=bounds.low.ctypes.data,
+            high=bounds.high.ctypes.data,
+        )
+        failed = found.move(run)
+        if failed:
+            name = self.state.model.r.names[found.point.worst]
+            raise SimulationError(
+                f"The compiled core failed at {time + run.time:.9g} s: {FAILURES[failed]} (worst: {name})",
+                "Check the last result for a slack rope or a load that stands on a support; or take a larger tolerance",
+                time,
+            )
+        self._step = run.h
+        inputs = self.state.point.u.copy()
+        self.set_time(stop if run.hit < 0 else time + run.time)
+        if np.abs(self.state.point.u - inputs).max(initial=0.0) > 1e-12:  # the rates of inputs jump here
+            return self.solve(stop)
+        return self.motion_at(found.x_rate.copy(), found.z_rate.copy())
+
+
+class CompiledInertialStepper(InertialStepper):
+    """As `InertialStepper`, with its line in the compiled core."""
+
+    line: CompiledInertialLine
+    line_kind = CompiledInertialLine
+
+    def run_along(self, stops: Sequence[float]) -> int:
+        """Advances through some evenly spaced stops with an entry at each; returns how many they are. Raises
+        EquilibriumError, SimulationError."""
+        for stop in stops:
+            self.run_to(stop)
+            self.recorder.record(self.state, on_grid=True)
+        return len(stops)
+
+    def run_to(self, stop: float) -> None:
+        """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises
+        EquilibriumError, SimulationError."""
+        line = self.line
+        line.set_time(line.time)
+        motion, bounds = line.solve(stop), Bounds(self.state)
+        while line.time < stop - 1e-9:
+            if due := zones.due(self._coming(motion)):
+                motion = self._act(due, motion, stop)
+                bounds = Bounds(self.state)
+            else:
+                motion = line.move(stop, bounds)
+        self._motion = motion
+        self.state.require_rope("End the run before, or turn the drive")
