@@ -32,7 +32,7 @@ typedef struct {
     /* of each piece, from `active_at` on: entries of its ports that are unknowns of nodes, and these unknowns */
     const int *active_at, *active_port, *active_unknown;
     const int *shared; /* (ns,): places in (x, z, u, p, 0, 1) */
-    const double *x_nominal, *z_nominal, *r_nominal;
+    const double *x_nominal, *z_nominal, *r_scale; /* the last: one over the nominals of the residuals */
     const ri_kernel *value, *matrix;
 } ri_line;
 

@@ -21,7 +21,7 @@ INTEGERS = (
     *("port_source", "port_piece", "port_row"),
     *("active_at", "active_port", "active_unknown", "shared"),
 )
-NUMBERS = ("x_nominal", "z_nominal", "r_nominal")
+NUMBERS = ("x_nominal", "z_nominal", "r_scale")
 KERNELS = ("value", "matrix")
 
 

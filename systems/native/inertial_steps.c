@@ -11,6 +11,7 @@
 #define STAGES 8
 #define ITERATIONS 30
 #define CLOSE 1e-10   /* scaled move of the last iteration of Newton's method */
+#define ROUNDED 1e-6   /* below this a move that does not become smaller is rounding */
 #define CHORD 1e-4    /* below this its next iteration has the same matrix */
 #define APART 1e-5    /* time over which rates are differences [s] */
 #define LONGEST 0.5   /* longest step [s] */
@@ -55,7 +56,7 @@ static double residual(const ri_line *l, ri_point *q)
 {
     double sum = 0.0, largest = -1.0;
     for (int i = 0; i < l->nz; i++) {
-        double e = fabs(q->value[l->nx + i] / l->r_nominal[i]);
+        double e = fabs(q->value[l->nx + i] * l->r_scale[i]);
         sum += e * e;
         if (!(e <= largest)) largest = e, q->worst = i;
     }
@@ -73,7 +74,7 @@ static double moved(const ri_line *l, ri_point *q, const double *start, const do
 /* Newton's method for the algebraic variables of y; the matrix for c = 0 is left behind. */
 static int consistent(const ri_line *l, ri_point *q)
 {
-    double *move = q->room + 2 * l->nz + l->unknowns, *start = move + l->nx + l->nz, before;
+    double *move = q->room + 2 * l->nz + l->unknowns, *start = move + l->nx + l->nz, before, last = 1e300;
     int fresh = 0;
     ri_evaluate(l, q);
     before = residual(l, q);
@@ -87,10 +88,10 @@ static int consistent(const ri_line *l, ri_point *q)
         for (int i = 0; i < l->nz; i++) largest = fmax(largest, fabs(move[l->nx + i] / l->z_nominal[i]));
         memcpy(start, q->y + l->nx, l->nz * sizeof(double));
         norm = moved(l, q, start, move, share);
-        while (!(norm <= before) && largest * share > CLOSE && share > 1e-6) norm = moved(l, q, start, move, share /= 2.0);
-        if (largest <= CLOSE) return RI_OK;
+        while (!(norm <= before) && largest > ROUNDED && share > 1e-6) norm = moved(l, q, start, move, share /= 2.0);
+        if (largest <= CLOSE || (largest < ROUNDED && largest > last / 4.0)) return RI_OK;
         if (share <= 1e-6) return RI_STUCK;
-        before = norm, fresh = largest < CHORD;
+        before = norm, last = largest, fresh = largest < CHORD;
     }
     return RI_SLOW;
 }

@@ -4,7 +4,9 @@
 #include <string.h>
 #include "inertial.h"
 
-/* Where a form's block begins, and its size. */
+/* Integers of the packed factors of a piece. */
+#define PIVOTS(n) ((n) * ((n) + 3))
+/* Where a form's block begins. */
 #define BLOCK(l, f, k) ((l)->block[(RI_BLOCKS + 1) * (f) + (k)])
 
 void ri_load(const ri_line *l, ri_point *q)
@@ -85,21 +87,38 @@ static int eliminate(double *a, int n, int m, int *row)
     return RI_OK;
 }
 
-/* Solves with the factors: `from` (n,) is overwritten, the solution is in `to`. */
-static void substitute(const double *a, int n, int m, const int *row, const double *from, double *to)
+/* The factors without their zeros, in the order in which they are used: of each row those on the left of its diagonal,
+ * the inverse of that, those on the right; `columns` has the rows' order, where each part begins, and the columns. */
+static void pack(const double *a, int n, int m, int *columns, double *packed)
 {
-    int width = n + m;
+    int *begin = columns + n, *column = begin + 2 * n, count = 0;
     for (int i = 0; i < n; i++) {
-        const double *own = a + width * row[i];
-        double sum = from[row[i]];
-        for (int j = 0; j < i; j++) sum -= own[j] * to[j];
+        const double *own = a + (n + m) * columns[i];
+        begin[2 * i] = count;
+        for (int j = 0; j < i; j++)
+            if (own[j] != 0.0) column[count] = j, packed[count++] = own[j];
+        begin[2 * i + 1] = count;
+        column[count] = i, packed[count++] = 1.0 / own[i];
+        for (int j = i + 1; j < n; j++)
+            if (own[j] != 0.0) column[count] = j, packed[count++] = own[j];
+    }
+}
+
+/* Solves with the packed factors. */
+static void substitute(const double *packed, int n, const int *columns, const double *from, double *to)
+{
+    const int *begin = columns + n, *column = begin + 2 * n;
+    int end = begin[2 * n - 1] + 1;
+    for (int i = 0; i < n; i++) {
+        double sum = from[columns[i]];
+        for (int k = begin[2 * i]; k < begin[2 * i + 1]; k++) sum -= packed[k] * to[column[k]];
         to[i] = sum;
     }
     for (int i = n - 1; i >= 0; i--) {
-        const double *own = a + width * row[i];
         double sum = to[i];
-        for (int j = i + 1; j < n; j++) sum -= own[j] * to[j];
-        to[i] = sum / own[i];
+        for (int k = begin[2 * i + 1] + 1; k < end; k++) sum -= packed[k] * to[column[k]];
+        to[i] = sum * packed[begin[2 * i + 1]];
+        end = begin[2 * i];
     }
 }
 
@@ -168,7 +187,7 @@ static int factor_piece(const ri_line *l, ri_point *q, int i, const double *b, i
     for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++, b++)
         if (column[columns[k]] >= 0) a[width * rows[k] + n + column[columns[k]]] = *b;
     for (int j = 0; j < n; j++) {
-        double by = 1.0 / l->r_nominal[l->r[i] + order[j]];
+        double by = l->r_scale[l->r[i] + order[j]];
         for (int k = 0; k < width; k++) a[width * j + k] *= by;
     }
     if (eliminate(a, n, m, row)) {
@@ -183,6 +202,7 @@ static int factor_piece(const ri_line *l, ri_point *q, int i, const double *b, i
     b += BLOCK(l, f, RI_FORCES_PORTS) - BLOCK(l, f, RI_FORCES_STATES);
     for (int k = BLOCK(l, f, RI_FORCES_PORTS); k < BLOCK(l, f, RI_FORCES_PORTS + 1); k++, b++)
         if (column[columns[k]] >= 0) force[m * rows[k] + column[columns[k]]] += *b;
+    pack(a, n, m, row, force + given * m);
     return RI_OK;
 }
 
@@ -200,7 +220,7 @@ int ri_factor(const ri_line *l, ri_point *q, double c)
         l->matrix[f](q->kernel + l->input[i], q->kernel + l->blocks[i]);
         if (i < l->pieces) {
             if (factor_piece(l, q, i, b, pivot)) return RI_SINGULAR;
-            pivot += l->form_nz[f];
+            pivot += PIVOTS(l->form_nz[f]);
             continue;
         }
         int first = l->unknown[i];
@@ -217,7 +237,7 @@ int ri_factor(const ri_line *l, ri_point *q, double c)
         }
         for (int k = 0; k < nx + l->form_nz[f]; k++) {
             double *own = entry(l, q, first + k, first + k) - l->band;
-            double by = k < nx ? c : 1.0 / l->r_nominal[l->r[i] + k - nx];
+            double by = k < nx ? c : l->r_scale[l->r[i] + k - nx];
             if (k < nx && c > 0.0) own[l->band] += 1.0 / c;
             for (int j = 0; j < 3 * l->band + 1; j++) own[j] *= by;
             if (k < nx && c == 0.0) own[l->band] = 1.0;
@@ -236,8 +256,8 @@ static void reduce_piece(const ri_line *l, const ri_point *q, int i, const int *
     double right[n + 1];
     for (int k = 0; k < n; k++) right[k] = side[l->nx + l->r[i] + order[k]];
     for (int k = BLOCK(l, f, RI_STATES); k < BLOCK(l, f, RI_STATES + 1); k++) right[rows[k]] += *b++ * x[columns[k]];
-    for (int k = 0; k < n; k++) right[k] /= l->r_nominal[l->r[i] + order[k]];
-    substitute(q->dense + l->dense[i], n, m, row, right, to);
+    for (int k = 0; k < n; k++) right[k] *= l->r_scale[l->r[i] + order[k]];
+    substitute(q->dense + l->dense[i] + n * (n + m) + l->form_given[f] * m, n, row, right, to);
     for (int k = 0; k < l->form_given[f]; k++) force[k] = 0.0;
     for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++) force[rows[k]] += *b++ * to[columns[k]];
     for (int k = BLOCK(l, f, RI_FORCES_STATES); k < BLOCK(l, f, RI_FORCES_STATES + 1); k++)
@@ -273,7 +293,7 @@ void ri_apply(const ri_line *l, ri_point *q, double c, double *side)
     for (int i = 0; i < l->pieces; i++) {
         int f = l->form[i];
         reduce_piece(l, q, i, row, side, to, q->kernel + l->result[i] + l->form_nx[f] + l->form_nz[f]);
-        row += l->form_nz[f], to += l->form_nz[f];
+        row += PIVOTS(l->form_nz[f]), to += l->form_nz[f];
     }
     for (int i = l->pieces; i < l->components; i++) {
         int f = l->form[i], nx = l->form_nx[f], first = l->unknown[i];
@@ -285,7 +305,7 @@ void ri_apply(const ri_line *l, ri_point *q, double c, double *side)
             if (piece >= 0) v[first + l->rows[k]] += *b * q->kernel[l->result[piece] + l->port_row[port]];
         }
         for (int k = 0; k < nx; k++) v[first + k] *= c;
-        for (int k = 0; k < l->form_nz[f]; k++) v[first + nx + k] /= l->r_nominal[l->r[i] + k];
+        for (int k = 0; k < l->form_nz[f]; k++) v[first + nx + k] *= l->r_scale[l->r[i] + k];
     }
     solve_band(l, q, row, v);
     for (int i = l->pieces; i < l->components; i++) {
@@ -296,6 +316,6 @@ void ri_apply(const ri_line *l, ri_point *q, double c, double *side)
     row = q->pivot, to = own;
     for (int i = 0; i < l->pieces; i++) {
         complete_piece(l, q, i, row, v, to, side);
-        row += l->form_nz[l->form[i]], to += l->form_nz[l->form[i]];
+        row += PIVOTS(l->form_nz[l->form[i]]), to += l->form_nz[l->form[i]];
     }
 }

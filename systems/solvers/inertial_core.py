@@ -194,7 +194,7 @@ def _tables(found: _Finder) -> tuple[dict[str, int], dict[str, np.ndarray], dict
     inputs = [s.nx + s.nz + s.ports + s.nu + len(shared) + s.np + s.nd + 1 for s in sizes]
     entries = [sum(len(b.rows) for b in p.kernels.blocks) for p in parts]
     kernel = np.cumsum([0, *np.column_stack([inputs, [s.nx + s.nz + s.given for s in sizes], entries]).ravel()])
-    dense = np.cumsum([0, *(s.nz * (s.nz + len(a)) + s.given * len(a) for s, a in zip(sizes, actives, strict=False))])
+    dense = np.cumsum([0, *(s.nz * (2 * s.nz + len(a)) + s.given * len(a) for s, a in zip(sizes, actives, strict=False))])
     blocks = [[*k.blocks, *[((), ())] * (BLOCKS - len(k.blocks))] for k in forms]
     begins, at = list[int](), 0
     for own in blocks:
@@ -235,7 +235,7 @@ def _tables(found: _Finder) -> tuple[dict[str, int], dict[str, np.ndarray], dict
         "value": n,
         "kernel": int(kernel[-1]),
         "dense": int(dense[-1]),
-        "pivot": sum(s.nz for s in sizes[: len(pieces)]) + unknowns,
+        "pivot": sum(s.nz * (s.nz + 3) for s in sizes[: len(pieces)]) + unknowns,
         "band": unknowns * (3 * found.band + 1),
         "room": 2 * len(model.z) + unknowns + 11 * n,
     }
@@ -253,7 +253,7 @@ class InertialCore:
         sizes, integers, self.room = _tables(found)
         forms = list({id(p.kernels): p.kernels for p in found.parts}.values())
         addresses = ([k.value for k in forms], [k.matrix for k in forms])
-        nominals = (model.x.nominals, model.z.nominals, model.r.nominals)
+        nominals = (model.x.nominals, model.z.nominals, 1.0 / model.r.nominals)
         self._kept: list[np.ndarray] = []
         for name, size in sizes.items():
             setattr(self.tables, name, size)

@@ -15,7 +15,6 @@ from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
-from ropeway.systems.solvers.idas import OSCILLATING, strict
 from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
 from ropeway.systems.statics.line_state import LineState
 
@@ -31,17 +30,14 @@ class Bounds:
     """Travels at which loads meet something: the `watched` states, each between `low` and `high` [m]."""
 
     def __init__(self, state: LineState) -> None:
-        reach: dict[int, list[float]] = {}
-        for side in (1.0, -1.0):
-            rates = [side * np.ones(len(run.nodes)) for run in state.runs]
-            for event in zones.coming(state, rates):
-                place = int(state.model.layouts[event.r].travel.state[event.k])
-                own = reach.setdefault(place, [np.inf, np.inf])
-                own[int(side < 0.0)] = min(own[int(side < 0.0)], event.gap if event.gap > zones.NEAR else _BEHIND)
-        gaps = np.array(list(reach.values()), dtype=float).reshape(-1, 2)
-        self.watched = np.array(list(reach), dtype=np.int32)
-        self.high = state.point.x[self.watched] + gaps[:, 0]
-        self.low = state.point.x[self.watched] - gaps[:, 1]
+        travels = [layout.travel.state for layout in state.model.layouts]
+        self.watched = np.unique(np.concatenate([own[own >= 0] for own in travels])).astype(np.int32)
+        gaps = np.full((2, len(state.point.x)), np.inf)
+        for t in zones.thresholds(state):
+            gap = np.where(t.gap > zones.NEAR, t.gap, _BEHIND)[t.on]
+            np.minimum.at(gaps[int(t.side < 0.0)], travels[t.r][t.k[t.on]], gap)
+        self.high = state.point.x[self.watched] + gaps[0, self.watched]
+        self.low = state.point.x[self.watched] - gaps[1, self.watched]
 
 
 class CompiledInertialLine(InertialLine):
@@ -77,7 +73,7 @@ class CompiledInertialLine(InertialLine):
         run = SystemRun(
             stop=stop - time,
             h=self._step,
-            tolerance=strict(self.tolerance, OSCILLATING.share),
+            tolerance=self.tolerance,
             shortest=_SHORTEST,
             watches=len(bounds.watched),
             near=_NEAR,
@@ -122,7 +118,7 @@ class CompiledInertialStepper(InertialStepper):
         line.set_time(line.time)
         motion, bounds = line.solve(stop), Bounds(self.state)
         while line.time < stop - 1e-9:
-            if due := zones.due(self._coming(motion)):
+            if due := zones.due(zones.coming(self.state, motion.travel, zones.NEAR)):
                 motion = self._act(due, motion, stop)
                 bounds = Bounds(self.state)
             else:
