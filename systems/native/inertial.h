@@ -48,6 +48,7 @@ typedef struct {
     int *pivot;
     double *band; /* matrix of the nodes */
     double *room; /* 20 (nx + nz) + unknowns */
+    double step;  /* of the factors; below 0: none */
     int worst;    /* of a failure: the residual that is worst */
 } ri_point;
 

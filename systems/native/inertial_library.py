@@ -40,6 +40,7 @@ class SystemPoint(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_void_p) for name in ("x", "z", "u", "p", "d", "x_rate", "z_rate", "u_rate")),
         *((name, ctypes.c_void_p) for name in ("y", "value", "kernel", "dense", "pivot", "band", "room")),
+        ("step", ctypes.c_double),
         ("worst", ctypes.c_int),
     )
 

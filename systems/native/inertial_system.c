@@ -4,6 +4,8 @@
 #include <string.h>
 #include "inertial.h"
 
+#define SAME 1e-5 /* by how much inputs may differ, relative */
+
 /* Integers of the packed factors of a piece. */
 #define PIVOTS(n) ((n) * ((n) + 3))
 /* Where a form's block begins. */
@@ -206,23 +208,36 @@ static int factor_piece(const ri_line *l, ri_point *q, int i, const double *b, i
     return RI_OK;
 }
 
+/* Whether a piece's factors, made for other inputs, serve Newton's method: they do where the inputs are much the same. */
+static int serve(const double *kept, const double *v, int count)
+{
+    for (int k = 0; k < count; k++)
+        if (!(fabs(v[k] - kept[k]) <= SAME * (1.0 + fabs(kept[k])))) return 0;
+    return 1;
+}
+
 int ri_factor(const ri_line *l, ri_point *q, double c)
 {
-    int *pivot = q->pivot;
+    int *pivot = q->pivot, again = c == 0.0 && q->step == 0.0;
+    q->step = -1.0;
     memset(q->band, 0, (size_t)l->unknowns * (3 * l->band + 1) * sizeof(double));
     for (int i = 0; i < l->components; i++) {
         int f = l->form[i], nx = l->form_nx[f];
         const double *b = q->kernel + l->blocks[i];
+        double *v = q->kernel + l->input[i];
         if (i < l->pieces) {
             int inputs = nx + l->form_nz[f] + l->form_ports[f] + l->form_nu[f] + l->ns + l->form_np[f] + l->form_nd[f];
-            q->kernel[l->input[i] + inputs] = c;
-        }
-        l->matrix[f](q->kernel + l->input[i], q->kernel + l->blocks[i]);
-        if (i < l->pieces) {
-            if (factor_piece(l, q, i, b, pivot)) return RI_SINGULAR;
+            double *kept = v + inputs + 1;
+            if (!again || !serve(kept, v, inputs)) {
+                v[inputs] = c;
+                memcpy(kept, v, inputs * sizeof(double));
+                l->matrix[f](v, q->kernel + l->blocks[i]);
+                if (factor_piece(l, q, i, b, pivot)) return RI_SINGULAR;
+            }
             pivot += PIVOTS(l->form_nz[f]);
             continue;
         }
+        l->matrix[f](v, q->kernel + l->blocks[i]);
         int first = l->unknown[i];
         for (int k = BLOCK(l, f, RI_OWN); k < BLOCK(l, f, RI_OWN + 1); k++)
             *entry(l, q, first + l->rows[k], first + l->columns[k]) -= *b++;
@@ -243,6 +258,7 @@ int ri_factor(const ri_line *l, ri_point *q, double c)
             if (k < nx && c == 0.0) own[l->band] = 1.0;
         }
     }
+    q->step = c;
     return factor_band(l, q, pivot);
 }
 

@@ -191,7 +191,8 @@ def _tables(found: _Finder) -> tuple[dict[str, int], dict[str, np.ndarray], dict
     ports = [[(k, -1, 0) for k in found.sources(p.component)] for p in pieces] + [found.forces(p) for p in found.nodes]
     actives = [found.active(p) for p in pieces]
     sizes = [p.kernels.sizes for p in parts]
-    inputs = [s.nx + s.nz + s.ports + s.nu + len(shared) + s.np + s.nd + 1 for s in sizes]
+    # Of a piece the inputs of its factors are kept too.
+    inputs = [2 * (s.nx + s.nz + s.ports + s.nu + len(shared) + s.np + s.nd) + 1 for s in sizes]
     entries = [sum(len(b.rows) for b in p.kernels.blocks) for p in parts]
     kernel = np.cumsum([0, *np.column_stack([inputs, [s.nx + s.nz + s.given for s in sizes], entries]).ravel()])
     dense = np.cumsum([0, *(s.nz * (2 * s.nz + len(a)) + s.given * len(a) for s, a in zip(sizes, actives, strict=False))])
@@ -285,7 +286,7 @@ class CorePoint:
     def __init__(self, core: InertialCore) -> None:
         self.core, model = core, core.model
         self.x_rate, self.z_rate, self.u_rate = (np.zeros(len(table)) for table in (model.x, model.z, model.u))
-        self.point = SystemPoint()
+        self.point = SystemPoint(step=-1.0)
         room = {name: np.zeros(max(n, 1), np.int32 if name == "pivot" else float) for name, n in core.room.items()}
         rates = {"x_rate": self.x_rate, "z_rate": self.z_rate, "u_rate": self.u_rate}
         self._room = list(room.values())
