@@ -23,14 +23,14 @@ typedef struct {
     /* of each form: sizes; where its blocks begin in `rows` and `columns` (RI_BLOCKS + 1 each), and its order in
      * `order_r` and `order_z` */
     const int *form_nx, *form_nz, *form_nu, *form_np, *form_nd, *form_ports, *form_given, *block, *order_at;
-    const int *rows, *columns, *order_r, *order_z;
+    const int *rows, *columns, *at, *order_r, *order_z; /* `at`: where an entry stands among the kernel's results */
     /* of each component, pieces first: its form, first places in the vectors, in `port_...`, of its kernels' input,
      * results and blocks in the work, of the dense matrices of a piece; of a node its first unknown */
     const int *form, *x, *z, *r, *u, *p, *d, *port_at, *input, *result, *blocks, *dense, *unknown;
     /* of each entry of a port: the place in (x, z, u, p, 0, 1) where it stands, or the piece and its result */
     const int *port_source, *port_piece, *port_row;
-    /* of each piece, from `active_at` on: entries of its ports that are unknowns of nodes, and these unknowns */
-    const int *active_at, *active_port, *active_unknown;
+    /* of each piece, from `active_at` on: the unknowns of nodes that it reads, the columns of its blocks by ports */
+    const int *active_at, *active_unknown;
     const int *shared; /* (ns,): places in (x, z, u, p, 0, 1) */
     const double *x_nominal, *z_nominal, *r_scale; /* the last: one over the nominals of the residuals */
     const ri_kernel *value, *matrix;

@@ -16,10 +16,10 @@ BLOCKS = 8
 SIZES = ("nx", "nz", "nu", "np", "ns", "pieces", "components", "unknowns", "band")
 INTEGERS = (
     *("form_nx", "form_nz", "form_nu", "form_np", "form_nd", "form_ports", "form_given", "block", "order_at"),
-    *("rows", "columns", "order_r", "order_z"),
+    *("rows", "columns", "at", "order_r", "order_z"),
     *("form", "x", "z", "r", "u", "p", "d", "port_at", "input", "result", "blocks", "dense", "unknown"),
     *("port_source", "port_piece", "port_row"),
-    *("active_at", "active_port", "active_unknown", "shared"),
+    *("active_at", "active_unknown", "shared"),
 )
 NUMBERS = ("x_nominal", "z_nominal", "r_scale")
 KERNELS = ("value", "matrix")

@@ -127,7 +127,7 @@ static void substitute(const double *packed, int n, const int *columns, const do
 /* The band has `band` diagonals on both sides, and room for as many more that exchanged rows fill. */
 static double *entry(const ri_line *l, const ri_point *q, int i, int j)
 {
-    return q->band + (3 * l->band + 1) * i + j - i + l->band;
+    return q->band + 3 * l->band * i + j + l->band;
 }
 
 static int factor_band(const ri_line *l, ri_point *q, int *pivot)
@@ -173,21 +173,16 @@ static void solve_band(const ri_line *l, const ri_point *q, const int *pivot, do
     }
 }
 
-/* A piece: its unknowns by those of its nodes, and its forces by these. */
+/* A piece, with the values b of its kernel: its unknowns by those of its nodes, and its forces by these. */
 static int factor_piece(const ri_line *l, ri_point *q, int i, const double *b, int *row)
 {
     int f = l->form[i], n = l->form_nz[f], m = l->active_at[i + 1] - l->active_at[i], width = n + m;
     int given = l->form_given[f];
-    const int *rows = l->rows, *columns = l->columns, *order = l->order_r + l->order_at[f];
-    const int *active = l->active_port + l->active_at[i];
+    const int *rows = l->rows, *columns = l->columns, *at = l->at, *order = l->order_r + l->order_at[f];
     double *a = q->dense + l->dense[i], *force = a + n * width;
-    int column[l->form_ports[f] + 1];
-    for (int k = 0; k < l->form_ports[f]; k++) column[k] = -1;
-    for (int k = 0; k < m; k++) column[active[k]] = k;
     memset(a, 0, (n * width + given * m) * sizeof(double));
-    for (int k = BLOCK(l, f, RI_OWN); k < BLOCK(l, f, RI_OWN + 1); k++) a[width * rows[k] + columns[k]] = *b++;
-    for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++, b++)
-        if (column[columns[k]] >= 0) a[width * rows[k] + n + column[columns[k]]] = *b;
+    for (int k = BLOCK(l, f, RI_OWN); k < BLOCK(l, f, RI_OWN + 1); k++) a[width * rows[k] + columns[k]] = b[at[k]];
+    for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++) a[width * rows[k] + n + columns[k]] = b[at[k]];
     for (int j = 0; j < n; j++) {
         double by = l->r_scale[l->r[i] + order[j]];
         for (int k = 0; k < width; k++) a[width * j + k] *= by;
@@ -196,14 +191,12 @@ static int factor_piece(const ri_line *l, ri_point *q, int i, const double *b, i
         q->worst = l->r[i];
         return RI_SINGULAR;
     }
-    b += BLOCK(l, f, RI_FORCES) - BLOCK(l, f, RI_STATES);
-    for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++, b++) {
+    for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++) {
         const double *own = a + width * row[columns[k]] + n;
-        for (int j = 0; j < m; j++) force[m * rows[k] + j] += *b * own[j];
+        for (int j = 0; j < m; j++) force[m * rows[k] + j] += b[at[k]] * own[j];
     }
-    b += BLOCK(l, f, RI_FORCES_PORTS) - BLOCK(l, f, RI_FORCES_STATES);
-    for (int k = BLOCK(l, f, RI_FORCES_PORTS); k < BLOCK(l, f, RI_FORCES_PORTS + 1); k++, b++)
-        if (column[columns[k]] >= 0) force[m * rows[k] + column[columns[k]]] += *b;
+    for (int k = BLOCK(l, f, RI_FORCES_PORTS); k < BLOCK(l, f, RI_FORCES_PORTS + 1); k++)
+        force[m * rows[k] + columns[k]] += b[at[k]];
     pack(a, n, m, row, force + given * m);
     return RI_OK;
 }
@@ -240,15 +233,16 @@ int ri_factor(const ri_line *l, ri_point *q, double c)
         l->matrix[f](v, q->kernel + l->blocks[i]);
         int first = l->unknown[i];
         for (int k = BLOCK(l, f, RI_OWN); k < BLOCK(l, f, RI_OWN + 1); k++)
-            *entry(l, q, first + l->rows[k], first + l->columns[k]) -= *b++;
-        for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++, b++) {
+            *entry(l, q, first + l->rows[k], first + l->columns[k]) -= b[l->at[k]];
+        for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++) {
             int port = l->port_at[i] + l->columns[k], piece = l->port_piece[port];
             if (piece < 0) continue;
             int g = l->form[piece], n = l->form_nz[g], m = l->active_at[piece + 1] - l->active_at[piece];
             int row = l->port_row[port] - l->form_nx[g] - n;
             const double *force = q->dense + l->dense[piece] + n * (n + m) + m * row;
             const int *unknown = l->active_unknown + l->active_at[piece];
-            for (int j = 0; j < m; j++) *entry(l, q, first + l->rows[k], unknown[j]) -= *b * force[j];
+            double *own = entry(l, q, first + l->rows[k], 0);
+            for (int j = 0; j < m; j++) own[unknown[j]] -= b[l->at[k]] * force[j];
         }
         for (int k = 0; k < nx + l->form_nz[f]; k++) {
             double *own = entry(l, q, first + k, first + k) - l->band;
@@ -267,17 +261,18 @@ static void reduce_piece(const ri_line *l, const ri_point *q, int i, const int *
                          double *force)
 {
     int f = l->form[i], n = l->form_nz[f], m = l->active_at[i + 1] - l->active_at[i];
-    const int *rows = l->rows, *columns = l->columns, *order = l->order_r + l->order_at[f];
-    const double *b = q->kernel + l->blocks[i] + BLOCK(l, f, RI_STATES) - BLOCK(l, f, RI_OWN), *x = side + l->x[i];
+    const int *rows = l->rows, *columns = l->columns, *at = l->at, *order = l->order_r + l->order_at[f];
+    const double *b = q->kernel + l->blocks[i], *x = side + l->x[i];
+    const double *r = side + l->nx + l->r[i], *scale = l->r_scale + l->r[i];
     double right[n + 1];
-    for (int k = 0; k < n; k++) right[k] = side[l->nx + l->r[i] + order[k]];
-    for (int k = BLOCK(l, f, RI_STATES); k < BLOCK(l, f, RI_STATES + 1); k++) right[rows[k]] += *b++ * x[columns[k]];
-    for (int k = 0; k < n; k++) right[k] *= l->r_scale[l->r[i] + order[k]];
+    for (int k = 0; k < n; k++) right[k] = r[order[k]];
+    for (int k = BLOCK(l, f, RI_STATES); k < BLOCK(l, f, RI_STATES + 1); k++) right[rows[k]] += b[at[k]] * x[columns[k]];
+    for (int k = 0; k < n; k++) right[k] *= scale[order[k]];
     substitute(q->dense + l->dense[i] + n * (n + m) + l->form_given[f] * m, n, row, right, to);
     for (int k = 0; k < l->form_given[f]; k++) force[k] = 0.0;
-    for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++) force[rows[k]] += *b++ * to[columns[k]];
+    for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++) force[rows[k]] += b[at[k]] * to[columns[k]];
     for (int k = BLOCK(l, f, RI_FORCES_STATES); k < BLOCK(l, f, RI_FORCES_STATES + 1); k++)
-        force[rows[k]] += *b++ * x[columns[k]];
+        force[rows[k]] += b[at[k]] * x[columns[k]];
 }
 
 /* Adds what the moves `v` of the nodes' unknowns do to a piece; writes down its own moves. */
@@ -285,20 +280,19 @@ static void complete_piece(const ri_line *l, const ri_point *q, int i, const int
                            double *side)
 {
     int f = l->form[i], nx = l->form_nx[f], n = l->form_nz[f], m = l->active_at[i + 1] - l->active_at[i];
-    const int *rows = l->rows, *columns = l->columns, *order = l->order_z + l->order_at[f];
+    const int *rows = l->rows, *columns = l->columns, *at = l->at, *order = l->order_z + l->order_at[f];
     const int *unknown = l->active_unknown + l->active_at[i];
-    const double *a = q->dense + l->dense[i];
-    const double *b = q->kernel + l->blocks[i] + BLOCK(l, f, RI_S) - BLOCK(l, f, RI_OWN);
-    double x[nx + 1], move[m + 1];
+    const double *a = q->dense + l->dense[i] + n, *b = q->kernel + l->blocks[i];
+    double x[nx + 1], move[m + 1], *z = side + l->nx + l->z[i];
     for (int j = 0; j < m; j++) move[j] = v[unknown[j]];
     for (int k = 0; k < n; k++) {
-        const double *by = a + (n + m) * row[k] + n;
+        const double *by = a + (n + m) * row[k];
         for (int j = 0; j < m; j++) own[k] += by[j] * move[j];
-        side[l->nx + l->z[i] + order[k]] = own[k];
+        z[order[k]] = own[k];
     }
     for (int k = 0; k < nx; k++) x[k] = 0.0;
-    for (int k = BLOCK(l, f, RI_S); k < BLOCK(l, f, RI_S + 1); k++) x[rows[k]] += *b++ * own[columns[k]];
-    for (int k = BLOCK(l, f, RI_T); k < BLOCK(l, f, RI_T + 1); k++) x[rows[k]] += *b++ * side[l->x[i] + columns[k]];
+    for (int k = BLOCK(l, f, RI_S); k < BLOCK(l, f, RI_S + 1); k++) x[rows[k]] += b[at[k]] * own[columns[k]];
+    for (int k = BLOCK(l, f, RI_T); k < BLOCK(l, f, RI_T + 1); k++) x[rows[k]] += b[at[k]] * side[l->x[i] + columns[k]];
     memcpy(side + l->x[i], x, nx * sizeof(double));
 }
 
@@ -313,12 +307,12 @@ void ri_apply(const ri_line *l, ri_point *q, double c, double *side)
     }
     for (int i = l->pieces; i < l->components; i++) {
         int f = l->form[i], nx = l->form_nx[f], first = l->unknown[i];
-        const double *b = q->kernel + l->blocks[i] + BLOCK(l, f, RI_PORTS) - BLOCK(l, f, RI_OWN);
+        const double *b = q->kernel + l->blocks[i];
         for (int k = 0; k < nx; k++) v[first + k] = side[l->x[i] + k];
         for (int k = 0; k < l->form_nz[f]; k++) v[first + nx + k] = side[l->nx + l->r[i] + k];
-        for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++, b++) {
+        for (int k = BLOCK(l, f, RI_PORTS); k < BLOCK(l, f, RI_PORTS + 1); k++) {
             int port = l->port_at[i] + l->columns[k], piece = l->port_piece[port];
-            if (piece >= 0) v[first + l->rows[k]] += *b * q->kernel[l->result[piece] + l->port_row[port]];
+            if (piece >= 0) v[first + l->rows[k]] += b[l->at[k]] * q->kernel[l->result[piece] + l->port_row[port]];
         }
         for (int k = 0; k < nx; k++) v[first + k] *= c;
         for (int k = 0; k < l->form_nz[f]; k++) v[first + nx + k] *= l->r_scale[l->r[i] + k];

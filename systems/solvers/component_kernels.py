@@ -99,7 +99,8 @@ def _made(component: Component, site: Site) -> ComponentKernels:
     function = KNOWN.functions.get(component, site, variables)
     stop_if_interrupted()
     s = _symbols(component, function, weather=site.weather)
-    sizes = Sizes(*(function.numel_in(i) for i in range(2, 7)), s.ports.numel(), s.given.numel())
+    nx, nz, nu, parameters, nd = (int(function.numel_in(i)) for i in range(2, 7))
+    sizes = Sizes(nx, nz, nu, parameters, nd, s.ports.numel(), s.given.numel())
     step = ca.SX.sym("c")
     if is_piece(component):
         matrices, inputs = _piece(component, s, step), [s.x, s.z, s.ports, s.known, step]
@@ -171,7 +172,9 @@ def _by_slot(variables: Sequence[Variable], kind: Kind) -> tuple[int, ...]:
     for v in variables:
         if v.kind is kind:
             alone = 0 if kind is Kind.ALGEBRAIC else 10**6
-            rank += [(j + 1, len(rank) + j) if isinstance(v.value, tuple) else (alone, len(rank)) for j in range(v.size)]
+            rank += [
+                (j + 1, len(rank) + j) if isinstance(v.value, tuple) else (alone, len(rank)) for j in range(v.size)
+            ]
     return tuple(sorted(range(len(rank)), key=lambda i: rank[i]))
 
 

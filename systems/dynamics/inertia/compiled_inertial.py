@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 
 import numpy as np
 
-from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.errors import SimulationError
 from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import component_of
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
 from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
 from ropeway.systems.statics.line_state import LineState
@@ -27,17 +25,30 @@ _BEHIND = 1e-4
 
 
 class Bounds:
-    """Travels at which loads meet something: the `watched` states, each between `low` and `high` [m]."""
+    """What loads come to as the line moves: until then the `watched` states, travels of the rope, are between `low` and
+    `high` [m]."""
 
     def __init__(self, state: LineState) -> None:
+        self._thresholds, self._travels = zones.thresholds(state), self._read(state)
         travels = [layout.travel.state for layout in state.model.layouts]
         self.watched = np.unique(np.concatenate([own[own >= 0] for own in travels])).astype(np.int32)
         gaps = np.full((2, len(state.point.x)), np.inf)
-        for t in zones.thresholds(state):
+        for t in self._thresholds:
             gap = np.where(t.gap > zones.NEAR, t.gap, _BEHIND)[t.on]
             np.minimum.at(gaps[int(t.side < 0.0)], travels[t.r][t.k[t.on]], gap)
         self.high = state.point.x[self.watched] + gaps[0, self.watched]
         self.low = state.point.x[self.watched] - gaps[1, self.watched]
+
+    @staticmethod
+    def _read(state: LineState) -> list[np.ndarray]:
+        return state.model.travels(state.point.x, state.point.z)
+
+    def due(self, state: LineState, rates: Sequence[np.ndarray]) -> list[zones.ZoneEvent]:
+        """The events that are due, one for each load, of a line that has moved without any; `rates` of travel of each
+        run [m/s]."""
+        moved = [now - then for now, then in zip(self._read(state), self._travels, strict=True)]
+        now = [t._replace(gap=t.gap - t.side * moved[t.r][t.k]) for t in self._thresholds]
+        return zones.due(zones.approached(now, rates, zones.NEAR))
 
 
 class CompiledInertialLine(InertialLine):
@@ -118,7 +129,7 @@ class CompiledInertialStepper(InertialStepper):
         line.set_time(line.time)
         motion, bounds = line.solve(stop), Bounds(self.state)
         while line.time < stop - 1e-9:
-            if due := zones.due(zones.coming(self.state, motion.travel, zones.NEAR)):
+            if due := bounds.due(self.state, motion.travel):
                 motion = self._act(due, motion, stop)
                 bounds = Bounds(self.state)
             else:

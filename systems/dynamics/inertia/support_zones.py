@@ -96,17 +96,21 @@ def thresholds(state: LineState) -> list[Threshold]:
     return found
 
 
-def coming(state: LineState, rates: Sequence[np.ndarray], within: float = np.inf) -> list[ZoneEvent]:
-    """All events towards which loads move, at `rates` of travel of each run [m/s], up to a gap of `within` [m]; a
-    negative gap is overdue."""
-    found = list[ZoneEvent]()
-    for t in thresholds(state):
+def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray], within: float = np.inf) -> list[ZoneEvent]:
+    """The events towards which loads move, at `rates` of travel of each run [m/s], up to a gap of `within` [m]."""
+    events = list[ZoneEvent]()
+    for t in found:
         speed = t.side * rates[t.r][t.k]
-        found += [
+        events += [
             ZoneEvent(t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), t.forward)
             for i in np.flatnonzero(t.on & (speed > 1e-9) & (t.gap <= within))
         ]
-    return found
+    return events
+
+
+def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
+    """All events towards which loads move, at `rates` of travel of each run [m/s]; a negative gap is overdue."""
+    return approached(thresholds(state), rates)
 
 
 def _standing(state: LineState, r: int) -> _Standing:
