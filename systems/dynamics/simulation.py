@@ -81,7 +81,7 @@ def simulate(
         `result.at(t)`, from which clocks, delayed responses, brakes and an emergency stop continue; times count from 0
         again. A speed in `inputs` ends the emergency stop of its drive. By default the system's equilibrium.
     tolerance : float, default 1e-6
-        Of IDAS, absolute on scaled variables.
+        Of IDAS, or of a compiled step with inertia, absolute on scaled variables.
     interventions : sequence of Intervention, optional
         Brakes, losses of pressure, an emergency stop.
     stop_at : str or sequence of str, optional
@@ -91,12 +91,13 @@ def simulate(
     compiled : bool, default False
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
         lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit. With `inertia` all
+        systems and drives run in compiled code, in weather that does not change.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
         The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
-        starts in equilibrium, with the line at its speed. Not compiled.
+        starts in equilibrium, with the line at its speed.
 
     Returns
     -------
