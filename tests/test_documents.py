@@ -37,7 +37,10 @@ ROOT = Path(__file__).resolve().parents[1]
         "docs/faq.md",
         "docs/theory/assumptions.md",
         pytest.param("docs/schedules.md", marks=pytest.mark.slow),
-        *(pytest.param(f"docs/{name}.md", marks=pytest.mark.slow) for name in ("sweeps", "fmus", "cosimulation", "ssp")),
+        *(
+            pytest.param(f"docs/{name}.md", marks=pytest.mark.slow)
+            for name in ("sweeps", "fmus", "cosimulation", "ssp")
+        ),
         *(pytest.param(f"docs/start/{name}.md", marks=pytest.mark.slow) for name in ("forest", "line", "control")),
     ],
 )
