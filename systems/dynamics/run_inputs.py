@@ -37,8 +37,8 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
 
 
 def in_core(model: Model, signals: Sequence[Signal], inertia: Inertia | None) -> bool:
-    """Whether the compiled core moves a model: a line by its sections, or a system with inertia; otherwise it solves all
-    equations together. Raises CompiledError where it can do none of them, CompilerError, WriteError."""
+    """Whether the compiled core moves a model: a line by its sections, or a system with inertia; otherwise it solves
+    all equations together. Raises CompiledError where it can do none of them, CompilerError, WriteError."""
     changes = any(isinstance(signal, Schedule) for signal in signals[: model.u.shared])
     if inertia is not None:
         if changes:

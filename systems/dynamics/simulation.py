@@ -13,7 +13,9 @@ from ropeway.components.environment import Environment
 from ropeway.components.errors import InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.agenda import Agenda
 from ropeway.systems.dynamics.external_parts import ExternalParts
+from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
@@ -232,14 +234,12 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if (self.settings.compiled or self.settings.inertia) and not self.stop_at:
-                stops = _grid(count, every, until, quiet)
-                if done := self.stepper.run_along(stops):
-                    advance(stops[done - 1])
-                    count, grid = count + done, min((count + done) * every, until)
-                    if stops[done - 1] >= until:
-                        return
-                    continue
+            if (done := self.run_ahead(count, every, until, quiet)) is not None:
+                count, grid = count + done, min((count + done) * every, until)
+                advance(self.line.time)
+                if self.line.time >= until:
+                    return
+                continue
             stop = min(grid, quiet)
             self.external.run_to(stop)
             if self.external.ended:
@@ -259,12 +259,38 @@ class _Simulation:
             if self.stop_at and self.stopped():
                 return
 
-    def ticking(self, pending: Pending) -> Pending:
-        """What is pending, with the time of each clock's next tick [s]; clocks do not tick after an emergency stop."""
-        clocks = zip(self.state.model.clocks, self.first_tick, self.ticks, strict=True)
+    def run_ahead(self, count: int, every: float, until: float, quiet: float) -> int | None:
+        """Runs through as many stops as the line can do alone; `count` is the number of the next one on the grid, and
+        nothing acts on the line before `quiet` [s]. Returns how many of the grid, None where the line has not moved."""
+        if self.stop_at:
+            return None
+        if isinstance(self.stepper, InertialStepper):
+            return self.stepper.run_along(_grid(count, every, until, quiet)) or None
+        if not self.settings.compiled:
+            return None
+        pending, begin = self.recorder.pending, self.line.time
+        last = self.interventions[0].time if self.interventions else np.inf
+        ticking = pending.stopping is None
+        grid = _grid(count, every, until, last)
+        agenda = Agenda(
+            grid,
+            last if last < until and (count + len(grid)) * every >= last - 1e-9 else np.inf,
+            self.first_tick if ticking else (),
+            self.ticks if ticking else (),
+            lambda ticks: self.ticking(pending, ticks),
+        )
+        progress = self.stepper.run_agenda(agenda)
+        if ticking:
+            self.ticks = list(progress.ticks)
+        return progress.grid if self.line.time > begin else None
+
+    def ticking(self, pending: Pending, ticks: Sequence[int] | None = None) -> Pending:
+        """What is pending, with the time of each clock's next tick [s], by default after those so far; clocks do not
+        tick after an emergency stop."""
+        clocks = zip(self.state.model.clocks, self.first_tick, ticks or self.ticks, strict=True)
         responding = pending.stopping is None
-        ticks = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
-        return replace(pending, ticks=ticks)
+        coming = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+        return replace(pending, ticks=coming)
 
     def next_act(self) -> float:
         """Time of the next tick of a clock or intervention [s]."""
