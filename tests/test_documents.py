@@ -130,6 +130,8 @@ BANNED = (
     "does not get over", "gives in exchange", "in exchange for a freed", "too much said", "keeps together", "bears out",
     "what cannot be", "of its own accord", "said to be", "has come to", "at hand", "as it stands", "is left alone",
     "are left alone", "lets go", "cannot take down", "somebody", "no more good", "way of the empty carriage",
+    "a freed one", "taut branch (", "because fmi wants", "grip lost: nowhere", "is a root, taken",
+    "take both neighbouring", "loads held at a hold-down", "any quantity can be given", "runs over at once",
     "stands inside the rope", "without one an ideal hold", "giving way", "is given in exchange",
 )  # fmt: skip
 """Literary phrases for which technical words exist."""
