@@ -23,7 +23,9 @@ from ropeway.systems.solvers.line_sections import (
     SupportForm,
     line_sections,
 )
-from ropeway.systems.solvers.newton import Buffered, Point, newton_of
+from ropeway.systems.solvers.model_functions import Buffered
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point
 
 _SPANS = 16
 """Spans from which this is faster than Newton's method on the equations as a whole."""
