@@ -9,7 +9,8 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from ropeway.systems.modelling.dae_model import Balance, Model, kept_with_structure
-from ropeway.systems.solvers.newton import Newton, NewtonFunctions
+from ropeway.systems.solvers.kernels.compiled_network import CompiledPivots
+from ropeway.systems.solvers.newton import Functions, Newton
 from ropeway.systems.statics.certificate_layout import layout_of
 
 _SMALL = 128
@@ -48,14 +49,16 @@ def places_of(balances: Sequence[Balance]) -> np.ndarray:
 
 @kept_with_structure
 def _elimination(
-    model: Model, functions: NewtonFunctions, free: tuple[Balance, ...], kept: tuple[tuple[int, ...], ...]
-) -> _Banded | _Dense | _Sparse:
+    model: Model, functions: Functions, free: tuple[Balance, ...], kept: tuple[tuple[int, ...], ...]
+) -> CompiledPivots | _Banded | _Dense | _Sparse:
     """The elimination of all but some balances in the Jacobians of some functions of a structure."""
     rows, columns = (
         np.concatenate([np.setdiff1d(np.arange(len(model.z)), [*own, *still]), own])
         for own, still in zip(places_of(free), kept, strict=True)
     )
-    pattern, inner = functions.matrix_places(), len(rows) - len(free)
+    pattern, inner = functions.sparse(np.arange(1, functions.entries + 1)), len(rows) - len(free)
+    if model.compiled:
+        return CompiledPivots(pattern[rows][:, columns], inner)
     if layout_of(model).plain:
         return _Banded(pattern[rows][:, columns], inner)
     if inner <= _SMALL:

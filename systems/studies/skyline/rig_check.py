@@ -13,7 +13,8 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
 from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Newton, Point, outputs_of
+from ropeway.systems.solvers.newton import Newton, outputs_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness, places_of
 from ropeway.systems.studies.skyline.log_check import LogCheck
 

@@ -12,7 +12,7 @@ from ropeway.components.variable import Kind
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.turn import Turn
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.line_state import support_points
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 

@@ -164,6 +164,7 @@ def optimise_supports(
     safety_factor: float = 3.0,
     stations: Sequence[float] | np.ndarray | None = None,
     most: int = 3,
+    compiled: bool = False,
 ) -> SupportPlan:
     """Find the least number of supports, then the least sum of their heights, with which a payload passes.
 
@@ -189,6 +190,8 @@ def optimise_supports(
         Stations that the payload must pass [m]; by default about every 5 m.
     most : int, default 3
         Largest number of supports to examine.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -199,6 +202,8 @@ def optimise_supports(
     ------
     InputError
         The rig is not a standing skyline given by its tension, or has no terrain; or a candidate is outside its spars.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -217,7 +222,7 @@ def optimise_supports(
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
     ordered = sorted(candidates, key=lambda c: c.station)
     limits = LoadLimits(safety_factor, safety_factor, clearance, rope_clearance)
-    search = _Search(rig, payload, limits, stations_of(rig, stations))
+    search = _Search(rig, payload, limits, stations_of(rig, stations), compiled=compiled)
     options = {c.name: {h: c.support(h) for h in c.heights} for c in ordered}
     for count in range(min(most, len(ordered)) + 1):
         best: tuple[float, tuple[IntermediateSupport, ...]] | None = None
@@ -270,8 +275,10 @@ def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, .
 class _Search:
     """Test of supports for a payload. Stations that stopped most earlier trials are solved first."""
 
-    def __init__(self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray) -> None:
-        self.rig, self.payload, self.limits = rig, payload, limits
+    def __init__(
+        self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray, *, compiled: bool
+    ) -> None:
+        self.rig, self.payload, self.limits, self.compiled = rig, payload, limits, compiled
         self.failures = dict.fromkeys((float(x) for x in stations), 0)
         self.tried = 0
         self.best: tuple[int, tuple[IntermediateSupport, ...], Stop] | None = None
@@ -284,7 +291,7 @@ class _Search:
             rig, like = self.rigs.over(supports)
         except (SlackRopeError, EquilibriumError):
             return False
-        trial = SupportTrial(rig, like, self.payload, self.limits)
+        trial = SupportTrial(rig, like, self.payload, self.limits, compiled=self.compiled)
         stations = sorted(self.failures, key=lambda x: (-self.failures[x], x))
         stop = next((stop for stop in map(trial.stop_at, stations) if stop is not None), None) or trial.stop_of_states()
         if stop is None:

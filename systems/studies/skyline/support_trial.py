@@ -78,9 +78,11 @@ class TrialRigs:
 class SupportTrial:
     """A rig that the search examines, with its payload at stations. Its models are those of a rig `like` it."""
 
-    def __init__(self, rig: SkylineRig, like: SkylineRig, payload: float, limits: LoadLimits) -> None:
+    def __init__(
+        self, rig: SkylineRig, like: SkylineRig, payload: float, limits: LoadLimits, *, compiled: bool = False
+    ) -> None:
         self._payload, self._limits, self._margins = payload, limits, Margins(rig, limits)
-        self._solver = Stations(rig, like=like)
+        self._solver = Stations(rig, like=like, compiled=compiled)
         self._states: dict[float, tuple[Solved, LeastMargin]] = {}
 
     def __len__(self) -> int:
