@@ -4,6 +4,9 @@ support; it crosses the support tied, and is free again beyond the zone.
     tie     a free load comes within the zone of a support
     cross   a tied load is past its support: it changes spans
     leave   a tied load is beyond 1.1 times the zone: it takes place and velocity of its station on the rope
+
+Each event restarts the integration of the whole line. Therefore loads tie up to a zone earlier and leave up to a zone
+later where they can do so together with another event.
 """
 
 from __future__ import annotations
@@ -26,11 +29,13 @@ NEAR = 5e-4
 """How far before a threshold an event is due [m]."""
 BEYOND = 1.1
 """A load leaves at this multiple of the zone, so that it does not come back at once."""
+EARLY = 1.0
+"""How much earlier an event can be, together with another one, as a share of the zone."""
 
 
 class ZoneEvent(NamedTuple):
-    """What a load does at support k of run r: `load` is its number, `gap` [m] the rope's travel until then at present,
-    `speed` [m/s] that at which it closes."""
+    """What a load does at support k of run r: `load` is its number, `gap` [m] the rope's travel until then at the
+    latest, `speed` [m/s] that at which it closes; it is possible `early` [m] before."""
 
     what: str
     r: int
@@ -38,6 +43,7 @@ class ZoneEvent(NamedTuple):
     load: int
     gap: float
     speed: float
+    early: float
     forward: bool
 
 
@@ -62,12 +68,17 @@ def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
             continue
         take_more(state, r)
         loads, rope, last = _standing(state, r), state.rope(r), len(ties) - 1
+        # Loads that leave one end of a short span late must not be beyond the other end by then.
+        room = np.clip((np.abs(np.diff(rope)) - 2.0 * BEYOND * zone) / 2.0, 0.0, EARLY * zone)
+        early = room[np.clip(loads.span, 0, last - 1)]
         for end, side in ((0, 1.0), (1, -1.0)):  # free loads towards the ends a and b of their spans
             on = (loads.tied < 0) & (loads.span >= 0) & (loads.span < last)
             k = np.where(on, loads.span + end, 0)
             gap = side * (loads.place - rope[k]) - zone
             closing = -side * rate[k]
-            found += _events(state, r, TIE, k, loads, gap, closing, on & ties[k] & (closing > 0.0), forward=end == 1)
+            found += _events(
+                state, r, TIE, k, loads, gap, closing, on & ties[k] & (closing > 0.0), forward=end == 1, early=early
+            )
         k = np.maximum(loads.tied, 0)
         past, speed, on = loads.place - rope[k], rate[k], loads.tied >= 0
         before = on & (loads.span < k)
@@ -76,9 +87,10 @@ def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
         found += _events(state, r, CROSS, k, loads, PAST - past, speed, before & up, forward=True)
         found += _events(state, r, CROSS, k, loads, past + PAST, -speed, behind & down, forward=False)
         away = (loads.span >= 0) & (loads.span < last)
-        reach = BEYOND * zone
-        found += _events(state, r, LEAVE, k, loads, reach + past, -speed, before & down & away, forward=False)
-        found += _events(state, r, LEAVE, k, loads, reach - past, speed, behind & up & away, forward=True)
+        reach = BEYOND * zone + early
+        back, on = before & down & away, behind & up & away
+        found += _events(state, r, LEAVE, k, loads, reach + past, -speed, back, forward=False, early=early)
+        found += _events(state, r, LEAVE, k, loads, reach - past, speed, on, forward=True, early=early)
     return found
 
 
@@ -93,10 +105,13 @@ def _events(
     which: np.ndarray,
     *,
     forward: bool,
+    early: np.ndarray | None = None,
 ) -> list[ZoneEvent]:
-    first = state.runs[r].loads.first
+    first, spare = state.runs[r].loads.first, np.zeros(len(gap)) if early is None else early
     return [
-        ZoneEvent(what, r, int(k[i]), int(loads.index[i]) + first, float(gap[i]), float(speed[i]), forward)
+        ZoneEvent(
+            what, r, int(k[i]), int(loads.index[i]) + first, float(gap[i]), float(speed[i]), float(spare[i]), forward
+        )
         for i in np.flatnonzero(which & (speed > 1e-9))
     ]
 
@@ -122,8 +137,10 @@ def _standing(state: LineState, r: int) -> _Standing:
 
 
 def due(events: Sequence[ZoneEvent]) -> list[ZoneEvent]:
-    """The events that are due, one for each load."""
-    found = {(e.r, e.load): e for e in reversed(events) if e.gap <= NEAR}
+    """The events that are due, and all that are possible with them, one for each load."""
+    if not any(e.gap <= NEAR for e in events):
+        return []
+    found = {(e.r, e.load): e for e in reversed(events) if e.gap <= NEAR + e.early}
     return list(found.values())
 
 
