@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.component import Component
 from ropeway.components.environment import Environment
@@ -72,6 +73,30 @@ class Declarations:
         self.ground: Ground | None = None
         self.map_frame: MapFrame | None = None
 
+    @property
+    def load_names(self) -> set[str]:
+        """Names of the loads that hang where the user says."""
+        return {h.load.name for h in self.hung}
+
+    @checked
+    def origin(self, name: str, text: str = "{}") -> str:
+        """File and line of the user's code that added a component, in a text.
+
+        Parameters
+        ----------
+        name : str
+            Name of the component.
+        text : str, default "{}"
+            Text around file and line.
+
+        Returns
+        -------
+        str
+            The text; empty if there is no such code.
+        """
+        origin = self.origins.get(name)
+        return text.format(origin) if origin else ""
+
 
 _ALONG = 1e-9
 """Sine of an angle to the line below which wind does not blow across it."""
@@ -97,7 +122,7 @@ def require_weather(system: Declarations) -> None:
     thin = thin_ropes(system)
     if thin and environment.needs_diameter:
         raise InputError(
-            f"Environment {environment.name!r} has wind or ice, rope {thin[0]!r} of {system.name!r} no diameter",
+            f"Environment {environment.name!r} has wind or ice, but rope {thin[0]!r} of {system.name!r} has no diameter",
             "Give the rope a diameter",
         )
     shoe = next((c for c in system.components.values() if _has_shoe(c)), None)

@@ -34,8 +34,9 @@ class Intervention:
 "payload dropped", "rope breaks"}
         "brake" applies the brake of a control sheave, "release" releases it. "pressure lost" removes the force of its
         hydraulic drive, "pressure back" restores it. "stop" decelerates the drive of one control sheave or drum to rest
-        and ends its response, "emergency stop" all drives of the line and all responses. With inertia, "load lost" takes a load off its
-        rope, "payload dropped" takes the payload off a carriage, "rope breaks" cuts the rope of a span.
+        and ends its response, "emergency stop" all drives of the line and all responses. With inertia, "load lost"
+        takes a load off its rope, "payload dropped" takes the payload off a carriage, "rope breaks" cuts the rope of a
+        span.
     component : str, optional
         Name of the control sheave, drum, load, carriage or span; None for an emergency stop.
     deceleration : float, default 1

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ropeway.components.variable import Kind
-from ropeway.systems.solvers.newton import VECTORS, Point, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 

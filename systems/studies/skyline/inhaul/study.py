@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,13 +12,13 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
-from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.errors import CompiledError, EquilibriumError, InputError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_route import require_pulled
 from ropeway.systems.studies.skyline.inhaul.carriage_run import CarriageRun
@@ -34,7 +33,7 @@ FASTEST = Range(0.0, 100.0, above=True)
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Inhaul(Tabular):
+class Inhaul(Tabular, Reported):
     """A run of the carriage, as `rw.inhaul` returns it.
 
     Parameters
@@ -63,45 +62,13 @@ class Inhaul(Tabular):
     def __repr__(self) -> str:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the run: the moving carriage, tensions, powers and events.
+    def _report_title(self, style: Style) -> str:
+        return self.rig.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
 
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
+        return inhaul_sections(self.rig, self.frame, self.events, style)
 
     def plot(self) -> Figure:
         """Station of the carriage, tensions and powers over time.
@@ -129,6 +96,7 @@ def inhaul(
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
     inertia: Inertia | None = None,
+    compiled: bool = False,
 ) -> Inhaul:
     """Pull the carriage from one station to another with the mainline's drum.
 
@@ -156,7 +124,9 @@ def inhaul(
     inertia : Inertia, optional
         The inertia of carriage, payload and ropes, without rope nodes: the carriage swings after a change of the
         payload. It comes to each span in balance, with the ropes at their speeds; a carriage on a shoe and a log stay
-        in balance. The mainline's drum keeps its speed.
+        in balance. The mainline's drum keeps its speed. Not compiled.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -169,6 +139,8 @@ def inhaul(
         The rig has no mainline, a value is out of range, or rope nodes.
     SimulationError
         The carriage stops before `end`; `result` holds the run up to this point.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -184,11 +156,13 @@ def inhaul(
     check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     _require_run(rig, start, end, changes)
+    if compiled and inertia is not None:
+        raise CompiledError("A compiled inhaul has no inertia", "Leave out compiled=True or inertia=")
     if inertia is not None and inertia.nodes:
         raise InputError(
             f"{rig.name}: Inertia(nodes={inertia.nodes}) in an inhaul", "Use nodes=0: each rope is one catenary there"
         )
-    run = CarriageRun(rig, float(payload), every, list(changes), tolerance, inertia)
+    run = CarriageRun(rig, float(payload), every, list(changes), tolerance, compiled=compiled, inertia=inertia)
 
     def result() -> Inhaul:
         return Inhaul(rig, run.frame(), run.event_frame())

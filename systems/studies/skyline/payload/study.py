@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +17,8 @@ from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.support_rows import require_rollers
 from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.limits import LoadLimits
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False)
-class PayloadStudy(PayloadData):
+class PayloadStudy(PayloadData, Reported):
     """The largest payload by station, as `rw.payload` returns it.
 
     A payload of 0 with limited_by is a valid result: even the empty carriage exceeds that limit. "rest point": a
@@ -81,45 +80,13 @@ class PayloadStudy(PayloadData):
         count = len(self.not_hauled)
         return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the study: payloads by station, supports, anchors, set-up.
+    def _report_title(self, style: Style) -> str:
+        return self.rig.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.skyline.payload.report import sections_of
 
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.rig.name, sections_of(self, style), options)
+        return sections_of(self, style)
 
     def plot(self) -> Figure:
         """The corridor to scale with the load path, the payload by station, and the tensions.
@@ -149,6 +116,7 @@ def payload(
     roller_force: float | None = None,
     rollers: Mapping[str, int] | None = None,
     environment: Environment | None = None,
+    compiled: bool = False,
 ) -> PayloadStudy:
     """Find the largest payload at stations along a corridor within all limits.
 
@@ -183,6 +151,8 @@ def payload(
         Number of rollers under the skyline at supports, for `roller_force`; 1 by default.
     environment : Environment, optional
         Weather, instead of that of the rig.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -193,6 +163,8 @@ def payload(
     ------
     InputError
         A station is outside the skyline, or a clearance is given without a terrain.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -218,7 +190,8 @@ def payload(
     where = stations_of(rig, stations)
     _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
     saddles = (saddle_angle, roller_force, rollers or {})
-    search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles))
+    bounds = LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles)
+    search = PayloadSearch(rig, bounds, compiled=compiled)
     rows: list[StationRow] = []
 
     def study() -> PayloadStudy:

@@ -107,9 +107,11 @@ def test_a_carriage_with_inertia_swings_about_its_inhaul_in_balance() -> None:
     assert after.highest_tension.min() < 0.9 * quasi.highest_tension.min()
 
 
-def test_rope_nodes_are_refused_in_an_inhaul() -> None:
-    with pytest.raises(rw.InputError, match="Inertia.nodes=3. in an inhaul"):
+def test_rope_nodes_and_compiled_code_are_refused_in_an_inhaul() -> None:
+    with pytest.raises(rw.InputError, match="nodes=3"):
         rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0, inertia=rw.Inertia(nodes=3))
+    with pytest.raises(rw.CompiledError, match="inertia"):
+        rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0, inertia=rw.Inertia(), compiled=True)
 
 
 FLAT = rw.standing_skyline(
