@@ -13,14 +13,16 @@ import platform
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from ropeway.components.errors import CompilerError, WriteError
+from ropeway.components.errors import CompilerError, Interrupted, WriteError
+from ropeway.systems.interrupts import WAIT, stop_if_interrupted
 from ropeway.systems.native import compiler
 
 
@@ -72,7 +74,22 @@ def library(files: Mapping[str, str]) -> ctypes.CDLL:
     return _loaded(tuple(sorted(files.items())), str(cache_folder()), _compiler_mark())
 
 
-@lru_cache(maxsize=256)
+def libraries(files: Sequence[Mapping[str, str]]) -> list[ctypes.CDLL]:
+    """As `library`, for several sets of files, compiled side by side."""
+    if len(files) < 2:
+        return [library(each) for each in files]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        running = [pool.submit(library, each) for each in files]
+        try:
+            while wait(running, WAIT).not_done:
+                stop_if_interrupted()
+        except Interrupted:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [one.result() for one in running]
+
+
+@lru_cache(maxsize=1024)
 def _loaded(files: tuple[tuple[str, str], ...], folder: str, mark: str) -> ctypes.CDLL:
     name = sha256(repr((files, mark)).encode()).hexdigest()[:32]
     path = _kept(Path(folder), name) or _built(dict(files), Path(folder), name)

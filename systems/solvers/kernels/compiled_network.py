@@ -19,6 +19,7 @@ from ropeway.systems.native.network_library import (
     network_library,
 )
 from ropeway.systems.solvers.kernels.kernel_network import Network
+from ropeway.systems.solvers.kernels.kernel_parts import compile_all
 
 Entry = tuple[int, int, float]
 """A travel that can be held back: its residual, its unknown, and the sign of its balance."""
@@ -38,7 +39,7 @@ class _Tables:
 
 
 class CompiledNetwork:
-    """A network in C; `unknowns` are their places in it."""
+    """A network in C; `unknowns` are their places in it. Raises CompilerError, WriteError, Interrupted."""
 
     def __init__(self, net: Network, unknowns: Sequence[int] = (), balances: Sequence[Entry] = ()) -> None:
         self._core, self.one, self.rows = network_library(), net.one, np.array(net.rows, dtype=np.intp)
@@ -73,7 +74,8 @@ class CompiledNetwork:
         for name in NETWORK_INTEGERS:
             tables.put(name, arrays[name])
         tables.put("sign", [sign for _, _, sign in balances], np.float64)
-        tables.put("kernels", net.kernels, np.uint64)
+        compile_all(net.kernels)
+        tables.put("kernels", [kernel.address for kernel in net.kernels], np.uint64)
         t = tables.structure
         t.pattern, t.calls, t.values, t.sums = self._pattern.structure, len(net.kernels), net.size, len(net.sums)
         t.drifts, t.entries, t.balances = net.drift_sums, len(cells), len(balances)

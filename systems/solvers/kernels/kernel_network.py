@@ -10,7 +10,7 @@ from typing import Any
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.kernels.call_graph import CallGraph, call_graph
-from ropeway.systems.solvers.kernels.kernel_parts import PARTS, Part
+from ropeway.systems.solvers.kernels.kernel_parts import PARTS, Kernel, Part
 from ropeway.systems.solvers.points import Slot
 
 Terms = list[tuple[int, int]]
@@ -25,7 +25,7 @@ class Network:
 
     size: int
     one: int = -1
-    kernels: list[int] = field(default_factory=list)
+    kernels: list[Kernel] = field(default_factory=list)
     results: list[int] = field(default_factory=list)
     inputs: list[list[int]] = field(default_factory=list)
     sums: list[tuple[int, Terms]] = field(default_factory=list)
@@ -46,7 +46,7 @@ class _Needed:
 
 def network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, rates: bool = False) -> Network:
     """The network of the residuals of a model for what is freed and given; with the rates of its unknowns or without.
-    Raises CompilerError, WriteError, Interrupted."""
+    Raises Interrupted."""
     graph = call_graph(model, freed, outputs=any(kind is Kind.OUTPUT for kind, _ in given))
     rows = [*graph.alg, *(_chosen(graph, slot) for slot in given)]
     states = list(graph.ode) if rates else []
@@ -74,13 +74,13 @@ def network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, r
 
 
 def network_of_outputs(model: Model) -> Network:
-    """The network of the outputs of a model. Raises CompilerError, WriteError, Interrupted."""
+    """The network of the outputs of a model. Raises Interrupted."""
     graph = call_graph(model, (), outputs=True)
     return _values(graph, graph.y)
 
 
 def network_of_residuals(model: Model) -> Network:
-    """The network of the residuals of a model, without derivatives. Raises CompilerError, WriteError, Interrupted."""
+    """The network of the residuals of a model, without derivatives. Raises Interrupted."""
     graph = call_graph(model, (), outputs=False)
     return _values(graph, graph.alg)
 
@@ -156,7 +156,7 @@ class _Builder:
         active = tuple(i for i in one.part.used if inputs[i] in self._slots)
         kernel = one.part.kernel(active)
         first = self.room(len(one.made) + len(kernel.entries))
-        self.net.kernels.append(kernel.address)
+        self.net.kernels.append(kernel)
         self.net.results.append(first)
         self.net.inputs.append([inputs[i] for i in one.part.used])
         self._differentiate(first, len(one.made), kernel.entries, inputs)
