@@ -1,5 +1,5 @@
-"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, studies of rigs, an FMU,
-and a bare loop over the spans' kernels, which is the limit.
+"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, studies of
+rigs, and a bare loop over the spans' kernels, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
@@ -135,7 +135,7 @@ def sweeps(cases: int) -> None:
 def rigs() -> None:
     """Studies of the corridor of the examples; each rig is new, and its kinds of parts have been met before."""
     stations = np.linspace(4.0, 476.0, 100)
-    trees = [rw.Candidate(f"tree {i}", 100.0 + 30.0 * i, (7.0, 10.0)) for i in range(10)]
+    trees = [rw.Candidate(f"tree_{i}", 100.0 + 30.0 * i, (7.0, 10.0)) for i in range(10)]
     studies: dict[str, Callable[[bool], object]] = {
         "load path, 100 stations": lambda c: rw.load_path(skylines.corridor(), 1500.0, stations, compiled=c),
         "payload, 20 stations": lambda c: rw.payload(
