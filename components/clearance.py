@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ropeway.components.catenary import Uniform, end_of, segment
+from ropeway.components.catenary import Uniform, segment
 from ropeway.components.rope_piece import Piece
 
 
@@ -68,24 +68,35 @@ def least_height(ground: GroundLine, piece: Piece) -> Clearance:
     return Clearance(float(height[k]), float(x[k]))
 
 
-def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -> float:
-    """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
+class Spanned(NamedTuple):
+    """Load-free pieces of rope in a corridor, towards increasing x: their starts and ends (x, z), shapes (n, 2) [m],
+    and the tension vectors there (n, 3) [N]."""
 
-    The rope is above both tangents. inf if there is no ground below; -inf where wind along the rope bends it upwards.
+    start: np.ndarray
+    end: np.ndarray
+    force: np.ndarray
+    force_at_end: np.ndarray
+
+
+def above_tangents(ground: GroundLine, ropes: Spanned) -> np.ndarray:
+    """Smallest heights (n,) above the ground of the tangents at the start and the end of each piece [m].
+
+    A rope is above both tangents. inf if there is no ground below; -inf where wind along the rope bends it upwards.
     """
-    (x0, z0), (x1, z1), force = piece.start, end, piece.force
-    low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
-    if not low <= high:
-        return math.inf
-    last = end_of(force, piece.weight, piece.length)
-    a, b = force[2] / force[0], last[2] / last[0]
-    if not (b > a and last[0] > 0.0):
-        return -math.inf
-    crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
-    inside = ground.station[(ground.station > low) & (ground.station < high)]
-    x = np.array([low, min(max(crossing, low), high), high, *inside])
-    line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
-    return float((line - np.interp(x, ground.station, ground.elevation)).min())
+    station, elevation = ground.station, ground.elevation
+    (x0, z0), (x1, z1) = ropes.start.T[:, :, None], ropes.end.T[:, :, None]
+    low, high = np.maximum(x0, station[0]), np.minimum(x1, station[-1])
+    with np.errstate(all="ignore"):
+        a, b = (force[:, 2:] / force[:, :1] for force in (ropes.force, ropes.force_at_end))
+        crossing = np.clip((z0 - z1 + b * x1 - a * x0) / (b - a), low, high)
+        x = np.concatenate([low, crossing, high, np.broadcast_to(station, (len(a), len(station)))], axis=1)
+        below = np.concatenate(
+            [np.interp(x[:, :3], station, elevation), np.broadcast_to(elevation, (len(a), len(station)))], axis=1
+        )
+        height = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1)) - below
+    height[(x < low) | (x > high)] = math.inf
+    hangs = (b > a) & (ropes.force_at_end[:, :1] > 0.0)
+    return np.asarray(np.where(low <= high, np.where(hangs, height.min(axis=1)[:, None], -math.inf), math.inf)[:, 0])
 
 
 def deflection(sag: float, span: float) -> float:

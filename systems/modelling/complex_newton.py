@@ -29,6 +29,17 @@ class Roots(NamedTuple):
         return np.asarray(self.steps <= CONVERGED)
 
 
+def _solved(jacobians: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    """Solutions (n, k) of n linear systems; NaN for those that are singular or not finite."""
+    right = residuals[:, :, None]
+    try:
+        return np.asarray(np.linalg.solve(jacobians, right)[:, :, 0])
+    except np.linalg.LinAlgError:  # one of them is singular
+        singular = ~np.isfinite(jacobians).all(axis=(1, 2)) | (np.linalg.det(jacobians) == 0.0)
+        solvable = np.where(singular[:, None, None], np.eye(jacobians.shape[-1]), jacobians)
+        return np.asarray(np.where(singular[:, None], np.nan, np.linalg.solve(solvable, right)[:, :, 0]))
+
+
 def solve_side_by_side(
     residual: Callable[[Any], Any],
     start: np.ndarray,
@@ -45,11 +56,8 @@ def solve_side_by_side(
     probe = 1j * _STEP * np.eye(start.shape[-1])[:, None, :]
     with np.errstate(all="ignore"):
         for _ in range(_ITERATIONS):
-            jacobians = np.moveaxis(residual(unknowns + probe).imag / _STEP, 0, -1)
-            singular = ~np.isfinite(jacobians).all(axis=(1, 2)) | (np.linalg.det(jacobians) == 0.0)
-            jacobians[singular] = np.eye(start.shape[-1])
-            moves = -np.linalg.solve(jacobians, residual(unknowns)[:, :, None])[:, :, 0]
-            moves[singular] = np.nan
+            jacobians = (residual(unknowns + probe).imag / _STEP).transpose(1, 2, 0)
+            moves = -_solved(jacobians, residual(unknowns))
             steps = relative_step(unknowns, moves)
             last, before = before, unknowns
             unknowns = unknowns + moves * np.minimum(1.0, longest / np.maximum(steps, 1e-300))[:, None]

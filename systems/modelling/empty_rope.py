@@ -154,7 +154,10 @@ def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: flo
         )
     support = level.copy()
     for _ in range(30):
-        support = support - (strain.potential(support) - level) / (1.0 + strain.at(support))
+        before = support
+        support = before - (strain.potential(before) - level) / (1.0 + strain.at(before))
+        if (support == before).all():
+            break
     return np.asarray(support)
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
@@ -32,11 +33,13 @@ class Stations:
 
     The carriage's clamp holds it on the skyline where the mainline would have to push, because the carriage is beyond
     its rest point, or to pull less than its own weight does. The clamped state is solved with an ideal holding force
-    along the bisector.
+    along the bisector. `like`: a rig whose models serve for this one, with its supports moved (`SpanModel.moved`).
     """
 
-    def __init__(self, rig: SkylineRig, *, by_height: bool = False, compiled: bool = False) -> None:
-        self.rig, self.by_height, self.compiled = rig, by_height, compiled
+    def __init__(
+        self, rig: SkylineRig, *, by_height: bool = False, like: SkylineRig | None = None, compiled: bool = False
+    ) -> None:
+        self.rig, self.by_height, self.like, self.compiled = rig, by_height, like, compiled
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
@@ -93,7 +96,7 @@ class Stations:
             laid = self._solve(place, StationCase(x, payload), effort=Effort.QUICK, start=shoe)
         except EquilibriumError:
             return None
-        roller = f"{self.rig.supports[span].name}_mainline"
+        roller = roller_name(self.rig.supports[span])
         return laid if laid[f"{roller}.a_rope"] > laid[f"{roller}.b_rope"] else None
 
     def _on_shoe(self, on: int, station: float, payload: float) -> Solved | None:
@@ -217,7 +220,7 @@ class Stations:
     ) -> Solved:
         """The solution of a case at a place. `start` is a solution of another model, on a nearby shoe or clamped at the
         same place; `failure` is the error of an attempt from nearby points and geometry."""
-        at = span_model(self.rig, place, self.by_height, clamp, compiled=self.compiled)
+        at = span_model(self.rig, place, self.by_height, clamp, self.like, compiled=self.compiled)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:
