@@ -187,7 +187,7 @@ class _Simulation:
                 state = started(state, signals, settings.inertia)
             # Rates of inputs follow from these: their own signals are not read.
             signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
-        self.recorder = Recorder()
+        self.recorder = Recorder(model=state.model)
         self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
         self.external = ExternalParts(state.model.system, self.stepper, self.recorder)

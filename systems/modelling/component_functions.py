@@ -13,6 +13,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
+from ropeway.components.span import Span
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
@@ -158,6 +159,14 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
         names = [[var.name for var in variables if var.kind is kind for _ in range(var.size)] for kind in kinds]
         component_rules.require_numbers(component, found, names)
     return found
+
+
+def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:
+    """Derivatives (3, 5) of a span's closure by its tension vector and the travels at its ends, of the same inputs as
+    its `component_function`."""
+    v, inputs = _symbols(span, variables, weather=weather)
+    columns = [ca.vertcat(*column) for column in span.closure_moves(v)]
+    return ca.Function("closure", inputs, [ca.horzcat(*columns)])
 
 
 def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:

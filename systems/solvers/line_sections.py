@@ -20,7 +20,7 @@ from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site
 from ropeway.components.weather import SHARED, Weather
-from ropeway.systems.modelling.component_functions import component_function
+from ropeway.systems.modelling.component_functions import closure_function, component_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.points import VECTORS
@@ -285,19 +285,27 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
     unknowns = ca.vertcat(force, rest[3], rest[7])
     if not ca.is_equal(ca.simplify(going), force, 2):
         raise _UnfitError(f"the force of {form.first.name!r} at its start is not its tension vector")
-    matrix, pull = ca.jacobian(closure, unknowns), ca.jacobian(coming, unknowns)
-    one, two, three = (matrix[:, i] for i in range(3))
-    cross = ca.cross(two, three)
-    found = []
-    inverse = 1.0 / ca.dot(one, cross)
-    for side in (-closure, -matrix[:, 3], -matrix[:, 4]):
-        parts = (ca.dot(side, cross), ca.dot(one, ca.cross(side, three)), ca.dot(one, ca.cross(two, side)))
-        found.append(ca.vertcat(*parts) * inverse)
-    moves = [ca.mtimes(pull[:, :3], move) for move in found]
-    moves[1] += pull[:, 3]
-    moves[2] += pull[:, 4]
-    result = ca.vertcat(*ca.cse([closure, coming, *found, *moves]))
+    if type(form.first) is Span:
+        moves = closure_function(form.first, variables, weather=form.weather)
+        matrix = _called(form.first, moves, shared, given, ends)[0]
+    else:
+        matrix = ca.jacobian(closure, unknowns)
+    pull = ca.jacobian(coming, unknowns)
+    found = _solved(matrix[:, :3], [-closure, -matrix[:, 3], -matrix[:, 4]])
+    coming_moves = [ca.mtimes(pull[:, :3], move) for move in found]
+    coming_moves[1] += pull[:, 3]
+    coming_moves[2] += pull[:, 4]
+    result = ca.vertcat(*ca.cse([closure, coming, *found, *coming_moves]))
     return ca.Function(f"span_{slots}", [vector], [ca.densify(result)])
+
+
+def _solved(matrix: Any, sides: list[Any]) -> list[Any]:
+    """Solutions of a system of three equations by Cramer's rule."""
+    one, two, three = (matrix[:, i] for i in range(3))
+    cofactors = (ca.cross(two, three), ca.cross(three, one), ca.cross(one, two))
+    inverse = 1.0 / ca.dot(one, cofactors[0])
+    rows = [row * inverse for row in cofactors]
+    return [ca.vertcat(*(ca.dot(row, side) for row in rows)) for side in sides]
 
 
 @dataclass(frozen=True)

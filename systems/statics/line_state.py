@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -202,19 +203,15 @@ class LineState:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets parameters, inputs, drives' states and masses of loads. Raises InputError."""
-        owners: dict[str, list[tuple[int, int]]] = {}  # a load comes round an endless rope more than once
-        for r, run in enumerate(self.runs):
-            for i, name in enumerate(run.loads.names):
-                owners.setdefault(name, []).append((r, i))
+        owners = _owners(tuple(run.loads.names for run in self.runs))
         masses = [run.loads.mass.copy() for run in self.runs]
         for name, value in values.items():
             if not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
-            owner, _, quantity = name.rpartition(".")
-            if quantity == "mass" and owner in owners:
-                if value < 0.0 or (value == 0.0 and self.runs[owners[owner][0][0]].feed is None):
+            if (loads := owners.get(name)) is not None:
+                if value < 0.0 or (value == 0.0 and self.runs[loads[0][0]].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                for r, i in owners[owner]:
+                for r, i in loads:
                     masses[r][i] = value
                 continue
             kind, k = self.find(self.model.swaps.get(name, name))
@@ -226,6 +223,17 @@ class LineState:
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
         ]
+
+
+@lru_cache(maxsize=16)
+def _owners(names: tuple[tuple[str, ...], ...]) -> dict[str, list[tuple[int, int]]]:
+    """For the name of each load's mass its run and its number there, from the names in each run; a load comes round an
+    endless rope more than once."""
+    owners: dict[str, list[tuple[int, int]]] = {}
+    for r, run in enumerate(names):
+        for i, name in enumerate(run):
+            owners.setdefault(f"{name}.mass", []).append((r, i))
+    return owners
 
 
 def declared_point(model: Model) -> Point:

@@ -14,6 +14,7 @@ from typing import Any
 
 import casadi as ca
 
+from ropeway.components.errors import CompiledError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.binary_cache import libraries
 from ropeway.systems.native.kernel_source import kernel_source
@@ -42,17 +43,17 @@ def compile_all(kernels: Iterable[Kernel]) -> None:
 @dataclass(eq=False)
 class Part:
     """Some results of a component's function in terms of its inputs `read`, symbols; `used`: those that they depend
-    on. `kept`: what holds the function's identity."""
+    on. `kept`: the function, whose identity counts."""
 
     read: tuple[Any, ...]
     results: Any
     used: tuple[int, ...]
-    kept: object = None
+    kept: ca.Function | None = None
     _kernels: dict[tuple[int, ...], Kernel] = field(default_factory=dict)
 
     def kernel(self, active: tuple[int, ...]) -> Kernel:
         """The kernel with derivatives by the inputs `active`, a part of `used`. It reads the inputs `used`. Raises
-        Interrupted."""
+        CompiledError for an operation that has no form in C, Interrupted."""
         if active not in self._kernels:
             self._kernels[active] = self._made(active)
         return self._kernels[active]
@@ -65,7 +66,11 @@ class Part:
         given = ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in self.used))
         result = ca.vertcat(*ca.cse([self.results, ca.vertcat(ca.SX(0, 1), *matrix.nonzeros())]))
         function = ca.Function("kernel", [given], [ca.densify(result)])
-        return Kernel(kernel_source(function, "kernel"), entries)
+        try:
+            return Kernel(kernel_source(function, "kernel"), entries)
+        except NotImplementedError as error:
+            what = "An equation" if self.kept is None else f"An equation of {self.kept.name()!r}"
+            raise CompiledError(f"{what} has no form in C: {error}", "Leave out compiled=True") from error
 
 
 class KnownParts(threading.local):
