@@ -2,7 +2,7 @@
 
 While no limit is active, the motion of a drive does not depend on the tensions: its control cancels them. The states
 alone are then a small system of equations, which IDAS solves over a whole window, across crossings, and the algebraic
-variables follow section by section.
+variables follow section by section. Where all of them follow commands, they are known without it.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class Drives:
         )
         self._commanded = commanded_of(model)
         self._f: Buffered | None = None
-        if nx:
+        if nx > len(self._commanded.rows):  # those that follow commands are known
             dae = {
                 "t": tau,
                 "x": w,
@@ -132,6 +132,7 @@ class Drives:
         nominal = self.model.x.nominals
         line = point.x + np.outer(NODES * h, rate)
         if self._f is None:
+            self._commanded.put(line[1:], point, NODES[1:] * h, slope)
             return Window(point.t, h, line)
         knowns = np.concatenate([[point.t, h], point.x, rate, slope, point.z, point.u, point.p, point.d])
         try:
