@@ -20,6 +20,11 @@ from ropeway.systems.statics.stability import require_followed
 
 Signal = float | Schedule
 
+LEAST_STEP = 1e-5
+"""Shortest step [s] that is tried when a longer one has failed."""
+LONGEST_STEP = 1.0
+"""Longest step [s] between two checks of the drives' limits, and of whether the rope has turned."""
+
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:
     """Times at which the slope of an input changes [s]."""

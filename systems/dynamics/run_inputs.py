@@ -36,12 +36,15 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
     return start
 
 
-def by_sections(model: Model, signals: Sequence[Signal]) -> bool:
-    """Whether the compiled core simulates a model by its sections; otherwise it solves all equations together. Raises
-    CompiledError where it can do neither, CompilerError, WriteError."""
-    if model.inertia is not None:
-        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
+def in_core(model: Model, signals: Sequence[Signal], inertia: Inertia | None) -> bool:
+    """Whether the compiled core moves a model: a line by its sections, or a system with inertia; otherwise it solves
+    all equations together. Raises CompiledError where it can do none of them, CompilerError, WriteError."""
     changes = any(isinstance(signal, Schedule) for signal in signals[: model.u.shared])
+    if inertia is not None:
+        if changes:
+            cause = "The compiled core cannot simulate a line with inertia in weather that changes"
+            raise CompiledError(cause, "Leave out compiled=True")
+        return True
     if changes or isinstance(line_sections(model), str):
         require_kernels(model)
         return False

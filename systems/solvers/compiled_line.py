@@ -234,15 +234,15 @@ def _span_addresses(form: SpanForm, most: int) -> list[int]:
 
 @lru_cache(maxsize=64)
 def _compiled(form: SpanForm, slots: tuple[int, ...]) -> list[int]:
-    return _addresses([form.kernel(n) for n in slots])
+    return addresses_of([form.kernel(n) for n in slots])
 
 
 @lru_cache(maxsize=64)
 def _support_address(form: SupportForm) -> int:
-    return _addresses([form.kernel])[0]
+    return addresses_of([form.kernel])[0]
 
 
-def _addresses(kernels: Sequence[ca.Function]) -> list[int]:
+def addresses_of(kernels: Sequence[ca.Function]) -> list[int]:
     """Where kernels are, compiled to one library."""
     names = [f"kernel_{i}" for i in range(len(kernels))]
     found = library({f"{name}.c": kernel_source(k, name) for name, k in zip(names, kernels, strict=True)})

@@ -15,8 +15,9 @@ from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mck
 
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.modelling.dae_model import Model, kept_with_structure
+from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.damped_newton import damped
+from ropeway.systems.solvers.equations import equations, scalar
 from ropeway.systems.solvers.points import VECTORS, Slot
 
 
@@ -92,27 +93,27 @@ class NewtonFunctions:
         full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * scale[: len(model.z)]}
         full = with_freed(model, full, freed, [v[i] * scale[i] for i in range(len(model.z), count)])
         arguments = [time, *(full[kind] for kind in VECTORS)]
-        ode, alg = expanded(model)(*arguments)
+        ode, found = equations(model, arguments, closed=not freed)
         target, damping = sym("target", len(given)), sym("damping")
         anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
-        residual = alg * weight[: len(model.r)] - damping * _drag(model, v, anchor)
+        found = found.scaled(weight[: len(model.r)]).plus(-damping * _drag(model, v, anchor))
         if given:
             y = scalar(model, model.outputs)(*arguments)
             chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
-            residual = ca.vertcat(residual, (chosen - target) * weight[len(model.r) :])
+            found = found.and_also((chosen - target) * weight[len(model.r) :])
         known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
         nominals = {"scale": scale, "weight": weight}
         inputs = NewtonInputs(v, time, **known, target=target, damping=damping, anchor=anchor, slope=slope, **nominals)
         names = list(NewtonInputs._fields)
+        residual, matrix = found.value, found.jacobian(v)
         self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
-        matrix = ca.jacobian(residual, v)
         stop_if_interrupted()
         self.jacobian = ca.Function("jacobian", inputs, [matrix], names, ["jacobian"])
         self.value, self.matrix = Buffered(self.residual), Buffered(self.jacobian)
         pattern = self.jacobian.sparsity_out(0)
         self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
         self.step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
-        self._symbols = (inputs, residual, matrix)
+        self._symbols = (inputs, found, matrix)
         self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
 
     @property
@@ -147,9 +148,9 @@ class NewtonFunctions:
     @cached_property
     def step_and_rates(self) -> Buffered:
         """As `step`, with the rates: made only where rates are asked for."""
-        inputs, residual, matrix = self._symbols
-        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
-        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
+        inputs, found, matrix = self._symbols
+        sides = ca.horzcat(found.value, found.along(self._moving))
+        return Buffered(_linear_solves("rates", inputs, found.value, matrix, sides))
 
 
 def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
@@ -184,18 +185,6 @@ def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any,
     symbols = parts.mx_in()
     value, system, right = parts(*symbols)
     return ca.Function(name, symbols, [value, solve_sparse(system, right)])
-
-
-@kept_with_structure
-def expanded(model: Model) -> ca.Function:
-    """The model's equations for numerical work."""
-    return scalar(model, model.dae)
-
-
-def scalar(model: Model, function: ca.Function) -> ca.Function:
-    """A function of a model as one scalar graph; as it is where that cannot be. Raises Interrupted."""
-    stop_if_interrupted()
-    return function if model.external else function.expand()
 
 
 def dense(model: Model, function: ca.Function) -> Buffered:

@@ -94,7 +94,8 @@ def equilibrium(
     wanted = dict(given or {})
     if len(wanted) != len(freed):
         raise UnbalancedSystemError(
-            f"{len(wanted)} values are given and {len(freed)} are solved for", "Free one for each one given"
+            f"given has {len(wanted)} values, solve_for {len(freed)} names",
+            "Name one quantity in solve_for for each value in given",
         )
     for name, value in wanted.items():
         if not np.isfinite(value):

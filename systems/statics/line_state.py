@@ -284,7 +284,9 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             slot = f"{run.spans[k].name}.slot_{quantity}[{beyond[k] - load}]"
             kind = Kind.DISCRETE if quantity == "mass" else Kind.OUTPUT
             return kind, model.tables[kind].index[slot]
-    known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
+    tables = [model.tables[kind] for kind in (Kind.OUTPUT, *VECTORS)]
+    known = [table.names[i] for table in tables for i in table.shown]
+    known += [f"{load}.{of}" for run in runs for load in run.loads.names for of in (*load_outputs(model), "mass")]
     raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))
 
 
