@@ -87,16 +87,15 @@ def above_tangents(ground: GroundLine, ropes: Spanned) -> np.ndarray:
     (x0, z0), (x1, z1) = ropes.start.T[:, :, None], ropes.end.T[:, :, None]
     low, high = np.maximum(x0, station[0]), np.minimum(x1, station[-1])
     with np.errstate(all="ignore"):
-        a, b = (force[:, 2:] / force[:, :1] for force in (ropes.force, ropes.force_at_end))
-        crossing = np.clip((z0 - z1 + b * x1 - a * x0) / (b - a), low, high)
-        x = np.concatenate([low, crossing, high, np.broadcast_to(station, (len(a), len(station)))], axis=1)
-        below = np.concatenate(
-            [np.interp(x[:, :3], station, elevation), np.broadcast_to(elevation, (len(a), len(station)))], axis=1
-        )
-        height = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1)) - below
-    height[(x < low) | (x > high)] = math.inf
+        a, b = ropes.force[:, 2:] / ropes.force[:, :1], ropes.force_at_end[:, 2:] / ropes.force_at_end[:, :1]
+        crossing = np.minimum(np.maximum((z0 - z1 + b * x1 - a * x0) / (b - a), low), high)
+        ends = np.concatenate([low, crossing, high], axis=1)
+        at_ends, over = (np.maximum(z0 + a * (x - x0), z1 + b * (x - x1)) for x in (ends, station))
+    over -= elevation
+    over[(station < low) | (station > high)] = math.inf
+    least = np.minimum((at_ends - np.interp(ends, station, elevation)).min(axis=1), over.min(axis=1))
     hangs = (b > a) & (ropes.force_at_end[:, :1] > 0.0)
-    return np.asarray(np.where(low <= high, np.where(hangs, height.min(axis=1)[:, None], -math.inf), math.inf)[:, 0])
+    return np.asarray(np.where((low <= high)[:, 0], np.where(hangs[:, 0], least, -math.inf), math.inf))
 
 
 def deflection(sag: float, span: float) -> float:

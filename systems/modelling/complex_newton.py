@@ -29,6 +29,12 @@ class Roots(NamedTuple):
         return np.asarray(self.steps <= CONVERGED)
 
 
+def jacobians_of(residual: Callable[[Any], Any], unknowns: np.ndarray) -> np.ndarray:
+    """The Jacobians (n, k, k) of n problems at unknowns (n, k)."""
+    probe = 1j * _STEP * np.eye(unknowns.shape[-1])[:, None, :]
+    return np.asarray((residual(unknowns + probe).imag / _STEP).transpose(1, 2, 0))
+
+
 def _solved(jacobians: np.ndarray, residuals: np.ndarray) -> np.ndarray:
     """Solutions (n, k) of n linear systems; NaN for those that are singular or not finite."""
     right = residuals[:, :, None]
@@ -53,10 +59,9 @@ def solve_side_by_side(
     steps are shortened.
     """
     unknowns = before = start
-    probe = 1j * _STEP * np.eye(start.shape[-1])[:, None, :]
     with np.errstate(all="ignore"):
         for _ in range(_ITERATIONS):
-            jacobians = (residual(unknowns + probe).imag / _STEP).transpose(1, 2, 0)
+            jacobians = jacobians_of(residual, unknowns)
             moves = -_solved(jacobians, residual(unknowns))
             steps = relative_step(unknowns, moves)
             last, before = before, unknowns

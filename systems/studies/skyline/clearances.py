@@ -99,9 +99,12 @@ def _rope_of(solved: Solved, role: str) -> _Rope | None:
     if not at.model.weather:  # mass per length times gravity
         weight = np.column_stack([np.zeros((len(lengths), 2)), -weight.prod(axis=1)])
     pull = np.array([force, force - weight * lengths[:, None]])  # tension vectors at both ends
-    back = force[:, 0] < 0.0  # a returning rope: swap its ends
-    ends[:, back], pull[:, back] = ends[::-1, back], -pull[::-1, back]
+    back = force[:, 0] < 0.0
+    if back.any():  # a returning rope: swap its ends
+        ends[:, back], pull[:, back] = ends[::-1, back], -pull[::-1, back]
     leads = pull[0, :, 0] > 0.0
+    if leads.all():
+        return _Rope(at.model.runs[r], places.numbers, Spanned(*ends, *pull), lengths)
     spanned = Spanned(*ends[:, leads], *pull[:, leads])
     return _Rope(at.model.runs[r], places.numbers[leads], spanned, lengths[leads]) if leads.any() else None
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -199,8 +200,9 @@ class Stations:
         if rope is None:
             return 0.0
         stands = [node.at for node in self.rig.stands[: span + 1]]
-        ends = np.array([*stands, (x, stands[-1][1], self.rig.stands[span + 1].at[2])])
-        return float(np.abs(np.diff(ends, axis=0)).sum(axis=1).max() * rope.mass_per_length * self.rig.gravity)
+        ends = [*stands, (x, stands[-1][1], self.rig.stands[span + 1].at[2])]
+        longest = max(sum(abs(p - q) for p, q in zip(a, b, strict=True)) for a, b in pairwise(ends))
+        return longest * rope.mass_per_length * self.rig.gravity
 
     def beside(self, span: int, station: float) -> float:
         """The station, moved by `SIDE` off a support."""
@@ -242,19 +244,17 @@ class _Known(NamedTuple):
 
 
 def _extrapolated(known: list[_Known], case: StationCase) -> list[Point]:
-    """Initial guess: the last solved point, or an extrapolation of the last two of the same payload, over stations or
-    over heights."""
+    """Initial guess: the last solved point, or an extrapolation of the last two over the one quantity of the case in
+    which they differ."""
     if not known:
         return []
     last, first = known[-1], known[0]
-    if len(known) == 1 or not last.case.payload == first.case.payload == case.payload:
+    cases = [(q.station, q.payload, q.height or 0.0) for q in (first.case, last.case, case)]
+    moves = [(then - now, now - before) for before, now, then in zip(*cases, strict=True) if not before == now == then]
+    if len(moves) != 1 or moves[0][1] == 0.0:
         return [last.point]
-    before, now, then = ((q.station, q.height or 0.0) for q in (first.case, last.case, case))
-    axis = int(before[0] == now[0] == then[0])
-    if before[axis] == now[axis]:
-        return [last.point]
-    share = (then[axis] - now[axis]) / (now[axis] - before[axis])
-    if not 0.0 < share <= 2.0:
+    share = moves[0][0] / moves[0][1]
+    if not -1.0 <= share <= 2.0 or share == 0.0:
         return [last.point]
     point = last.point.copy()
     point.z[:] += share * (last.point.z - first.point.z)
