@@ -35,7 +35,7 @@ def jacobians_of(residual: Callable[[Any], Any], unknowns: np.ndarray) -> np.nda
     return np.asarray((residual(unknowns + probe).imag / _STEP).transpose(1, 2, 0))
 
 
-def _solved(jacobians: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+def solved_side_by_side(jacobians: np.ndarray, residuals: np.ndarray) -> np.ndarray:
     """Solutions (n, k) of n linear systems; NaN for those that are singular or not finite."""
     right = residuals[:, :, None]
     try:
@@ -62,7 +62,7 @@ def solve_side_by_side(
     with np.errstate(all="ignore"):
         for _ in range(_ITERATIONS):
             jacobians = jacobians_of(residual, unknowns)
-            moves = -_solved(jacobians, residual(unknowns))
+            moves = -solved_side_by_side(jacobians, residual(unknowns))
             steps = relative_step(unknowns, moves)
             last, before = before, unknowns
             unknowns = unknowns + moves * np.minimum(1.0, longest / np.maximum(steps, 1e-300))[:, None]

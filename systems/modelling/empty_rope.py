@@ -16,7 +16,7 @@ import numpy as np
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError
-from ropeway.systems.modelling.complex_newton import jacobians_of, solve_side_by_side
+from ropeway.systems.modelling.complex_newton import jacobians_of, solve_side_by_side, solved_side_by_side
 
 _LINEAR = 1e-7
 """Relative change of a rope's tension within which the lengths of its spans are linear in it, to rounding errors."""
@@ -72,6 +72,20 @@ def lengths_for_total(
     except SlackRopeError:
         lengths = guess
     return lengths * (total / lengths.sum())
+
+
+def lengths_between(
+    starts: np.ndarray, ends: np.ndarray, weight: float, strain: Strain, tension: float, height: float
+) -> np.ndarray:
+    """Unstretched lengths [m], shape (n,), of spans of empty ropes from `starts` to `ends` (n, 3). Each rope has a
+    `tension` [N] at a point of z = `height` [m]. NaN without a taut branch."""
+    both = np.stack([starts, ends], axis=1)
+    chords = parabola.Chords(*(values[::2] for values in parabola.Chords.between(both.reshape(-1, 3))))
+    level = strain.potential(tension) + weight * (both[:, :, 2] - height)
+    taut = level.min(axis=1) > 0.0
+    first, last = _with_potential(strain, np.where(taut[:, None], level, strain.potential(tension))).T
+    found, bad = _span_roots(chords, weight, strain, (first, last))
+    return np.where(taut & ~bad, found.length, np.nan)
 
 
 class Pretension(NamedTuple):
@@ -159,7 +173,8 @@ def _nearer(
         for _ in range(6):
             try:
                 support = support_tensions(at, weight, strain, tension)
-                spans = _straight(chords, weight, strain, support) if spans is None else spans
+                mean = (support[:-1] + support[1:]) / 2.0
+                spans = _straight(chords, weight, strain, mean) if spans is None else spans
                 residual = partial(_residual, chords, weight, strain, support[:-1])
                 sides = np.zeros((len(spans), 3, 2))
                 sides[:, :, 0] = -residual(spans)
@@ -181,9 +196,8 @@ def _gain(strain: Strain, tension: float, support: np.ndarray) -> np.ndarray:
     return np.asarray((1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1])))
 
 
-def _straight(chords: parabola.Chords, weight: float, strain: Strain, support: np.ndarray) -> np.ndarray:
-    """Initial guess of the spans' unknowns."""
-    mean = (support[:-1] + support[1:]) / 2.0
+def _straight(chords: parabola.Chords, weight: float, strain: Strain, mean: np.ndarray) -> np.ndarray:
+    """Initial guess of the spans' unknowns from their mean tensions [N]."""
     cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
     length = chords.length / (1.0 + strain.at(mean))
     return np.column_stack([mean * cosine, mean * sine - weight * chords.length / 2.0, length])
@@ -201,6 +215,11 @@ def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: flo
             f"{at[0, 2] - at[int(np.argmin(level)), 2]:.6g} m below it",
             "Raise the tension",
         )
+    return _with_potential(strain, level)
+
+
+def _with_potential(strain: Strain, level: np.ndarray) -> np.ndarray:
+    """Tensions of given strain potentials above zero [N]."""
     support = level.copy()
     for _ in range(30):
         before = support
@@ -218,13 +237,32 @@ def _solve(
     names: Sequence[str],
     spans: np.ndarray | None = None,
 ) -> _Taut:
-    """All spans by Newton's method on (horizontal tension, vertical component at the start, length), from a guess of
-    these `spans`."""
-    chords = parabola.Chords.between(at)
-    support = support_tensions(at, weight, strain, tension)
-    mean = (support[:-1] + support[1:]) / 2.0
-    start = _straight(chords, weight, strain, support) if spans is None else spans
-    residual = partial(_residual, chords, weight, strain, support[:-1])
+    """All spans between points `at` (n + 1, 3), from a guess of their unknowns. Raises SlackRopeError."""
+    chords, support = parabola.Chords.between(at), support_tensions(at, weight, strain, tension)
+    found, bad = _span_roots(chords, weight, strain, (support[:-1], support[1:]), spans)
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise SlackRopeError(
+            f"{support[k]:.6g} N at {names[k]!r} is too low for the weight of the rope in that span",
+            "Raise the tension or add a support",
+        )
+    return found._replace(slope=found.slope * _gain(strain, tension, support))
+
+
+def _span_roots(
+    chords: parabola.Chords,
+    weight: float,
+    strain: Strain,
+    support: tuple[np.ndarray, np.ndarray],
+    spans: np.ndarray | None = None,
+) -> tuple[_Taut, np.ndarray]:
+    """Independent spans by Newton's method on (horizontal tension, vertical component at the start, length), and which
+    have no taut root, (n,). `support`: tensions at their starts and ends, (n,) each; the slopes are by those at the
+    starts; `spans`: a guess of the unknowns."""
+    first, last = support
+    mean = (first + last) / 2.0
+    start = _straight(chords, weight, strain, mean) if spans is None else spans
+    residual = partial(_residual, chords, weight, strain, first)
 
     def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
         return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
@@ -232,16 +270,11 @@ def _solve(
     roots = solve_side_by_side(residual, start, relative_step, longest=0.3)
     unknown, error = roots.unknowns, np.abs(residual(roots.unknowns)).max(axis=1)
     with np.errstate(all="ignore"):
-        by_tension = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
-        slope = np.linalg.solve(roots.jacobians, by_tension)[:, 2, 0]
+        by_tension = np.zeros((len(first), 3))
+        by_tension[:, 2] = 1.0 / first
+        slope = solved_side_by_side(roots.jacobians, by_tension)[:, 2]
     bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
-    if bad.any():
-        k = int(np.argmax(bad))
-        raise SlackRopeError(
-            f"{support[k]:.6g} N at {names[k]!r} is too low for the weight of the rope in that span",
-            "Raise the tension or add a support",
-        )
-    return _Taut(unknown[:, 2], slope * _gain(strain, tension, support), unknown, roots.jacobians)
+    return _Taut(unknown[:, 2], slope, unknown, roots.jacobians), bad
 
 
 def _residual(

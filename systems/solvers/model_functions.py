@@ -116,13 +116,14 @@ class NewtonFunctions:
         self._symbols = (inputs, found, matrix)
         self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
 
+    @property
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
+        return int(self.jacobian.nnz_out(0))
+
     def sparse(self, entries: np.ndarray) -> csc_matrix:
         """The entries of a Jacobian as a matrix."""
         return csc_matrix((entries, self._rows, self._columns), shape=self.jacobian.size_out(0))
-
-    def matrix_places(self) -> csc_matrix:
-        """The pattern of the Jacobian with the number of each of its entries, from 1."""
-        return self.sparse(np.arange(1, self.jacobian.nnz_out(0) + 1))
 
     def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
         """The entries of the Jacobian."""

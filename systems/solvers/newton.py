@@ -18,11 +18,12 @@ from ropeway.systems.solvers.points import Point, Slot
 class Functions(Protocol):
     """What Newton's method needs of the scaled residuals of a structure: `NewtonFunctions`, or compiled ones."""
 
+    @property
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
+
     def sparse(self, entries: np.ndarray) -> csc_matrix:
         """The entries of a Jacobian as a matrix."""
-
-    def matrix_places(self) -> csc_matrix:
-        """The pattern of the Jacobian with the number of each of its entries, from 1."""
 
     def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
         """The entries of the Jacobian."""

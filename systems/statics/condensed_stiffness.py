@@ -56,7 +56,7 @@ def _elimination(
         np.concatenate([np.setdiff1d(np.arange(len(model.z)), [*own, *still]), own])
         for own, still in zip(places_of(free), kept, strict=True)
     )
-    pattern, inner = functions.matrix_places(), len(rows) - len(free)
+    pattern, inner = functions.sparse(np.arange(1, functions.entries + 1)), len(rows) - len(free)
     if model.compiled:
         return CompiledPivots(pattern[rows][:, columns], inner)
     if layout_of(model).plain:

@@ -42,14 +42,15 @@ class CompiledFunctions:
         balances = [(b.residual, b.travel, b.sign) for b in model.balances]
         return CompiledNetwork(newton_network(model, freed, given, rates=rates), balances)
 
+    @property
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
+        return len(self.plain.pattern.data)
+
     def sparse(self, entries: np.ndarray) -> csc_matrix:
         """The entries of a Jacobian as a matrix."""
         pattern = self.plain.pattern
         return csc_matrix((entries, pattern.indices, pattern.indptr), shape=pattern.shape)
-
-    def matrix_places(self) -> csc_matrix:
-        """The pattern of the Jacobian with the number of each of its entries, from 1."""
-        return self.plain.pattern
 
     def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
         """The entries of the Jacobian."""

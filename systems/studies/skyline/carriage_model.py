@@ -263,12 +263,12 @@ def span_model(
     place: Place,
     by_height: bool = False,
     clamped: bool = False,
-    like: SkylineRig | None = None,
     *,
+    like: SkylineRig | None = None,
     compiled: bool = False,
 ) -> SpanModel:
     """The model of a rig at a place, or of its clamped twin, for compiled code or not; assembled once, or moved from
-    that of a rig `like` it (`SpanModel.moved`)."""
+    the model of a rig `like` it (`SpanModel.moved`)."""
     return _span_model(rig, place, by_height, clamped, like, compiled)
 
 

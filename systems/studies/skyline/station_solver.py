@@ -222,7 +222,7 @@ class Stations:
     ) -> Solved:
         """The solution of a case at a place. `start` is a solution of another model, on a nearby shoe or clamped at the
         same place; `failure` is the error of an attempt from nearby points and geometry."""
-        at = span_model(self.rig, place, self.by_height, clamp, self.like, compiled=self.compiled)
+        at = span_model(self.rig, place, self.by_height, clamp, like=self.like, compiled=self.compiled)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:

@@ -18,7 +18,7 @@ from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
-from ropeway.systems.studies.skyline.support_trial import Stop, SupportTrial
+from ropeway.systems.studies.skyline.support_trial import Stop, SupportTrial, TrialRigs
 
 
 @checked
@@ -223,15 +223,17 @@ def optimise_supports(
     ordered = sorted(candidates, key=lambda c: c.station)
     limits = LoadLimits(safety_factor, safety_factor, clearance, rope_clearance)
     search = _Search(rig, payload, limits, stations_of(rig, stations), compiled=compiled)
+    options = {c.name: {h: c.support(h) for h in c.heights} for c in ordered}
     for count in range(min(most, len(ordered)) + 1):
         best: tuple[float, tuple[IntermediateSupport, ...]] | None = None
         for chosen in combinations(ordered, count):
             if any(a.station == b.station for a, b in combinations(chosen, 2)):
                 continue
+            search.rigs.prepare([list(options[c.name].values()) for c in chosen])
             for total, heights in _by_sum(chosen):
                 if best is not None and total >= best[0]:
                     break
-                supports = tuple(c.support(h) for c, h in zip(chosen, heights, strict=True))
+                supports = tuple(options[c.name][h] for c, h in zip(chosen, heights, strict=True))
                 if search.passes(supports):
                     best = (total, supports)
                     break
@@ -279,18 +281,16 @@ class _Search:
         self.rig, self.payload, self.limits, self.compiled = rig, payload, limits, compiled
         self.failures = dict.fromkeys((float(x) for x in stations), 0)
         self.tried = 0
-        self.best: tuple[int, SkylineRig, tuple[IntermediateSupport, ...], Stop] | None = None
-        self._likes: dict[int, SkylineRig] = {}
-        """The first rig of each number of supports, whose models serve for all others."""
+        self.best: tuple[int, tuple[IntermediateSupport, ...], Stop] | None = None
+        self.rigs = TrialRigs(rig)
 
     def passes(self, supports: tuple[IntermediateSupport, ...]) -> bool:
         """Solves station by station until one stops the payload."""
         self.tried += 1
         try:
-            rig = with_supports(self.rig, supports)
+            rig, like = self.rigs.over(supports)
         except (SlackRopeError, EquilibriumError):
             return False
-        like = self._likes.setdefault(len(supports), rig)
         trial = SupportTrial(rig, like, self.payload, self.limits, compiled=self.compiled)
         stations = sorted(self.failures, key=lambda x: (-self.failures[x], x))
         stop = next((stop for stop in map(trial.stop_at, stations) if stop is not None), None) or trial.stop_of_states()
@@ -298,12 +298,13 @@ class _Search:
             return True
         self.failures[stop.station] += 1
         if self.best is None or len(trial) > self.best[0]:
-            self.best = (len(trial), rig, supports, stop._replace(limit=trial.named(stop.limit, rig)))
+            own = with_supports(self.rig, supports)
+            self.best = (len(trial), supports, stop._replace(limit=trial.named(stop.limit, own)))
         return False
 
     def furthest(self) -> SupportPlan:
         """The result if no supports pass."""
         if self.best is None:
             return SupportPlan(self.rig, (), False, "slack rope", np.nan, self.tried)
-        _, rig, supports, stop = self.best
-        return SupportPlan(rig, supports, False, stop.limit, stop.station, self.tried)
+        _, supports, stop = self.best
+        return SupportPlan(with_supports(self.rig, supports), supports, False, stop.limit, stop.station, self.tried)

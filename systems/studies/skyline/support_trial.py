@@ -1,11 +1,19 @@
-"""A rig that the search for supports examines: the payload moved along it until a limit stops it."""
+"""Rigs that the search for supports examines: the payload moved along each until a limit stops it."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
 from ropeway.components.errors import EquilibriumError
+from ropeway.components.intermediate_support import IntermediateSupport
+from ropeway.systems.modelling.empty_rope import lengths_between
+from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
@@ -20,20 +28,61 @@ class Stop(NamedTuple):
     station: float
 
 
-class SupportTrial:
-    """A rig that the search examines, with its payload at stations.
+class TrialRigs:
+    """A rig over different supports: points in its corridor, without friction.
 
-    All trials with as many supports have the same equations. Their models are those of the first one, `like`, with its
-    supports moved; each support has the name of that in its place.
+    All with as many supports have the same equations, so they have the names of the first one's supports; its models
+    serve for them. The empty skyline has the same length between the same two points in each.
     """
+
+    def __init__(self, rig: SkylineRig) -> None:
+        self._rig = rig
+        self._likes: dict[int, SkylineRig] = {}
+        self._placed: dict[tuple[IntermediateSupport, str], IntermediateSupport] = {}
+        self._lengths: dict[tuple[tuple[float, ...], tuple[float, ...]], float] = {}
+
+    def prepare(self, sites: Sequence[Sequence[IntermediateSupport]]) -> None:
+        """Solves the empty spans between the possible supports of each site and those of the next."""
+        rig = self._rig
+        points = [[rig.headspar.at], *([s.placed(rig.terrain).at for s in site] for site in sites)]
+        points += [[node.at] for node in rig.ends[rig.spans :]]
+        new = {(a, b) for here, there in pairwise(points) for a in here for b in there} - self._lengths.keys()
+        if not new or rig.tension is None:
+            return
+        ordered = sorted(new)
+        starts, ends = np.array(ordered).transpose(1, 0, 2)
+        rope = rig.skyline
+        weight, height = rope.mass_per_length * rig.gravity, rig.headspar.at[2]
+        lengths = lengths_between(starts, ends, weight, rope.strain, rig.tension, height)
+        self._lengths.update(zip(ordered, lengths.tolist(), strict=True))
+
+    def over(self, supports: Sequence[IntermediateSupport]) -> tuple[SkylineRig, SkylineRig]:
+        """The rig over supports, and the one like it. Raises InputError, SlackRopeError, EquilibriumError."""
+        first = self._likes.get(len(supports))
+        if first is None or not supports:
+            first = self._likes[len(supports)] = with_supports(self._rig, supports)
+            return first, first
+        named = [self._named(own, its.name) for own, its in zip(supports, first.supports, strict=True)]
+        points = [self._rig.headspar.at, *(s.at for s in named), *(n.at for n in self._rig.ends[self._rig.spans :])]
+        length = sum(self._lengths[span] for span in pairwise(points))
+        return with_supports(self._rig, named, None if math.isnan(length) else length), first
+
+    def _named(self, support: IntermediateSupport, name: str) -> IntermediateSupport:
+        """A support in its place, with the name of another."""
+        key = support, name
+        if key not in self._placed:
+            self._placed[key] = replace(support.placed(self._rig.terrain), name=name)
+        return self._placed[key]
+
+
+class SupportTrial:
+    """A rig that the search examines, with its payload at stations. Its models are those of a rig `like` it."""
 
     def __init__(
         self, rig: SkylineRig, like: SkylineRig, payload: float, limits: LoadLimits, *, compiled: bool = False
     ) -> None:
-        supports = [replace(own, name=its.name) for own, its in zip(rig.supports, like.supports, strict=True)]
-        moved = replace(rig, supports=tuple(supports))
-        self._payload, self._limits, self._margins = payload, limits, Margins(moved, limits)
-        self._solver = Stations(moved, like=like, compiled=compiled)
+        self._payload, self._limits, self._margins = payload, limits, Margins(rig, limits)
+        self._solver = Stations(rig, like=like, compiled=compiled)
         self._states: dict[float, tuple[Solved, LeastMargin]] = {}
 
     def __len__(self) -> int:

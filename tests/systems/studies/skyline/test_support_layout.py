@@ -13,7 +13,7 @@ from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.station_solver import Stations
-from ropeway.systems.studies.skyline.support_trial import SupportTrial
+from ropeway.systems.studies.skyline.support_trial import SupportTrial, TrialRigs
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 STATIONS = np.arange(20.0, 480.0, 20.0)
@@ -163,10 +163,27 @@ def test_a_moved_model_has_the_states_of_an_assembled_one(how: str) -> None:
         assert found.at.certificate([found.point]).failed is None
 
 
-def test_a_limit_has_the_name_of_its_own_support() -> None:
-    """A trial has the names of the first one, whose model it borrows."""
-    first, second = (with_supports(rig(), [tree.support(8.0)]) for tree in TREES[:2])
-    trial = SupportTrial(second, first, 1000.0, LoadLimits(3.0, clearance=0.0))
-    assert trial.named("lift-off at oak", second) == "lift-off at fir"
-    assert trial.named("clearance", second) == "clearance"
-    assert trial.named("no equilibrium", second) == "no equilibrium"
+def test_trial_rigs_share_names_and_empty_spans() -> None:
+    """Supports have the names of the first trial's; the skyline has the length that its own rig has."""
+    rigs, sites = TrialRigs(rig()), [[tree.support(h) for h in tree.heights] for tree in TREES[:2]]
+    rigs.prepare(sites)
+    first, like = rigs.over([sites[0][0], sites[1][0]])
+    assert first is like
+    rigs.prepare(sites[1:])
+    rigs.over([sites[0][1]])
+    other, one = rigs.over([sites[1][2]])
+    own = with_supports(rig(), [sites[1][2]])
+    assert [s.name for s in other.supports] == [s.name for s in one.supports] == ["oak"]
+    assert other.length == pytest.approx(own.length, rel=1e-13)
+    np.testing.assert_array_equal(other.points, own.points)
+    trial = SupportTrial(other, one, 1000.0, LoadLimits(3.0, clearance=0.0))
+    assert trial.named("lift-off at oak", own) == "lift-off at fir"
+    assert trial.named("clearance", own) == "clearance"
+    assert trial.named("no equilibrium", own) == "no equilibrium"
+
+
+def test_a_slack_trial_does_not_count() -> None:
+    """5 kN do not hold the empty skyline over any of the trees."""
+    slack = replace(rig(), tension=5e3)
+    plan = rw.optimise_supports(slack, TREES, payload=1000.0, stations=STATIONS, most=1)
+    assert (plan.feasible, plan.limited_by, plan.tried) == (False, "slack rope", 8)
