@@ -216,6 +216,7 @@ class _Simulation:
             recorder.exact,
             tuple(recorder.events),
             self.line.tolerance,
+            self.settings.compiled,
         )
 
     def result_so_far(self) -> Result | None:
@@ -382,13 +383,10 @@ class _Simulation:
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:
     """Some times of the grid [s] from its number `count` on, all earlier than `before`."""
-    found = list[float]()
-    while len(found) < _TOGETHER and (not found or found[-1] < until):
-        time = min((count + len(found)) * every, until)
-        if time >= before - 1e-9:
-            break
-        found.append(time)
-    return found
+    numbers = np.arange(count, min(count + _TOGETHER, round(until / every) + 2))
+    times = np.minimum(numbers * every, until)
+    last = int(np.searchsorted(times, until)) + 1
+    return [t for t in times[:last].tolist() if t < before - 1e-9]
 
 
 @kept_with_model

@@ -240,7 +240,7 @@ def test_a_run_ends_before_a_record_that_fails() -> None:
     records = list(result.records)
     spoilt = records[6].z.copy()
     spoilt[result.model.z.index["d_s.force_x"]] *= 1.01
-    records[6] = replace(records[6], z=spoilt)
+    records[6] = records[6]._replace(z=spoilt)
     broken = replace(result, records=tuple(records), exact=np.ones(len(records), dtype=bool))
     with pytest.raises(rw.SimulationError, match="fails its check") as info:
         broken.require_certified()
