@@ -10,34 +10,35 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
+from ropeway.components.errors import InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.agenda import Agenda
 from ropeway.systems.dynamics.external_parts import ExternalParts
-from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper, stepper_of
+from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.run_inputs import (
     check_interventions,
+    in_core,
     is_speed,
-    require_compiled,
     require_no_events,
     signals_of,
     start_of,
     started,
 )
+from ropeway.systems.dynamics.steppers import stepper_of
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
 from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.newton import Buffered, dense
+from ropeway.systems.solvers.model_functions import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
@@ -82,7 +83,7 @@ def simulate(
         `result.at(t)`, from which clocks, delayed responses, brakes and an emergency stop continue; times count from 0
         again. A speed in `inputs` ends the emergency stop of its drive. By default the system's equilibrium.
     tolerance : float, default 1e-6
-        Of IDAS, absolute on scaled variables.
+        Of IDAS, or of a compiled step with inertia, absolute on scaled variables.
     interventions : sequence of Intervention, optional
         Brakes, losses of pressure, an emergency stop.
     stop_at : str or sequence of str, optional
@@ -90,14 +91,15 @@ def simulate(
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
-        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
-        lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
+        lines of spans over standing supports, drives and responses run in compiled code too; IDAS integrates the whole
+        line while a drive is at a limit, and other systems. With `inertia` all systems and drives run in compiled
+        code, in weather that does not change.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
         The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
-        starts in equilibrium, with the line at its speed. Not compiled.
+        starts in equilibrium, with the line at its speed.
 
     Returns
     -------
@@ -137,16 +139,15 @@ def simulate(
     check_interventions(model, interventions, inertia)
     if inertia is not None:
         require_no_events(model.system)
-    if compiled and inertia is not None:
-        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
-    if compiled:
-        require_compiled(model, signals)
-    rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
+    moved_in_core = compiled and in_core(model, signals, inertia)
+    at_once = compiled and inertia is None
+    rest = equilibrium(model, compiled=at_once) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
-    run = _Simulation(replace(rest, pending=pending), settings)
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, moved_in_core, inertia)
+    solved_on = in_code(rest.model, compiled=model.compiled or (compiled and not moved_in_core))
+    run = _Simulation(replace(rest, model=solved_on, pending=pending), settings, compiled=model.compiled)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -176,7 +177,8 @@ class _Settings:
 class _Simulation:
     """One run: a line, and the clocks and interventions that act on it."""
 
-    def __init__(self, start: Equilibrium, settings: _Settings) -> None:
+    def __init__(self, start: Equilibrium, settings: _Settings, *, compiled: bool) -> None:
+        self._compiled = compiled
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         signals = settings.signals
@@ -206,7 +208,7 @@ class _Simulation:
         """All entries so far."""
         state, recorder = self.state, self.recorder
         return Result(
-            state.model,
+            in_code(state.model, compiled=self._compiled),
             tuple(state.runs),
             state.point.p,
             recorder.records,
@@ -214,7 +216,7 @@ class _Simulation:
             recorder.exact,
             tuple(recorder.events),
             self.line.tolerance,
-            self.settings.compiled,
+            self.settings.compiled and self.settings.inertia is None,
         )
 
     def result_so_far(self) -> Result | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from types import SimpleNamespace
 from typing import Any
 
@@ -79,12 +79,21 @@ class ComponentFunctions:
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """A component's equations."""
+        return self._known(
+            _form(component, site, variables),
+            lambda: component_function(component, variables, weather=site.weather),
+        )
+
+    def closures(self, span: Span, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """The closure of a span with its derivatives in closed form."""
+        return self._known(("closures", *_form(span, site, variables)), lambda: closures_function(span, variables))
+
+    def _known(self, key: tuple[Hashable, ...], make: Callable[[], ca.Function]) -> ca.Function:
         stop_if_interrupted()
-        key = _form(component, site, variables)
         if key not in self._functions:
             if len(self._functions) > MOST:
                 self._functions.clear()
-            self._functions[key] = component_function(component, variables, weather=site.weather)
+            self._functions[key] = make()
         return self._functions[key]
 
 
@@ -167,6 +176,16 @@ def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bo
     v, inputs = _symbols(span, variables, weather=weather)
     columns = [ca.vertcat(*column) for column in span.closure_moves(v)]
     return ca.Function("closure", inputs, [ca.horzcat(*columns)])
+
+
+def closures_function(span: Span, variables: tuple[Variable, ...]) -> ca.Function:
+    """The closure (3,) of a span in calm, and its derivatives (3, 11) by the tension vector, and by position and travel
+    at a and at b; of the same inputs as its `component_function`."""
+    v, inputs = _symbols(span, variables, weather=False)
+    (closure,) = [ca.vertcat(*span.equations(v).residuals.values())]
+    *by_force, by_a, by_b = (ca.vertcat(*column) for column in span.closure_moves(v))
+    one = ca.SX.eye(3)
+    return ca.Function("closures", inputs, ca.cse([closure, ca.horzcat(*by_force, one, by_a, -one, by_b)]))
 
 
 def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:

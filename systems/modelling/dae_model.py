@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -337,6 +337,11 @@ class Model:
         return self.structure.outputs
 
     @property
+    def compiled(self) -> bool:
+        """Whether solvers of this model use compiled code."""
+        return self.structure.compiled
+
+    @property
     def weather(self) -> bool:
         """Whether temperature, ice and wind are among its inputs and parameters."""
         return self.system.environment is not None
@@ -395,6 +400,18 @@ class Model:
     def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
         """Travels of the supports of each run [m]."""
         return [layout.travel.read(x, z) for layout in self.layouts]
+
+
+def in_code(model: Model, *, compiled: bool) -> Model:
+    """The model whose solvers use compiled code, or the one whose solvers do not."""
+    if compiled == model.compiled:
+        return model
+    if "other" not in model.derived:
+        other = replace(model, structure=model.structure.in_code(compiled=compiled))
+        other.derived["other"] = model
+        model.derived.setdefault("other", other)
+    found: Model = model.derived["other"]
+    return found
 
 
 def component_of(name: str) -> str:

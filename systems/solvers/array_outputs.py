@@ -19,7 +19,8 @@ from ropeway.systems.modelling.component_functions import component_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
-from ropeway.systems.solvers.newton import VECTORS, Vectors, outputs_of
+from ropeway.systems.solvers.newton import outputs_of
+from ropeway.systems.solvers.points import VECTORS, Vectors
 from ropeway.systems.solvers.state_rows import StateRows
 
 _BATCH = 12_000

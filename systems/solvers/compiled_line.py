@@ -26,7 +26,7 @@ from ropeway.systems.native.section_library import (
 )
 from ropeway.systems.solvers.condensed_newton import Cases
 from ropeway.systems.solvers.line_sections import LineSections, SpanForm, SupportForm, line_sections
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 
 
 class CompiledLine:

@@ -17,7 +17,7 @@ from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_fun
 from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
 from ropeway.systems.solvers.compiled_nodes import Filled
 from ropeway.systems.solvers.line_sections import shared_count
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
 
 

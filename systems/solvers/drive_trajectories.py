@@ -16,8 +16,10 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.solvers.equations import expanded
 from ropeway.systems.solvers.idas import strict
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded
+from ropeway.systems.solvers.model_functions import Buffered
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
 
 NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0

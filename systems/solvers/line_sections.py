@@ -23,7 +23,7 @@ from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.component_functions import closure_function, component_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
-from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.solvers.points import VECTORS
 
 SPAN_RESULTS = 24
 """Results of a span's kernel: closure (3,); force at end b (3,); then, for the closure, the travel at end a and that at

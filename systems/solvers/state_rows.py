@@ -8,7 +8,7 @@ from typing import overload
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.newton import VECTORS, Point
+from ropeway.systems.solvers.points import VECTORS, Point
 
 
 class StateRows(Sequence[Point]):

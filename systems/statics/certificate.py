@@ -18,7 +18,8 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.newton import Point, outputs_of, residuals_of
+from ropeway.systems.solvers.newton import outputs_of, residuals_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.certificate_layout import CertificateLayout, layout_of
 from ropeway.systems.statics.certificate_spans import (

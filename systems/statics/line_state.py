@@ -16,10 +16,11 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
+from ropeway.systems.modelling.dae_model import Model, in_code, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
-from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
+from ropeway.systems.solvers.newton import outputs_of
+from ropeway.systems.solvers.points import VECTORS, Point, Slot
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
@@ -110,7 +111,8 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
+        grown = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
+        self.model = in_code(grown, compiled=old.compiled)
         d = self.model.d.values.copy()
         if old.inertia is None:
             d[self.model.kept] = self.point.d[old.kept]
@@ -282,7 +284,9 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             slot = f"{run.spans[k].name}.slot_{quantity}[{beyond[k] - load}]"
             kind = Kind.DISCRETE if quantity == "mass" else Kind.OUTPUT
             return kind, model.tables[kind].index[slot]
-    known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
+    tables = [model.tables[kind] for kind in (Kind.OUTPUT, *VECTORS)]
+    known = [table.names[i] for table in tables for i in table.shown]
+    known += [f"{load}.{of}" for run in runs for load in run.loads.names for of in (*load_outputs(model), "mass")]
     raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))
 
 

@@ -140,13 +140,6 @@ def test_quantities_of_a_compiled_run_are_those_of_its_model() -> None:
     assert run.certificate["holds"].all()
 
 
-def test_unsupported_features_are_rejected_before_the_run() -> None:
-    spring = rw.System("spring")
-    spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)
-    with pytest.raises(rw.CompiledError, match="'b'"):
-        rw.simulate(spring, 5.0, compiled=True)
-
-
 def test_threads_on_one_model_give_identical_results() -> None:
     model = rw.assemble(line())
     start = rw.equilibrium(model)
