@@ -17,8 +17,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.equations import equations
 from ropeway.systems.solvers.damped_newton import damped
-from ropeway.systems.solvers.equations import equations
 from ropeway.systems.solvers.kernels.compiled_newton import CompiledBlock
 from ropeway.systems.solvers.model_functions import Buffered, solve_sparse
 from ropeway.systems.solvers.points import VECTORS, Point

@@ -16,7 +16,7 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.solvers.equations import expanded
+from ropeway.systems.modelling.equations import expanded
 from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import VECTORS, Point
