@@ -56,8 +56,8 @@ class Group:
 
 class OutputGroups:
     """How the outputs of a model are evaluated: groups of components in their order; `shared`: places of what all
-    components read. Rope ends are numbered; the number `ends` is that of none, and the place `none` behind all variables is
-    zero."""
+    components read. Rope ends are numbered; the number `ends` is that of none. The place `none` behind all variables
+    is zero."""
 
     def __init__(self, model: Model) -> None:
         places = _Places(model)

@@ -18,7 +18,13 @@ from ropeway.systems.modelling.component_functions import port_size, rope_size
 from ropeway.systems.modelling.dae_model import Model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.native.inertial_library import BLOCKS, SIZES
-from ropeway.systems.solvers.component_kernels import Block, ComponentKernels, UnfitError, component_kernels, is_piece
+from ropeway.systems.solvers.kernels.component_kernels import (
+    Block,
+    ComponentKernels,
+    UnfitError,
+    component_kernels,
+    is_piece,
+)
 
 _RATES = tuple(f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz")
 _KINDS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER)
