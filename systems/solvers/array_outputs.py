@@ -76,7 +76,7 @@ class ArrayOutputs:
 
     def __init__(self, model: Model, which: np.ndarray) -> None:
         self._plan, self._weather = output_groups(model), model.weather
-        self._size = len(which)
+        self._size = len(which) + 1  # the last one takes what is not among them
         self._most = max(len(model.system.components), 1)
         place = np.full(len(model.y), -1)
         place[which] = np.arange(len(which))
@@ -94,7 +94,7 @@ class ArrayOutputs:
             for i in range(0, count, size):
                 columns = slice(i, i + size)
                 self._evaluate(np.ascontiguousarray(points[:, columns]), time[columns], y[:, columns])
-        return y
+        return y[:-1]
 
     def _evaluate(self, every: np.ndarray, time: np.ndarray, y: np.ndarray) -> None:
         plan = self._plan
@@ -230,9 +230,10 @@ def _array_outputs(model: Model, which: bytes) -> ArrayOutputs:
     return ArrayOutputs(model, np.frombuffer(which, dtype=int))
 
 
-def outputs_of_rows(model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:
-    """The outputs at `which` places of states (states, outputs)."""
-    if has_groups(model) and len(rows) >= _FEW:
+def outputs_of_rows(model: Model, rows: StateRows, which: np.ndarray, few: int = _FEW) -> np.ndarray:
+    """The outputs at `which` places of states (states, outputs); those of fewer than `few` states one by one, which may
+    change their last bits."""
+    if has_groups(model) and len(rows) >= few:
         return _array_outputs(model, which.tobytes())(rows.values.T, rows.time).T
     alone = StateRows(model, np.ascontiguousarray(rows.values), rows.time)
     found = [outputs_of(model)(*point.arguments)[0][which] for point in alone]

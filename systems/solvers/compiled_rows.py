@@ -12,6 +12,7 @@ import numpy as np
 from ropeway.components.weather import Weather
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import Motion, OutputCalls, section_library
 from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
 from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
@@ -109,6 +110,12 @@ class CompiledOutputs:
 @lru_cache(maxsize=256)
 def _address(form: Form, outputs: tuple[int, ...], ropes: bool) -> int:
     """Where the kernel of some outputs of components of a form is."""
+    kinds = tuple(v.kind for v in form.variables)
+    mark = kernel_mark("outputs", form.key, form.weather, kinds, outputs, ropes)
+    return addresses_of(mark, 1, lambda: [_kernel(form, outputs, ropes)])[0]
+
+
+def _kernel(form: Form, outputs: tuple[int, ...], ropes: bool) -> ca.Function:
     function = output_function(form, outputs)
     time, _, own, *ports = (ca.SX.sym(function.name_in(i), function.size1_in(i)) for i in range(function.n_in()))
     shared = ca.SX.sym("shared", shared_count(weather=form.weather))
@@ -125,7 +132,7 @@ def _address(form: Form, outputs: tuple[int, ...], ropes: bool) -> int:
     values = ca.vertsplit(shared)
     known = ca.vertcat(values[0], *(Weather.of(values[1:]) if form.weather else ()))
     result = function.call([time, known, own, *given])[0]
-    return addresses_of([ca.Function("outputs", [ca.vertcat(time, shared, own, *read)], [ca.densify(result)])])[0]
+    return ca.Function("outputs", [ca.vertcat(time, shared, own, *read)], [ca.densify(result)])
 
 
 @kept_with_model

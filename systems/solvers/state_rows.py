@@ -8,7 +8,7 @@ from typing import overload
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.points import VECTORS, Point
+from ropeway.systems.solvers.points import VECTORS, Point, Vectors
 
 
 class StateRows(Sequence[Point]):
@@ -47,6 +47,11 @@ class StateRows(Sequence[Point]):
     def z(self) -> np.ndarray:
         """Algebraic variables (states, nz); a view."""
         return self.values[:, self._ends[0] : self._ends[1]]
+
+    @property
+    def columns(self) -> Vectors:
+        """The vectors as columns; views."""
+        return Vectors(*(part.T for part in np.split(self.values[:, : self._ends[-1]], self._ends[:-1], axis=1)))
 
     def some(self, which: np.ndarray) -> StateRows:
         """Some of the states, by their numbers or by booleans; copied, unless all are meant."""

@@ -253,13 +253,13 @@ def _batch_size(layout: CertificateLayout) -> int:
 def certified_variants(
     model: Model,
     runs: Sequence[Run],
-    values: np.ndarray,
+    states: StateRows,
     passed: Sequence[np.ndarray],
     masses: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """Which of many states of a line, `stacked` as rows (states, all) and each with loads of other `masses` (states,
-    loads) in each run, hold every check, also that of the ropes' breaking load, (states,). `passed` as in `certify`,
-    the same in all states."""
+    """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
+    also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
+    values = states.values
     good, left = np.zeros(len(values), dtype=bool), [np.arange(len(values))] if len(values) else []
     size = _batch_size(layout_of(model))
     while left:
