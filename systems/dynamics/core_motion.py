@@ -202,7 +202,7 @@ class CoreMotion:
 
     def crossed(self) -> list[tuple[int, Crossing]]:
         """The crossings of the last call: the record that each leads to, and what has crossed."""
-        rows = np.frombuffer(self.events, np.int32).reshape(-1, _EVENT)[: self.motion.events]
+        rows = np.frombuffer(memoryview(self.events), np.int32).reshape(-1, _EVENT)[: self.motion.events]
         first = np.array([own.first for own in self._loads], dtype=np.int64)
         numbers, events = rows[:, 2] + first[rows[:, 0]], rows.tolist()
         return [

@@ -235,7 +235,8 @@ def outputs_of_rows(model: Model, rows: StateRows, which: np.ndarray, few: int =
     change their last bits."""
     if has_groups(model) and len(rows) >= few:
         return _array_outputs(model, which.tobytes())(rows.values.T, rows.time).T
-    found = [outputs_of(model)(*point.arguments)[0][which] for point in rows]
+    alone = StateRows(model, np.ascontiguousarray(rows.values), rows.time)
+    found = [outputs_of(model)(*point.arguments)[0][which] for point in alone]
     return np.array(found).reshape(len(rows), len(which))
 
 
