@@ -91,8 +91,8 @@ def simulate(
     compiled : bool, default False
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
         lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit. With `inertia` all
-        systems and drives run in compiled code, in weather that does not change.
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit. With `inertia`
+        all systems and drives run in compiled code, in weather that does not change.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional

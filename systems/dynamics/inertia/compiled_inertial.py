@@ -48,9 +48,7 @@ class Bounds:
         run [m/s]."""
         moved = [now - then for now, then in zip(self._read(state), self._travels, strict=True)]
         now = [t._replace(gap=t.gap - t.side * moved[t.r][t.k]) for t in self._thresholds]
-        if not any((t.on & (t.gap <= zones.NEAR) & (t.side * rates[t.r][t.k] > 0.0)).any() for t in now):
-            return []
-        return zones.due(zones.approached(now, rates))
+        return zones.due(zones.approached(now, rates, zones.NEAR))
 
 
 class CompiledInertialLine(InertialLine):

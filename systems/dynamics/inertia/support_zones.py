@@ -96,14 +96,14 @@ def thresholds(state: LineState) -> list[Threshold]:
     return found
 
 
-def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
-    """The events towards which loads move, at `rates` of travel of each run [m/s]."""
+def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray], within: float = np.inf) -> list[ZoneEvent]:
+    """The events towards which loads move, at `rates` of travel of each run [m/s], up to a gap of `within` [m]."""
     events = list[ZoneEvent]()
     for t in found:
         speed = t.side * rates[t.r][t.k]
         events += [
             ZoneEvent(t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), t.forward)
-            for i in np.flatnonzero(t.on & (speed > 1e-9))
+            for i in np.flatnonzero(t.on & (speed > 1e-9) & (t.gap <= within))
         ]
     return events
 
