@@ -323,7 +323,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
-            "emergency_stop": None,
+            "emergency_stop": None, "inertia": None,
         },
         "fmu.run_report": lambda: {
             "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),
