@@ -176,7 +176,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         },
         "emergency_stop": lambda: {
             "line": line(), "decelerations": [2.0], "settle": 0.5, "every": 0.1, "start": None,
-            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "progress": False,
+            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "progress": False, "compiled": False,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",

@@ -115,19 +115,28 @@ class CompiledInertialStepper(InertialStepper):
     line_kind = CompiledInertialLine
 
     def run_along(self, stops: Sequence[float]) -> int:
-        """Advances through some evenly spaced stops with an entry at each; returns how many they are. Raises
-        EquilibriumError, SimulationError."""
-        for stop in stops:
-            self.run_to(stop)
-            self.recorder.record(self.state, on_grid=True)
+        """Advances through evenly spaced stops with an entry at each; returns how many they are. Inputs do not bend
+        before the last one. Raises EquilibriumError, SimulationError."""
+        if stops:
+            begin = self._begin(stops[-1])
+            for stop in stops:
+                begin = self._advance_to(stop, *begin)
+                self.recorder.record(self.state, on_grid=True)
         return len(stops)
 
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises
         EquilibriumError, SimulationError."""
+        self._advance_to(stop, *self._begin(stop))
+
+    def _begin(self, stop: float) -> tuple[LineMotion, Bounds]:
+        """The rates at the present time, and what loads come to."""
+        self.line.set_time(self.line.time)
+        return self.line.solve(stop), Bounds(self.state)
+
+    def _advance_to(self, stop: float, motion: LineMotion, bounds: Bounds) -> tuple[LineMotion, Bounds]:
+        """As `run_to`, from known rates and bounds; returns those at the stop."""
         line = self.line
-        line.set_time(line.time)
-        motion, bounds = line.solve(stop), Bounds(self.state)
         while line.time < stop - 1e-9:
             if due := bounds.due(self.state, motion.travel):
                 motion = self._act(due, motion, stop)
@@ -136,3 +145,4 @@ class CompiledInertialStepper(InertialStepper):
                 motion = line.move(stop, bounds)
         self._motion = motion
         self.state.require_rope("End the run before, or turn the drive")
+        return motion, bounds
