@@ -19,7 +19,7 @@ from ropeway.systems.native.inertial_library import (
 )
 from ropeway.systems.solvers.component_kernels import UnfitError
 from ropeway.systems.solvers.inertial_tables import tables_of
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 
 
 class InertialCore:
