@@ -94,7 +94,7 @@ def simulate(
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
         lines of spans over standing supports, drives that follow their commanded speeds (`IdealDrive`, drums) run in
         compiled code too; others are integrated by IDAS, with the whole line while one is at a limit, as are other
-        systems. With `inertia` all systems and drives run in compiled code, in weather that does not change.
+        systems. With `inertia` all systems and drives run in compiled code.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional

@@ -23,8 +23,7 @@ void ri_load(const ri_line *l, ri_point *q)
     y[0] = 0.0, y[1] = 1.0;
     for (int i = 0; i < l->components; i++) {
         int f = l->form[i];
-        double *v = q->kernel + l->input[i] + l->form_nx[f] + l->form_nz[f] + l->form_ports[f] + l->form_nu[f];
-        for (int k = 0; k < l->ns; k++) *v++ = q->y[l->shared[k]];
+        double *v = q->kernel + l->input[i] + l->form_nx[f] + l->form_nz[f] + l->form_ports[f] + l->form_nu[f] + l->ns;
         memcpy(v, q->p + l->p[i], l->form_np[f] * sizeof(double)), v += l->form_np[f];
         memcpy(v, q->d + l->d[i], l->form_nd[f] * sizeof(double)), v += l->form_nd[f];
         *v = 0.0;
@@ -42,7 +41,8 @@ void ri_evaluate(const ri_line *l, ri_point *q)
             int piece = l->port_piece[k];
             *v++ = piece < 0 ? q->y[l->port_source[k]] : q->kernel[l->result[piece] + l->port_row[k]];
         }
-        memcpy(v, q->y + l->nx + l->nz + l->u[i], l->form_nu[f] * sizeof(double));
+        memcpy(v, q->y + l->nx + l->nz + l->u[i], l->form_nu[f] * sizeof(double)), v += l->form_nu[f];
+        for (int k = 0; k < l->ns; k++) *v++ = q->y[l->shared[k]];
         l->value[f](q->kernel + l->input[i], r);
         memcpy(q->value + l->x[i], r, nx * sizeof(double));
         memcpy(q->value + l->nx + l->r[i], r + nx, nz * sizeof(double));

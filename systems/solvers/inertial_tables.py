@@ -40,7 +40,7 @@ class _Finder:
     def __init__(self, model: Model) -> None:
         self.model, self.system = model, model.system
         if model.external or self.system.links or self.system.supplies:
-            raise UnfitError("components drive each other, or have compiled code of their own")
+            raise UnfitError("its components share a power unit, drive each other, or have compiled code of their own")
         slots = {
             span.name: int(n)
             for run, layout in zip(model.runs, model.layouts, strict=True)
