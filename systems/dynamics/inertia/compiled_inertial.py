@@ -10,7 +10,7 @@ from ropeway.components.errors import SimulationError
 from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
-from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
 from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
@@ -52,10 +52,12 @@ class Bounds:
 
 
 class CompiledInertialLine(InertialLine):
-    """A line with inertia that the core solves and moves."""
+    """A line with inertia that the core solves and moves. Raises CompiledError where it does not fit, CompilerError,
+    WriteError."""
 
-    _point: CorePoint | None = None
-    _step = _FIRST
+    def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
+        super().__init__(state, signals, tolerance)
+        self._step, self._point = _FIRST, CorePoint(self.core)
 
     @property
     def core(self) -> InertialCore:
@@ -65,7 +67,7 @@ class CompiledInertialLine(InertialLine):
     def point(self, stop: float) -> CorePoint:
         """The present point in the core."""
         stop_if_interrupted()
-        if self._point is None or self._point.core is not self.core:
+        if self._point.core is not self.core:
             self._point = CorePoint(self.core)
         self._point.put(self.state.point, self.slope(stop))
         return self._point
