@@ -76,8 +76,8 @@ class RunData(Tabular):
         return y, z
 
     def _evaluate(self, which: np.ndarray, outputs: np.ndarray, y: np.ndarray, z: np.ndarray) -> Certificate:
-        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays; returns the
-        certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
+        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays. Returns
+        the certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
         of_core = compiled_outputs(self.model, outputs.tobytes()) if self._in_core else None
 
         def inexact() -> Iterator[StateRows]:

@@ -44,9 +44,9 @@ def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray,
     solver = PointSolver(
         line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty
     )
-    tables, point, first = ctypes.byref(line.tables), ctypes.byref(solver.point), d.ctypes.data
-    stride = d.strides[0] // d.itemsize
-    line.core.rs_write_rows(tables, point, motion.address, first, stride, beyond.ctypes.data, len(d))
+    call, tables, stride = line.core.rs_write_rows, ctypes.byref(line.tables), d.strides[0] // d.itemsize
+    where = ctypes.byref(solver.point)
+    call(tables, where, motion.address, d.ctypes.data, stride, beyond.ctypes.data, len(d))
 
 
 def solve_rows(model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:
