@@ -20,7 +20,7 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.array_outputs import outputs_of_rows
-from ropeway.systems.solvers.compiled_rows import compiled_outputs
+from ropeway.systems.solvers.compiled.compiled_rows import compiled_outputs
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.state_rows import StateRows

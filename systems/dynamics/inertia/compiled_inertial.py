@@ -13,7 +13,7 @@ from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.line_stepper import LineMotion
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
-from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
+from ropeway.systems.solvers.compiled.inertial_core import CorePoint, InertialCore, inertial_core
 from ropeway.systems.statics.line_state import LineState
 
 _FIRST, _SHORTEST = 0.01, 1e-9

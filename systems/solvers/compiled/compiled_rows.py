@@ -15,8 +15,8 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import Motion, OutputCalls, section_library
 from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
+from ropeway.systems.solvers.compiled.compiled_nodes import Filled
 from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
-from ropeway.systems.solvers.compiled_nodes import Filled
 from ropeway.systems.solvers.line_sections import shared_count
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
