@@ -139,8 +139,8 @@ class RunData(Tabular):
 
     @cached_property
     def _in_core(self) -> bool:
-        """Whether states are restored and outputs evaluated in the compiled core, where a run without inertia was
-        compiled. The numbers are the same without a compiler."""
+        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled, without
+        inertia. The numbers are the same without a compiler."""
         if not self.compiled or self.model.inertia is not None:
             return False
         try:
