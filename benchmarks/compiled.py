@@ -1,5 +1,5 @@
-"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, and the work
-of the spans in C written by hand, which is the limit.
+"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, studies of
+rigs, and the work of the spans in C written by hand, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
@@ -21,11 +21,13 @@ from typing import Annotated
 import control
 import lines
 import numpy as np
+import skylines
 import typer
 
 import ropeway as rw
 from ropeway.systems.native.binary_cache import library
 from ropeway.systems.solvers.line_sections import line_sections
+from ropeway.systems.studies.skyline.station_solver import Stations
 
 CASES = 10_000
 EXAMPLE = Path(__file__).parents[1] / "examples" / "line.csv"
@@ -157,6 +159,37 @@ def sweeps(cases: int) -> None:
         print(f"sweep of {cases} cases, {words}: {spent:.2f} s, {alone * cases / spent:.1f} times one by one")
 
 
+def rigs() -> None:
+    """Studies of the corridor of the examples; each rig is new, and its kinds of parts have been met before."""
+    stations = np.linspace(4.0, 476.0, 100)
+    trees = [rw.Candidate(f"tree_{i}", 100.0 + 30.0 * i, (7.0, 10.0)) for i in range(10)]
+    studies: dict[str, Callable[[bool], object]] = {
+        "load path, 100 stations": lambda c: rw.load_path(skylines.corridor(), 1500.0, stations, compiled=c),
+        "payload, 20 stations": lambda c: rw.payload(
+            skylines.corridor(), clearance=1.0, stations=stations[::5], compiled=c
+        ),
+        "set-up": lambda c: rw.set_up(skylines.corridor(), station=150.0, payload=2000.0, tension=150e3, compiled=c),
+        "supports, ten trees": lambda c: rw.optimise_supports(
+            skylines.corridor(), trees, payload=1500.0, clearance=3.0, compiled=c
+        ),
+        "inhaul of 100 m": lambda c: rw.inhaul(skylines.corridor(), payload=1500.0, start=300.0, end=200.0, compiled=c),
+    }
+    for name, study in studies.items():
+        spent = dict.fromkeys((False, True), np.inf)
+        for _ in range(6):
+            for compiled in spent:
+                spent[compiled] = min(spent[compiled], least(lambda c=compiled, run=study: run(c), 1))
+        print(f"{name}: {spent[False] / spent[True]:.2f} times faster ({1e3 * spent[True]:.0f} ms)")
+    solver = {compiled: Stations(skylines.corridor(), compiled=compiled) for compiled in (False, True)}
+    near = {compiled: one.solve(150.0, 1500.0) for compiled, one in solver.items()}
+    for what, call in (
+        ("Newton's method of a rig", lambda at: at.at.newton.solve(at.point.copy(), target=np.array([151.0]))),
+        ("check of a state of a rig", lambda at: at.at.check.require(at.point)),
+    ):
+        spent = {c: least(lambda one=one, call=call: [call(one) for _ in range(50)]) / 50 for c, one in near.items()}
+        print(f"{what}: {spent[False] / spent[True]:.2f} times faster ({1e6 * spent[True]:.0f} us)")
+
+
 def main(
     spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None,
     until: Annotated[float, typer.Option(help="Duration of the runs [s].")] = 600.0,
@@ -173,6 +206,7 @@ def main(
     measured("the example line", example, until)
     one_hour(100)
     sweeps(cases)
+    rigs()
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from ropeway.systems.native.section_library import (
     UNFORESEEN,
 )
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.compiled.compiled_nodes import compiled_clocks
+from ropeway.systems.solvers.compiled_nodes import compiled_clocks
 from ropeway.systems.solvers.drive_trajectories import Drives, Window, drives_of
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend

@@ -17,9 +17,9 @@ from ropeway.systems.dynamics.recorder import Entry
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native import section_library as core
-from ropeway.systems.solvers.compiled.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
-from ropeway.systems.solvers.compiled.compiled_rows import load_tables
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
+from ropeway.systems.solvers.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
+from ropeway.systems.solvers.compiled_rows import load_tables
 from ropeway.systems.solvers.drive_trajectories import NODES, WEIGHTS, Window
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope

@@ -93,8 +93,7 @@ def simulate(
     compiled : bool, default False
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
         lines of spans over standing supports, drives and responses run in compiled code too; IDAS integrates the whole
-        line while a drive is at a limit, and other systems. With `inertia` all systems and drives run in compiled
-        code, in weather that does not change.
+        line while a drive is at a limit, and other systems. With `inertia` all systems and drives run in compiled code.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional

@@ -11,7 +11,7 @@ import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.compiled.compiled_rows import write_slots
+from ropeway.systems.solvers.compiled_rows import write_slots
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.line_state import LineState

@@ -19,7 +19,7 @@ from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.array_outputs import has_groups, outputs_of_rows
-from ropeway.systems.solvers.compiled.compiled_rows import compiled_outputs
+from ropeway.systems.solvers.compiled_rows import compiled_outputs
 from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium, require_compiled

@@ -15,8 +15,9 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import Motion, OutputCalls, section_library
 from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
-from ropeway.systems.solvers.compiled.compiled_nodes import Filled
 from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
+from ropeway.systems.solvers.compiled_nodes import Filled
+from ropeway.systems.solvers.condensed_newton import Cases
 from ropeway.systems.solvers.line_sections import shared_count
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
@@ -46,6 +47,15 @@ def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray,
     call, tables, stride = line.core.rs_write_rows, ctypes.byref(line.tables), d.strides[0] // d.itemsize
     where = ctypes.byref(solver.point)
     call(tables, where, motion.address, d.ctypes.data, stride, beyond.ctypes.data, len(d))
+
+
+def solve_rows(model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:
+    """Solves the states `which` in place; returns those that are not solved, which are unchanged."""
+    some = rows.some(which)
+    used = np.hstack([beyond[:, :-1] - beyond[:, 1:] for beyond in some.passed]).astype(np.int64)
+    good = compiled_line(model).solve_cases(Cases(*some.columns.vectors), np.ascontiguousarray(used))
+    rows.z[which[good]] = some.z[good]
+    return which[~good]
 
 
 class CompiledOutputs:

@@ -18,9 +18,9 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import discrete_places
 from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import ClockTables, DriveTables
-from ropeway.systems.solvers.compiled.driven_nodes import NodeForm, NodePlaces, drive_kernel, response_kernel
 from ropeway.systems.solvers.compiled_line import addresses_of, compiled_line
 from ropeway.systems.solvers.drive_trajectories import DERIVATIVE, NODES, WEIGHTS
+from ropeway.systems.solvers.driven_nodes import NodeForm, NodePlaces, drive_kernel, response_kernel
 from ropeway.systems.solvers.line_sections import UnfitError
 
 
