@@ -47,7 +47,8 @@ class CompiledDrives:
         if model.system.supplies:
             raise UnfitError("drives share a source")
         nodes = [node for node in _nodes(model) if any(v.kind is Kind.STATE for v in _variables(model, node))]
-        tables = _NodeTables(model, nodes)
+        places = NodePlaces(model)
+        tables = _NodeTables(places, nodes, [places.form(node) for node in nodes])
         if int((tables.sizes[0][tables.form]).sum()) != len(model.x):
             raise UnfitError("a component beside its ropes has states")
         kernels = [_drive_address(form) for form in tables.forms]
@@ -79,8 +80,9 @@ class CompiledClocks:
     def __init__(self, model: Model) -> None:
         components, index = model.system.components, model.d.index
         self.names = [name for clock in model.clocks for name in clock.members]
-        nodes = [components[name] for name in self.names]
-        tables = _NodeTables(model, [node for node in nodes if isinstance(node, Node)])
+        found, own = NodePlaces(model), [components[name] for name in self.names]
+        nodes = [node for node in own if isinstance(node, Node)]
+        tables = _NodeTables(found, nodes, [found.responding(node) for node in nodes])
         rules = [response_kernel(form) for form in tables.forms]
         places = [
             [
@@ -172,10 +174,9 @@ def _variables(model: Model, node: Node) -> Sequence[Any]:
 class _NodeTables:
     """Tables of some nodes: their forms, the number of each one's form, and `arrays` of their places and sizes."""
 
-    def __init__(self, model: Model, nodes: Sequence[Node]) -> None:
-        places = NodePlaces(model)
+    def __init__(self, places: NodePlaces, nodes: Sequence[Node], forms: Sequence[NodeForm]) -> None:
         known: dict[NodeForm, int] = {}
-        self.form = np.array([known.setdefault(places.form(node), len(known)) for node in nodes], dtype=np.int32)
+        self.form = np.array([known.setdefault(form, len(known)) for form in forms], dtype=np.int32)
         self.forms = list(known)
         rows = np.array([places.places(node) for node in nodes], dtype=np.int32).reshape(-1, 4)
         self.sizes = np.array([form.sizes for form in self.forms], dtype=np.int32).reshape(-1, 4).T

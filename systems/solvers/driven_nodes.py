@@ -7,7 +7,7 @@ variables, and the force of the rope at each of its ports (3,).
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import casadi as ca
@@ -65,6 +65,15 @@ class NodePlaces:
         """The form of a node."""
         site = Site(1.0, 1.0, weather=self.model.weather)
         return NodeForm((node.form(site), tuple(v.kind for v in node.variables(site))), node, self.model.weather)
+
+    def responding(self, node: Node) -> NodeForm:
+        """The form of a node with its response, whose rule has constants that are no variables. Raises UnfitError."""
+        form, response = self.form(node), response_of(node)
+        try:
+            hash(response)
+        except TypeError as error:
+            raise UnfitError(f"the response of {node.name!r} cannot be told from others") from error
+        return replace(form, key=(form.key, type(response), response))
 
     def places(self, node: Node) -> list[int]:
         """First places of its variables of each kind in `OWN`."""

@@ -131,6 +131,15 @@ def test_responses_with_each_precedence(precedence: str) -> None:
     assert (runs[0].events["event"] == "response").sum() > 8
 
 
+@pytest.mark.parametrize("response", [{"target": 46e3}, {}, {"period": 2.5}])
+def test_rules_with_constants_of_their_own(response: dict[str, float]) -> None:
+    rule = rw.ProportionalResponse(gain=2e-6, **response)
+    system = line()
+    for name in ("c2", "c5"):
+        system.components[name] = replace(system.components[name], response=rule)
+    require_alike(*(rw.simulate(system, 12.0, every=3.0, compiled=compiled) for compiled in (True, False)))
+
+
 def test_quantities_of_a_compiled_run_are_those_of_its_model() -> None:
     run = rw.simulate(line(), 20.0, compiled=True, every=0.5)
     again = replace(run, compiled=False)
