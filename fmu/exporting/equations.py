@@ -18,9 +18,11 @@ from scipy.sparse.csgraph import connected_components
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
 from ropeway.systems.dynamics.run_inputs import is_speed
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import SWITCHED
+from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import loads_once, unpin
@@ -102,7 +104,14 @@ class ModelEquations:
     def functions(self) -> tuple[ca.Function, ...]:
         """All functions that the C core calls."""
         margins = () if self.corridor is None else (self.corridor.function,)
-        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks, *margins)
+        line = () if self.by_sections is None else self.by_sections.functions
+        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks, *margins, *line)
+
+    @cached_property
+    def by_sections(self) -> SectionSolution | None:
+        """How a line is solved by its sections; None for other systems."""
+        sections = line_sections(self.model) if self.corridor is None else ""
+        return None if isinstance(sections, str) else SectionSolution(self.model, sections, coupled=self.coupled)
 
     @cached_property
     def clocks(self) -> tuple[ca.Function, ...]:
@@ -120,12 +129,8 @@ class ModelEquations:
 
     @cached_property
     def factors(self) -> tuple[list[int], int, int]:
-        """Column order for LU, and an upper bound of the entries of L and U for any pivots, from the patterns of a QR
-        factorisation."""
-        if self.pattern.shape[0] == 0:
-            return [], 1, 1
-        v, r, _, order = self.pattern.qr_sparse()
-        return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
+        """Column order for LU, and room for L and U (see `room_of`)."""
+        return room_of(self.pattern)
 
     @cached_property
     def coupled(self) -> bool:

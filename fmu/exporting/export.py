@@ -215,6 +215,8 @@ def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
         generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
         generator.add(function)
         files[name] = _without_optimisation(generator.dump())
+    if equations.by_sections is not None:
+        files |= equations.by_sections.sources
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )

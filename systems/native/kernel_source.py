@@ -61,8 +61,7 @@ _BINARY = {
     ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0.0",
 }
 
-_HEAD = """#include <math.h>
-#ifdef _WIN32
+_EXPORTED = """#ifdef _WIN32
 __declspec(dllexport)
 #else
 __attribute__((visibility("default")))
@@ -70,9 +69,9 @@ __attribute__((visibility("default")))
 """
 
 
-def kernel_source(function: ca.Function, name: str) -> str:
-    """A file with one function of that name, `void name(const double *v, double *r)`. Raises NotImplementedError
-    for an operation that it has no form for."""
+def kernel_source(function: ca.Function, name: str, *, exported: bool = True) -> str:
+    """A file with one function of that name, `void name(const double *v, double *r)`, visible outside of its library
+    if it is exported. Raises NotImplementedError for an operation that it has no form for."""
     steps, divisors = _steps(function)
     lines = []
     for k, (op, read, value) in enumerate(steps):
@@ -94,7 +93,9 @@ def kernel_source(function: ca.Function, name: str) -> str:
         if divisors[k] > 1:  # one division is as long as five products
             lines.append(f"    const double b{k} = 1.0 / a{k};")
     body = "\n".join(lines)
-    return f"{_HEAD}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
+    return (
+        f"#include <math.h>\n{_EXPORTED if exported else ''}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
+    )
 
 
 def _steps(function: ca.Function) -> tuple[list[tuple[int, list[int], float]], Counter[int]]:

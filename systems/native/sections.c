@@ -34,7 +34,7 @@ static room room_of(const rs_line *l, double *work)
 
 int rs_work_size(const rs_line *l)
 {
-    return (RS_SPAN + 3 * 8) * l->spans + (RS_SUPPORT + 5) * l->supports + 2 * l->nz + 4 * (l->slots + 8) + 256;
+    return RS_WORK_SIZE(l->spans, l->supports, l->nz, l->slots);
 }
 
 double rs_travel(const rs_line *l, const rs_point *q, int k)
@@ -236,6 +236,38 @@ static void keep(const rs_line *l, const rs_point *q, int section, double *to)
         if (k < b) memcpy(to + l->force[span + k - a], q->z + l->force[span + k - a], 3 * sizeof(double));
         if (l->travel[k] >= 0) to[l->travel[k]] = q->z[l->travel[k]];
     }
+}
+
+/* Kernels of a section at the present point, and its matrix, for rs_rates. */
+void rs_linearise(const rs_line *l, rs_point *q, int section)
+{
+    room r = room_of(l, q->work);
+    double largest;
+    evaluate(l, q, section, &r, &largest);
+    eliminate(l, section, &r);
+}
+
+/* Rates of a section's algebraic variables, from the kernels as they are. */
+void rs_rates(const rs_line *l, rs_point *q, int section)
+{
+    room r = room_of(l, q->work);
+    rates_of(l, q, section, &r);
+}
+
+/* The kernel of a span at the present point. */
+void rs_span(const rs_line *l, const rs_point *q, int span, double *result)
+{
+    room r = room_of(l, q->work);
+    span_at(l, q, span, r.input, result);
+}
+
+/* The kernel of a support at the present point, for forces of the rope coming in, on the support, and going out. */
+void rs_support(const rs_line *l, const rs_point *q, int k, const double *coming, const double *going, double *result)
+{
+    room r = room_of(l, q->work);
+    double span[6] = {0};
+    memcpy(span + 3, coming, 3 * sizeof(double));
+    support_at(l, q, k, span, going, r.input, result);
 }
 
 /* Solves a section in place; with `rates`, those of its variables too. */
