@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,8 +19,8 @@ from ropeway.components.terrain import Profile
 from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.dynamic_factor import dynamic_factor, swing
 from ropeway.systems.results.energy_balance import energy, power
 from ropeway.systems.results.quasi_static import QuasiStatic
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Result(RunData):
+class Result(RunData, Reported):
     """A simulation: states at many times, and what follows from them by the model.
 
     Attributes
@@ -181,46 +181,14 @@ class Result(RunData):
         """
         return energy(self)
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the run: the moving line, tensions, supports, spans, drives and events.
+    def _report_title(self, style: Style) -> str:
+        return self.model.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.results.result_report import sections_of
 
         self._require_rope()
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.model.name, sections_of(self, self.summary(), style), options)
+        return sections_of(self, self.summary(), style)
 
     def animate(self, path: str | Path, *, frames: int = 120, rate: int = 12) -> Path:
         """Write the line with its loads as a moving picture.

@@ -17,6 +17,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import SHARED, shared_variables, signals_of
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
+from ropeway.systems.modelling.connections.ports import require_connected
 from ropeway.systems.modelling.connections.signals import with_links, with_residuals
 from ropeway.systems.modelling.dae_model import (
     Balance,
@@ -91,7 +92,7 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None, iner
     """As `assemble`, for declarations that are known to be sound. Components with `inertia` have no more slots than
     asked for: each has states."""
     functions = KNOWN.functions
-    system.require_complete()
+    require_connected(system)
     require_weather(system)
     runs = find_runs(system)
     if slots is not None and [len(s) for s in slots] != [len(run.spans) for run in runs]:

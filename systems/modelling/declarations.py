@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from ropeway.components.argument_checks import checked
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.component import Component
 from ropeway.components.environment import Environment
@@ -71,6 +72,30 @@ class Declarations:
         self.seated: set[tuple[str, str]] = set()  # the seats in `connections`
         self.ground: Ground | None = None
         self.map_frame: MapFrame | None = None
+
+    @property
+    def load_names(self) -> set[str]:
+        """Names of the loads that hang where the user says."""
+        return {h.load.name for h in self.hung}
+
+    @checked
+    def origin(self, name: str, text: str = "{}") -> str:
+        """File and line of the user's code that added a component, in a text.
+
+        Parameters
+        ----------
+        name : str
+            Name of the component.
+        text : str, default "{}"
+            Text around file and line.
+
+        Returns
+        -------
+        str
+            The text; empty if there is no such code.
+        """
+        origin = self.origins.get(name)
+        return text.format(origin) if origin else ""
 
 
 _ALONG = 1e-9

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, TypeVar, overload
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.component import Component, Port, Seat
 from ropeway.components.environment import TEMPERATURES, Environment
-from ropeway.components.errors import InputError, UnbalancedSystemError
+from ropeway.components.errors import InputError
 from ropeway.components.ground import Ground
 from ropeway.components.load import Load
 from ropeway.components.node import Node
 from ropeway.components.notebook_table import html_of
 from ropeway.components.response import check_precedence
-from ropeway.components.rope import Rope, hanging_limit
+from ropeway.components.rope import Rope
 from ropeway.components.span import Span
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.connections.ports import connect
+from ropeway.systems.modelling.connections.rope_loads import feed, hang
+from ropeway.systems.modelling.connections.stringing import string_over
 from ropeway.systems.modelling.connections.subsystem import Subsystem, include
-from ropeway.systems.modelling.declarations import Declarations, Feed, Hung, require_weather
-from ropeway.systems.modelling.empty_rope import lengths_for_tension, lengths_for_total
+from ropeway.systems.modelling.declarations import Declarations, require_weather
 from ropeway.systems.modelling.user_code import caller
 
 if TYPE_CHECKING:
@@ -34,9 +33,6 @@ GRAVITY = 9.80665
 
 STRUNG = 15.0
 """Temperature at which ropes are strung, if nothing is said [degrees C]."""
-
-MOST_LOADS = 10_000
-"""Largest plausible number of loads on a rope; more indicate wrong units."""
 
 _Added = TypeVar("_Added", bound=Component)
 
@@ -174,32 +170,18 @@ class System(Declarations):
             The name is used already, or the system has another gravity, temperature or environment.
         """
         if isinstance(component, System):
-            return self._include(component, name)
+            return include(self, component, name, caller())
         if name is not None:
             raise InputError(f"{component.name!r} has a name", "Give name= with a system")
         known = self.components.get(component.name)
         if known is component:
             return component
-        if known is not None or component.name in self._load_names():
+        if known is not None or component.name in self.load_names:
             first = self.origin(component.name, "; the first was added at {}")
             raise InputError(f"Two components are named {component.name!r}{first}", "Give each component its own name")
         self.components[component.name] = component
         self.origins[component.name] = caller()
         return component
-
-    def _include(self, inner: System, name: str | None) -> Subsystem:
-        if name is None:
-            raise InputError(f"System {inner.name!r} needs a name to become a part of {self.name!r}", "Give name=")
-        check.name(name, "Subsystem")
-        if inner is self:
-            raise InputError(f"System {self.name!r} cannot be a part of itself", "Add another system")
-        for what in ("gravity", "temperature", "environment"):
-            if getattr(inner, what) != getattr(self, what):
-                raise InputError(f"{inner.name!r} has another {what} than {self.name!r}", f"Use the same {what}")
-        taken = [n for n in (*self.components, *self._load_names()) if n == name or n.startswith(f"{name}.")]
-        if taken:
-            raise InputError(f"The name {name!r} is taken by {taken[0]!r}", "Give each part its own name")
-        return include(self, inner, name, caller())
 
     def connect(self, one: Port, other: Port) -> None:
         """Connect two ports.
@@ -258,46 +240,16 @@ class System(Declarations):
         SlackRopeError
             The tension is too low for the weight of the rope.
         """
-        if len(over) < 2:
-            raise InputError(
-                f"A rope needs two supports, not {len(over)}", "Give its ends and the supports between them"
-            )
-        arriving = [seat if isinstance(seat, Seat) else seat.arriving for seat in over]
-        nodes = [_node_of(seat) for seat in arriving]
-        if (length is None) == (tension is None):
-            raise InputError("string needs either length or tension", "Give one of them")
-        for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True):
-            if node.through(seat) is None:
-                raise InputError(
-                    f"{node.described} is an end support, not an intermediate one",
-                    "End the rope there, or use a sheave",
-                )
-        for before, after in pairwise(nodes):
-            if before.at == after.at:
-                raise InputError(f"{before.described} and {after.described} have the same position", "Move one of them")
-        points = [node.at for node in nodes]
-        prefix = "" if name is None else f"{name}_"
-        names = [f"{prefix}{a.name}_{b.name}" for a, b in pairwise(nodes)]
-        weight = rope.mass_per_length * self.gravity
-        if length is not None:
-            check.positive(length, f"Rope {names[0]} ...", "length", "m")
-            lengths = lengths_for_total(points, weight, rope.strain, length, names)
-        else:
-            check.positive(tension or 0.0, f"Rope {names[0]} ...", "tension", "N")
-            lengths = lengths_for_tension(points, weight, rope.strain, tension or 0.0, names)
-        spans = tuple(Span(name, rope=rope, length=float(d)) for name, d in zip(names, lengths, strict=True))
-        self._check_strength(spans, nodes)
+        strung = string_over(rope, over, gravity=self.gravity, length=length, tension=tension, name=name)
         trial = self.copy()  # the system is unchanged if a part is invalid
-        for component in (*nodes, *spans):
+        for component in (*strung.nodes, *strung.spans):
             trial.add(component)
-        leaving = [nodes[0].leaving if isinstance(over[0], Node) else over[0]]
-        leaving += [node.through(seat) or seat for node, seat in zip(nodes[1:-1], arriving[1:-1], strict=True)]
-        for span, a, b in zip(spans, leaving, arriving[1:], strict=True):
+        for span, a, b in zip(strung.spans, strung.leaving, strung.arriving, strict=True):
             trial.connect(span.a, a)
             trial.connect(span.b, b)
         self.components, self.connections, self.origins = trial.components, trial.connections, trial.origins
         self.seated = trial.seated
-        return spans
+        return strung.spans
 
     def hang(self, load: Load, spans: Span | Sequence[Span], at: float) -> Load:
         """Clamp a load to a rope.
@@ -322,28 +274,7 @@ class System(Declarations):
             The distance is beyond the rope, or the rope has a feed.
         """
         on = (spans,) if isinstance(spans, Span) else tuple(spans)
-        self._check_spans(on, f"Load {load.name!r}")
-        for one, other in pairwise(on):
-            here, there = self.connections.get((one.name, "b")), self.connections.get((other.name, "a"))
-            if here is None or there is None or here[0] != there[0]:
-                cause = f"Load {load.name!r}: {one.name!r} and {other.name!r} are not consecutive"
-                raise InputError(cause, "Connect them first, and give them in order")
-        if any(f.spans[0] in on or on[0] in f.spans for f in self.feeds):
-            raise InputError(
-                f"Load {load.name!r} hangs on a rope with a feed", "Use feed or hang on one rope, not both"
-            )
-        check.number(at, f"Load {load.name!r}", "at", "m")
-        length = math.fsum(s.length for s in on)
-        if not 0.0 <= at <= length:
-            raise InputError(
-                f"Load {load.name!r} hangs at {at} m, outside {on[0].name}"
-                + (f" ... {on[-1].name}" if len(on) > 1 else "")
-                + f", whose unstretched length is {length:.6g} m",
-                f"Choose at between 0 and {length:.6g} m",
-            )
-        if load.name in self._load_names() or load.name in self.components:
-            raise InputError(f"The name {load.name!r} is taken", "Give each load its own name")
-        self.hung.append(Hung(load, on, float(at)))
+        hang(self, load, on, at)
         return load
 
     def feed(
@@ -367,39 +298,7 @@ class System(Declarations):
         InputError
             An invalid value, or a rope that carries loads already.
         """
-        on = tuple(spans)
-        self._check_spans(on, "feed")
-        check.positive(spacing, "feed", "spacing", "m")
-        check.count(math.fsum(span.length for span in on) / spacing, "feed", "loads", MOST_LOADS)
-        values = tuple(masses) if isinstance(masses, Sequence) else (masses,)
-        if not values:
-            raise InputError("feed has no masses", "Give one number or a sequence of numbers")
-        for value in values:
-            check.not_negative(value, "feed", "mass", "kg")
-        check.not_negative(drag_area, "feed", "drag_area", "m2")
-        if not any(values):
-            raise InputError("feed has no load with a mass", "0 is a missing load; give other masses as well")
-        if any(h.spans[0] in on for h in self.hung) or any(f.spans[0] in on for f in self.feeds):
-            raise InputError("This rope carries loads already", "Use feed or hang on one rope, not both")
-        self.feeds.append(Feed(on, float(spacing), tuple(float(v) for v in values), drag_area=float(drag_area)))
-
-    def origin(self, name: str, text: str = "{}") -> str:
-        """File and line of the user's code that added a component, in a text.
-
-        Parameters
-        ----------
-        name : str
-            Name of the component.
-        text : str, default "{}"
-            Text around file and line.
-
-        Returns
-        -------
-        str
-            The text; empty if there is no such code.
-        """
-        origin = self.origins.get(name)
-        return text.format(origin) if origin else ""
+        feed(self, tuple(spans), spacing=spacing, masses=masses, drag_area=drag_area)
 
     def in_weather(self, environment: Environment) -> System:
         """The same declarations in other weather.
@@ -443,47 +342,3 @@ class System(Declarations):
         other.seated = set(self.seated)
         other.ground, other.map_frame = self.ground, self.map_frame
         return other
-
-    def _load_names(self) -> set[str]:
-        return {h.load.name for h in self.hung}
-
-    def _check_spans(self, spans: tuple[Span, ...], owner: str) -> None:
-        if not spans:
-            raise InputError(f"{owner} has no span", "Give the spans of its rope")
-        for span in spans:
-            if self.components.get(span.name) is not span:
-                raise InputError(f"Span {span.name!r} is not part of system {self.name!r}", "Add it first")
-
-    def _check_strength(self, spans: Sequence[Span], nodes: Sequence[Node]) -> None:
-        for span, a, b in zip(spans, nodes[:-1], nodes[1:], strict=True):
-            height = abs(a.at[2] - b.at[2])
-            if max(height, span.length / 2.0) > hanging_limit(span.rope, self.gravity):
-                need = max(height, span.length / 2.0) * span.rope.mass_per_length * self.gravity
-                raise InputError(
-                    f"Span {span.name!r}: the weight of the rope causes at least {need:.6g} N, above its minimum "
-                    f"breaking load {span.rope.breaking_load:.6g} N",
-                    "Choose a stronger rope or a shorter span",
-                )
-
-    def require_complete(self) -> None:
-        """Raises UnbalancedSystemError with each open port and the user's file and line."""
-        if not self.components:
-            raise UnbalancedSystemError(f"System {self.name!r} is empty", "Add components, or string a rope")
-        joined = {*self.connections, *self.connections.values()}
-        lone = [
-            f"{port}{self.origin(c.name, ' (added at {})')}"
-            for c in self.components.values()
-            for port in c.ports
-            if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
-        ]
-        if lone:
-            raise UnbalancedSystemError(f"Open ports: {', '.join(lone)}", "Connect each port once")
-
-
-def _node_of(seat: Seat) -> Node:
-    """The node of a seat. Raises InputError if it has no position yet."""
-    node = seat.owner
-    if not isinstance(node, Node):
-        raise InputError(f"{node.name!r} is not a support", "Give supports, or their seats")
-    _ = node.position
-    return node

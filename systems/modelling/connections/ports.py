@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ropeway.components import units
 from ropeway.components.component import Component, Outlet, Port, RopeEnd, Seat, SignalInput, SignalOutput, Supply
-from ropeway.components.errors import InputError
+from ropeway.components.errors import InputError, UnbalancedSystemError
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site
 from ropeway.systems.modelling.declarations import Declarations
@@ -64,7 +64,10 @@ def _connect_supply(system: Declarations, one: Port, other: Port) -> None:
     for port in (supply, outlet):
         _require_part(system, port.owner)
     if not supply.owner.shares:
-        raise InputError(f"{supply.owner.name!r} has no hydraulic drive", "Only hydraulic drives take a power unit")
+        raise InputError(
+            f"{supply.owner.name!r} takes no power from a unit",
+            "Connect a component that has shares, as a hydraulic drive",
+        )
     outputs = [v.name for v in outlet.owner.variables(Site(1.0, 1.0)) if v.kind is Kind.OUTPUT]
     missing = [name for name in supply.owner.shares if not outlet.owner.sums or name not in outputs]
     if missing:
@@ -78,3 +81,18 @@ def _require_part(system: Declarations, component: Component) -> None:
     """Raises InputError unless a component was added."""
     if system.components.get(component.name) is not component:
         raise InputError(f"{component.name!r} is not part of system {system.name!r}", "Add it first")
+
+
+def require_connected(system: Declarations) -> None:
+    """Raises UnbalancedSystemError with each open port and the user's file and line."""
+    if not system.components:
+        raise UnbalancedSystemError(f"System {system.name!r} is empty", "Add components, or string a rope")
+    joined = {*system.connections, *system.connections.values()}
+    lone = [
+        f"{port}{system.origin(c.name, ' (added at {})')}"
+        for c in system.components.values()
+        for port in c.ports
+        if (c.name, port.name) not in joined and not (isinstance(port, Seat) and port.optional)
+    ]
+    if lone:
+        raise UnbalancedSystemError(f"Open ports: {', '.join(lone)}", "Connect each port once")

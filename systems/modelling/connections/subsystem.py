@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from ropeway.components import check
 from ropeway.components.check import PartName
 from ropeway.components.component import Component
+from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.systems.modelling.declarations import Declarations
@@ -43,8 +45,23 @@ def renamed(component: Component, prefix: str) -> Component:
     return replace(component, name=name)
 
 
-def include(outer: Declarations, inner: Declarations, prefix: str, origin: str) -> Subsystem:
-    """Adds the declarations of a system to another, with dotted names."""
+def include(outer: Declarations, inner: Declarations, name: str | None, origin: str) -> Subsystem:
+    """Adds the declarations of a system to another, with dotted names. Raises InputError."""
+    if name is None:
+        raise InputError(f"System {inner.name!r} needs a name to become a part of {outer.name!r}", "Give name=")
+    check.name(name, "Subsystem")
+    if inner is outer:
+        raise InputError(f"System {outer.name!r} cannot be a part of itself", "Add another system")
+    for what in ("gravity", "temperature", "environment"):
+        if getattr(inner, what) != getattr(outer, what):
+            raise InputError(f"{inner.name!r} has another {what} than {outer.name!r}", f"Use the same {what}")
+    taken = [n for n in (*outer.components, *outer.load_names) if n == name or n.startswith(f"{name}.")]
+    if taken:
+        raise InputError(f"The name {name!r} is taken by {taken[0]!r}", "Give each part its own name")
+    return _included(outer, inner, name, origin)
+
+
+def _included(outer: Declarations, inner: Declarations, prefix: str, origin: str) -> Subsystem:
 
     def named(name: str) -> str:
         return PartName(f"{prefix}.{name}")

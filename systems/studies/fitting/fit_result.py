@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ropeway.components.argument_checks import checked
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.studies.fitting.fit_data import FitData
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(FitData):
+class Fit(FitData, Reported):
     """A fit to measured values, as `rw.fit` returns it.
 
     Parameters
@@ -62,43 +61,10 @@ class Fit(FitData):
 
         return fit_figure(self)
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the fit: fitted values, correlations, measured and predicted values.
+    def _report_title(self, style: Style) -> str:
+        return f"{self.name}: {style.text('fit')}"
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-            Of the head; fitted and measured values are in SI units.
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.fitting.fit_report import fit_sections
 
-        options = ReportOptions(project, units, labels, more)
-        title = f"{self.name}: {options.style.text('fit')}"
-        return write_report(path, title, fit_sections(self, options.style), options)
+        return fit_sections(self, style)

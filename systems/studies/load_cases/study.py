@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +16,8 @@ from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.load_cases.case_tables import summary
 from ropeway.systems.studies.load_cases.data import CasesData
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadCases(CasesData):
+class LoadCases(CasesData, Reported):
     """All load cases of a line or a rig, as `rw.load_cases` returns them.
 
     Parameters
@@ -82,44 +81,13 @@ class LoadCases(CasesData):
 
         return cases_figure(self)
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the cases: inputs, tensions and clearances by case, governing cases, supports.
+    def _report_title(self, style: Style) -> str:
+        return self.of.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.load_cases.report import sections_of
 
-        options = ReportOptions(project, units, labels, more)
-        return write_report(path, self.of.name, sections_of(self, options.style), options)
+        return sections_of(self, style)
 
 
 @checked

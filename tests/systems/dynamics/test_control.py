@@ -155,7 +155,7 @@ def test_a_power_unit_shares_flow_and_power() -> None:
         system.connect(system.components["c1"].supply, unit.outlet)
     plain = line()
     other = plain.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3))
-    with pytest.raises(rw.InputError, match="no hydraulic drive"):
+    with pytest.raises(rw.InputError, match="takes no power from a unit"):
         plain.connect(plain.components["c1"].supply, other.outlet)
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -12,8 +11,8 @@ import pandas as pd
 from ropeway.components.argument_checks import checked
 from ropeway.systems.modelling.system import System
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.studies.control.scheduling.plan_data import PlanData
 from ropeway.systems.studies.control.scheduling.robustness import Disturbance, robustness, trimmed_line
 
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False, repr=False)
-class SchedulePlan(PlanData):
+class SchedulePlan(PlanData, Reported):
     """Schedules of the control sheaves, and what they lead to.
 
     Attributes
@@ -106,45 +105,13 @@ class SchedulePlan(PlanData):
         """
         return robustness(self, disturbances, settle)
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the plan: objectives, speeds, the moving line, active limits.
+    def _report_title(self, style: Style) -> str:
+        return self.line.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.control.scheduling.reporting.plan_report import sections_of
 
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.line.name, sections_of(self, style), options)
+        return sections_of(self, style)
 
     def plot(self) -> Figure:
         """Plot speeds, highest and lowest tension by plan and simulation, and the drives' forces.

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,8 +16,8 @@ from ropeway.components.errors import EquilibriumError, InputError, SimulationEr
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_route import require_pulled
 from ropeway.systems.studies.skyline.inhaul.carriage_run import CarriageRun
@@ -33,7 +32,7 @@ FASTEST = Range(0.0, 100.0, above=True)
 
 @checked
 @dataclass(frozen=True, eq=False)
-class Inhaul(Tabular):
+class Inhaul(Tabular, Reported):
     """A run of the carriage, as `rw.inhaul` returns it.
 
     Parameters
@@ -62,45 +61,13 @@ class Inhaul(Tabular):
     def __repr__(self) -> str:
         return f"<Inhaul of {self.rig.name!r}: {len(self.frame)} rows, {len(self.events)} events>"
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the run: the moving carriage, tensions, powers and events.
+    def _report_title(self, style: Style) -> str:
+        return self.rig.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.skyline.reporting.path_report import inhaul_sections
 
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.rig.name, inhaul_sections(self.rig, self.frame, self.events, style), options)
+        return inhaul_sections(self.rig, self.frame, self.events, style)
 
     def plot(self) -> Figure:
         """Station of the carriage, tensions and powers over time.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +17,8 @@ from ropeway.components.errors import InputError
 from ropeway.components.rounding import at_most
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
-from ropeway.systems.reporting.document import Project, ReportOptions, write_report
-from ropeway.systems.reporting.style import Units
+from ropeway.systems.reporting.reported import Reported
+from ropeway.systems.reporting.style import Style
 from ropeway.systems.results.support_rows import require_rollers
 from ropeway.systems.rigs.skyline_rig import SkylineRig, studied_in
 from ropeway.systems.studies.skyline.limits import LoadLimits
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
 @checked
 @dataclass(frozen=True, eq=False)
-class PayloadStudy(PayloadData):
+class PayloadStudy(PayloadData, Reported):
     """The largest payload by station, as `rw.payload` returns it.
 
     A payload of 0 with limited_by is a valid result: even the empty carriage exceeds that limit. "rest point": a
@@ -81,45 +80,13 @@ class PayloadStudy(PayloadData):
         count = len(self.not_hauled)
         return f", but not hauled at {count} of {len(self.frame)} stations" if count else ""
 
-    def report(
-        self,
-        path: str | Path,
-        *,
-        project: Project | None = None,
-        units: Units = "metric",
-        labels: Mapping[str, str] | None = None,
-        more: Sequence[Section] = (),
-    ) -> Path:
-        """Write the report of the study: payloads by station, supports, anchors, set-up.
+    def _report_title(self, style: Style) -> str:
+        return self.rig.name
 
-        Parameters
-        ----------
-        path : str or Path
-            HTML, or PDF by a browser's print; needs the extra `report`.
-        project : Project, optional
-            Title, place, client, author and a remark.
-        units : {"metric", "imperial"}, default "metric"
-        labels : mapping, optional
-            Words in place of those of `ropeway.systems.reporting.labels.ENGLISH`, by key.
-        more : sequence of Section, optional
-            Sections of your own after the others.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        InputError
-            The name of the file, an option, or a missing package or browser.
-        WriteError
-            The file could not be written.
-        """
+    def _report_sections(self, style: Style) -> Sequence[Section]:
         from ropeway.systems.studies.skyline.payload.report import sections_of
 
-        options = ReportOptions(project, units, labels, more)
-        style = options.style
-        return write_report(path, self.rig.name, sections_of(self, style), options)
+        return sections_of(self, style)
 
     def plot(self) -> Figure:
         """The corridor to scale with the load path, the payload by station, and the tensions.
