@@ -83,6 +83,9 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     tables.integers("colind", equations.pattern.colind())
     tables.integers("row", equations.pattern.row())
     tables.integers("column_order", order)
+    tables.functions("jacobian_of", [] if equations.jacobian is None else ["rw_jacobian"])
+    tables.size("GROUPS", 1 + max(equations.groups, default=-1))
+    tables.integers("group", equations.groups)
 
 
 def _access(interface: Interface) -> np.ndarray:

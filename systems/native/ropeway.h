@@ -88,6 +88,7 @@ typedef struct {
     unsigned char changes[RW_ND + 1];
     double margin[RW_NG + 1];
     double limit[RW_NL + 1];
+    double none[RW_NU + RW_NP + RW_ND + 1]; /* zeros */
     double line_work[RW_LINE_WORK], rope[RW_NK + 1], us_rate[RW_NU + 1];
     long long used[RW_NK + 1]; /* of each span: loads in it */
     rw_factors drives;         /* of the drives of a line */
