@@ -59,6 +59,7 @@ def _common(
 Out = Annotated[Path, typer.Option(help="Folder for tables and pictures; created if it does not exist.")]
 Report = Annotated[Path | None, typer.Option(help="Write a report too, .html or .pdf; needs the extra `report`.")]
 Catalogue = Annotated[Path | None, typer.Option(help="A table of ropes of your own, CSV, Excel or TOML.")]
+Compiled = Annotated[bool, typer.Option("--compiled", help="Solve in compiled code; needs a C compiler.")]
 SafetyFactor = Annotated[float, typer.Option(help="Minimum breaking load divided by safe working load.")]
 
 
@@ -87,7 +88,7 @@ def simulate(
     safety_factor: SafetyFactor = 3.0,
     report: Report = None,
     out: Out = Path("ropeway-out"),
-    compiled: Annotated[bool, typer.Option("--compiled", help="Run in compiled code; needs a C compiler.")] = False,
+    compiled: Compiled = False,
 ) -> None:
     """Simulate a mono-cable line: tensions, events and pictures."""
     import ropeway as rw
@@ -116,6 +117,7 @@ class PlanOptions:
             "schedule. Energy counts over the whole schedule, and limits hold from the beginning."
         ),
     ] = None
+    compiled: Compiled = False
 
 
 @app.command()
@@ -136,9 +138,8 @@ def optimise(
     with errors_on_one_line():
         system, limits = line.system(safety_factor), rw.ScheduleLimits(force=plan.force, power=plan.power)
         folder_for(out)
-        found = rw.optimise_schedule(
-            system, plan.until, minimise=plan.minimise, limits=limits, intervals=plan.intervals, settle=plan.settle
-        )
+        how = {"minimise": plan.minimise, "intervals": plan.intervals, "settle": plan.settle, "compiled": plan.compiled}
+        found = rw.optimise_schedule(system, plan.until, limits=limits, **how)
         if report is not None:
             found.report(report)
         report_plan(found, out)
@@ -180,6 +181,7 @@ class PayloadOptions:
     safety_factor: SafetyFactor = 3.0
     clearance: Annotated[float, typer.Option(help="Smallest clearance of the load above the ground [m].")] = 1.0
     spacing: Annotated[float, typer.Option(help="Distance between stations [m].")] = 10.0
+    compiled: Compiled = False
 
 
 @app.command()
@@ -217,7 +219,8 @@ def payload(
         if cli_projects.is_project(corridor):
             project = rw.load(corridor)
             environment = weather.environment()
-            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing, environment)
+            how = {"environment": environment, "compiled": limits.compiled}
+            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing, **how)
             paths = write_payload(study, out)
         else:
             study, paths = payload_command(_request(corridor, rig, limits, weather), out)

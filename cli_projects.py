@@ -70,7 +70,13 @@ def is_project(path: Path) -> bool:
 
 
 def study_of(
-    project: Any, safety_factor: float, clearance: float, spacing: float, environment: Environment | None = None
+    project: Any,
+    safety_factor: float,
+    clearance: float,
+    spacing: float,
+    *,
+    environment: Environment | None = None,
+    compiled: bool = False,
 ) -> PayloadStudy:
     """The payload study of what a project file holds. Raises InputError."""
     import ropeway as rw
@@ -85,9 +91,8 @@ def study_of(
         raise InputError(f"The project holds a {type(project).__name__}", "Name a project file of a skyline rig")
     over_ground = None if project.terrain is None else clearance
     stations = default_stations(project, spacing)
-    return rw.payload(
-        project, safety_factor=safety_factor, clearance=over_ground, stations=stations, environment=environment
-    )
+    limits: dict[str, Any] = {"safety_factor": safety_factor, "clearance": over_ground, "stations": stations}
+    return rw.payload(project, **limits, environment=environment, compiled=compiled)
 
 
 _ROPES = """  // Ropes, from the certificate. A name of the catalogue (ropeway ropes) needs no entry.

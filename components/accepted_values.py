@@ -221,13 +221,15 @@ def tuple_like(checks: Sequence[Check | None], expected: str) -> Check:
     return like
 
 
-def mapping_of(keys: Check | None, values: Check | None, expected: str) -> Check:
-    """A mapping with checked keys and values."""
+def mapping_of(keys: Check | None, values: Check | None, expected: str, *, text: bool = False) -> Check:
+    """A mapping with checked keys and values; `text`: whether the keys are names."""
 
     def mapping(value: Any) -> Any:
         if not isinstance(value, Mapping):
             raise RefusedError(value, expected)
         found, sound = {}, values is real and _are_finite(value.values())
+        if sound and text and set(map(type, value)) == {str}:
+            return value
         for key, element in value.items():
             try:
                 key = key if keys is None else keys(key)

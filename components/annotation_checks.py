@@ -143,7 +143,9 @@ def _container(origin: Any, arguments: tuple[Any, ...]) -> Check:
         return accepted_values.array
     checks = [check_of(a) for a in arguments if a is not Ellipsis]
     if issubclass(origin, Mapping):
-        return accepted_values.mapping_of(checks[0], checks[1], "a mapping of names to values")
+        return accepted_values.mapping_of(
+            checks[0], checks[1], "a mapping of names to values", text=arguments[0] is str
+        )
     what = _PLURAL.get(arguments[0], "values")
     if origin is tuple:
         return accepted_values.tuple_of(checks[0], f"a sequence of {what}")

@@ -110,20 +110,38 @@ def segment(force: Vector, weight: Weight, length: Any, strain: Strain) -> Segme
 
     Also for a folded rope, whose two parts hang vertically from its ends.
     """
+    piece = piece_of(force, weight, length, strain)
+    across = piece.across
     if isinstance(weight, Uniform):
-        level, h2, v0 = weight.parts(force)
-        across, rise, _ = _piece(h2, v0, weight.size, length, strain)
-        reach = weight.added((level[0] * across, level[1] * across, level[2] * across), rise)
+        level = weight.parts(force)[0]
+        reach = weight.added((level[0] * across, level[1] * across, level[2] * across), piece.rise)
         return Segment(reach, end_of(force, weight, length))
-    fx, fy, v0 = force
-    across, rise, v1 = _piece(fx * fx + fy * fy + _VERTICAL, v0, weight, length, strain)
-    return Segment((fx * across, fy * across, rise), (fx, fy, v1))
+    return Segment((force[0] * across, force[1] * across, piece.rise), (force[0], force[1], piece.v1))
 
 
-def _piece(h2: Any, v0: Any, weight: Any, length: Any, strain: Strain) -> tuple[Any, Any, Any]:
-    """Of a piece whose tension has the component v0 along the vertical and h2, squared, across it: reach across over
-    the horizontal force, rise, and vertical component at its end."""
-    xp = namespace(h2, v0, length, weight)
+class Piece(NamedTuple):
+    """A load-free piece: its tension across the vertical, squared, and at both ends along the vertical and in all; its
+    `length`; half its angle over its weight; its reach across the vertical, over the tension there, and its rise."""
+
+    h2: Any
+    v0: Any
+    v1: Any
+    t0: Any
+    t1: Any
+    length: Any
+    angle: Any
+    across: Any
+    rise: Any
+
+
+def piece_of(force: Vector, weight: Weight, length: Any, strain: Strain) -> Piece:
+    """A load-free piece that starts with the tension vector `force`."""
+    if isinstance(weight, Uniform):
+        (_, h2, v0), weight = weight.parts(force), weight.size
+    else:
+        (fx, fy, v0) = force
+        h2 = fx * fx + fy * fy + _VERTICAL
+    xp = namespace(*force, length, weight)
     v1 = v0 + weight * length
     t0, t1 = xp.sqrt(h2 + v0 * v0), xp.sqrt(h2 + v1 * v1)
     s, v = t0 + t1, v0 + v1
@@ -132,7 +150,7 @@ def _piece(h2: Any, v0: Any, weight: Any, length: Any, strain: Strain) -> tuple[
     if not (isinstance(strain.c2, float) and strain.c2 == 0.0):
         across = across + strain.c2 * (length / 4 * (s + v * v / s) + h2 * angle)
         lift = lift + strain.c2 * (t0 * t0 + t0 * t1 + t1 * t1) / (3 * s)
-    return across, length * v * lift, v1
+    return Piece(h2, v0, v1, t0, t1, length, angle, across, length * v * lift)
 
 
 def _half_angle(xp: Any, h2: Any, v0: Any, v1: Any, t0: Any, t1: Any, gain: Any) -> Any:

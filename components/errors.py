@@ -106,8 +106,8 @@ class UnbalancedSystemError(InputError):
     >>> rw.equilibrium(line, given={"c1.tension_in": 50e3})
     Traceback (most recent call last):
         ...
-    ropeway.components.errors.UnbalancedSystemError: 1 values are given and 0 are solved for. Free one for
-    each one given
+    ropeway.components.errors.UnbalancedSystemError: given has 1 values, solve_for 0 names. Name one quantity
+    in solve_for for each value in given
     """
 
 

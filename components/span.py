@@ -6,7 +6,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from ropeway.components import catenary, check
+from ropeway.components import catenary, check, compliance
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
@@ -186,6 +186,22 @@ class Span(Component):
             carried={"a": strain.potential(tension_a), "b": strain.potential(tension_b)},
             expansion=strain.expansion,
         )
+
+    def closure_moves(self, v: Any) -> tuple[tuple[Any, ...], ...]:
+        """Derivatives of the closure, each (3,): by the components of the tension vector, and by the travels at a and
+        b. What differentiation of `equations` gives, in fewer operations."""
+        force = (v.force_x, v.force_y, v.force_z)
+        length = v.length_start + v.a.travel - v.b.travel
+        distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
+        n = distance.numel()
+        weight, strain, loads = self._hung(v, v.slot_mass)
+        found = compliance.moves(force, weight, strain, length, [distance[j] for j in range(n)], loads)
+        at_a, at_b = list(found.by_length), [-move for move in found.by_length]
+        for j, moved in enumerate(found.by_distance):
+            for i in range(3):
+                at_a[i] += moved[i] * (v.slot_ride[j] + v.slot_empty[j])
+                at_b[i] -= moved[i] * v.slot_empty[j]
+        return (*found.by_force, tuple(at_a), tuple(at_b))
 
     def _hung(self, v: Any, mass: Any) -> tuple[catenary.Weight, catenary.Strain, list[Any]]:
         """Weight and strain of the rope, and its loads of some masses in the slots, as `catenary.loaded` takes them."""

@@ -21,7 +21,7 @@ import ropeway
 DOCS = Path(__file__).resolve().parent
 MADE = DOCS / "made"
 EXAMPLES = DOCS.parent / "examples"
-PAGES = ("start/forest", "start/line", "start/control", "uncertainty")
+PAGES = ("start/forest", "start/line", "start/control", "uncertainty", "emergency_stop", "modes")
 """Pages with pictures that their own scripts make."""
 
 TITLES = {

@@ -67,6 +67,15 @@ def test_simulate_compiled(tmp_path: Path, command: Command) -> None:
     assert command("cache", "info").stdout.startswith("0 libraries")
 
 
+@pytest.mark.parametrize("name", ["payload", "optimise"])
+def test_compiled_studies_need_a_compiler(name: str, command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    file, more = ("corridor.csv", "--spacing") if name == "payload" else ("line.csv", "--until")
+    done = command(name, str(EXAMPLES / file), more, "120", "--compiled")
+    assert done.exit_code == 1
+    assert "compiler cannot be started" in done.stderr
+
+
 def test_ropes(command: Command) -> None:
     done = command("ropes")
     assert done.exit_code == 0

@@ -17,20 +17,17 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation import ssp_exchange
 from ropeway.fmu.cosimulation.communication_points import multiple
+from ropeway.fmu.cosimulation.connections import Connection, Conversion, connected
 from ropeway.fmu.cosimulation.coupling import Master, Scheme, Span
-from ropeway.fmu.cosimulation.discrete_exchange import Connection
 from ropeway.fmu.cosimulation.input_signals import Inputs
-from ropeway.fmu.cosimulation.participants import Participant, conversion, started
+from ropeway.fmu.cosimulation.participants import Participant, started
 from ropeway.fmu.cosimulation.run import Request, Run
 from ropeway.fmu.cosimulation.scenario import Scenario
 from ropeway.fmu.cosimulation.step_control import StepControl
-from ropeway.fmu.errors import FmuVariableError
 from ropeway.fmu.exporting.export import export
 from ropeway.fmu.importing.archive import ArchiveLimits
 from ropeway.fmu.importing.fmu_file import Fmu, load
 from ropeway.fmu.importing.instance import require_kind
-from ropeway.fmu.importing.participant import require_connectable
-from ropeway.fmu.importing.variable_types import fits
 from ropeway.fmu.ssp.reading import SspSystem, read_ssp
 from ropeway.fmu.ssp.writing import write_ssp
 from ropeway.systems.interrupts import interruptible
@@ -173,7 +170,14 @@ class CoSimulation:
         return fmu
 
     def connect(
-        self, source: str, target: str, *, factor: float = 1.0, offset: float = 0.0, convert_units: bool = True
+        self,
+        source: str,
+        target: str,
+        *,
+        factor: float = 1.0,
+        offset: float = 0.0,
+        convert_units: bool = True,
+        mapping: Mapping[bool | int | str, bool | int | str] | None = None,
     ) -> Connection:
         """Connect an output to an input.
 
@@ -187,6 +191,9 @@ class CoSimulation:
             The input is factor times the converted output plus offset; real variables only.
         convert_units : bool, default True
             Whether values are converted from the unit of the output to that of the input first.
+        mapping : mapping, optional
+            The value of the input for each value of the output: Booleans, integers, and items of enumerations by name
+            or number. A value of the output without one ends the run.
 
         Returns
         -------
@@ -200,33 +207,9 @@ class CoSimulation:
         FmuVariableError
             An unknown variable, or types or units that do not match.
         """
-        ends = []
-        for end, causality in ((source, "output"), (target, "input")):
-            slave, _, variable = end.partition(".")
-            if slave not in self._participants:
-                raise InputError(f"{end!r}: no slave is named {slave!r}", f"Slaves are {', '.join(self._participants)}")
-            fmu = self._participants[slave].fmu
-            require_connectable(fmu, variable, causality)
-            ends.append((fmu, variable))
+        connection = connected(self._participants, source, target, Conversion(factor, offset, convert_units, mapping))
         if any(c.target == target for c in self._connections):
             raise InputError(f"{target!r} is already driven", "An input takes one connection")
-        one, other = (fmu.entry(variable) for fmu, variable in ends)
-        if not fits(one, other):
-            raise FmuVariableError(
-                f"{source!r} is of type {one.type}, {target!r} of type {other.type}: they cannot be connected",
-                "Connect variables of the same kind, or enumerations with the same items",
-                ends[1][1],
-            )
-        check.number(factor, "connect", "factor")
-        check.number(offset, "connect", "offset")
-        real = one.kind == other.kind == "Real"
-        if (factor, offset) != (1.0, 0.0) and not real:
-            raise FmuVariableError(f"{target!r} is driven by a value that cannot be scaled", "Scale real values only")
-        unit = conversion(*ends[0], *ends[1]) if real and convert_units else (1.0, 0.0)
-        if (factor, offset) != (1.0, 0.0):
-            unit = factor * unit[0], factor * unit[1] + offset
-        held = one.kind != "Real" or not other.continuous
-        connection = Connection(source, target, *unit, held)
         self._connections.append(connection)
         return connection
 
@@ -344,7 +327,7 @@ class CoSimulation:
                 made._participants[one.name] = replace(made._participants[one.name], open=opened)
             for c in system.connections:
                 scale = {} if c.plain else {"factor": c.factor, "offset": c.offset, "convert_units": False}
-                made.connect(c.source, c.target, **scale)  # type: ignore[arg-type]
+                made.connect(c.source, c.target, mapping=c.mapping, **scale)  # type: ignore[arg-type]
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise

@@ -13,7 +13,8 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation.algebraic_loops import loops, require_one_solution
-from ropeway.fmu.cosimulation.discrete_exchange import Connection, Exchange
+from ropeway.fmu.cosimulation.connections import Connection
+from ropeway.fmu.cosimulation.discrete_exchange import Exchange
 from ropeway.fmu.cosimulation.input_signals import Signal
 from ropeway.fmu.cosimulation.scenario import Change
 from ropeway.fmu.errors import FmuRunError
@@ -198,7 +199,7 @@ class Coupling:
 
     def initialise(self) -> None:
         """Consistent values of the connections. Raises FmuRunError."""
-        self.held.settle(self.time)
+        self.held.begin(self.time)
         self._solve()
         if self.held.settle(self.time):
             self._solve()

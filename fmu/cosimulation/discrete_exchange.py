@@ -5,25 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ropeway.fmu.cosimulation.algebraic_loops import loops
+from ropeway.fmu.cosimulation.connections import Connection
+from ropeway.fmu.cosimulation.discrete_loops import solution
 from ropeway.fmu.cosimulation.input_signals import Signal
 from ropeway.fmu.cosimulation.scenario import Change
 from ropeway.fmu.errors import FmuRunError
 from ropeway.fmu.importing.participant import OpenFmu
 from ropeway.fmu.importing.variable_types import Entry, Value
-
-
-@dataclass(frozen=True)
-class Connection:
-    """An output that drives an input, "slave.variable" each.
-
-    A real input is factor times the output plus offset. `held`: the input changes at communication points only.
-    """
-
-    source: str
-    target: str
-    factor: float = 1.0
-    offset: float = 0.0
-    held: bool = False
 
 
 @dataclass
@@ -45,28 +34,54 @@ class Exchange:
 
     def __post_init__(self) -> None:
         kinds = {c.target: _entry(self.slaves, c.source).kind for c in self.connections}
+        self._entries = {c.target: _entry(self.slaves, c.target) for c in self.connections}
         self._switches = {target for target, kind in kinds.items() if kind != "Real"}
+
+    def begin(self, time: float) -> None:
+        """Consistent values at the start: those of algebraic loops by trial of all their values. Raises FmuRunError."""
+        changes = self._changes(time)
+        self._pass_on(time, changes)
+        for loop in loops(self.slaves, [c for c in self.connections if c.target not in changes]):
+            self._set_changed(solution(loop, self._entries, self._answer, self.given, time))
+            self._pass_on(time, changes)
+        self.settle(time)
 
     def settle(self, time: float) -> bool:
         """Pass on changed values until direct feedthrough changes none any more.
 
         Returns whether any value changed. Raises FmuRunError.
         """
-        changes = {t: v for t, change in self.changes.items() if (v := change.at(time)) is not None}
-        changed = self._set_changed({target: signal.after(time) for target, signal in self.signals.items()} | changes)
+        changed, last = self._pass_on(time, self._changes(time))
+        if last:
+            raise FmuRunError(
+                f"{', '.join(last)}: values keep changing at t = {time:.9g} s",
+                "The connections form a loop: open it",
+                time=time,
+            )
+        return changed
+
+    def _changes(self, time: float) -> dict[str, Value]:
+        return {t: v for t, change in self.changes.items() if (v := change.at(time)) is not None}
+
+    def _pass_on(self, time: float, changes: Mapping[str, Value]) -> tuple[bool, list[str]]:
+        """Whether any value changed, and those that changed last, if they keep changing."""
+        given = {target: signal.after(time) for target, signal in self.signals.items()}
+        changed = self._set_changed({**given, **changes})
         if not self.connections:
-            return bool(changed)
+            return bool(changed), []
         for _ in range(self.iterations):
-            now = self._set_changed(self._read() | changes)
+            now = self._set_changed({**self._read(), **changes})
             if not now:
-                return bool(changed)
+                return bool(changed), []
             changed = now
             self.switched |= bool(self._switches.intersection(now))
-        raise FmuRunError(
-            f"{', '.join(changed)}: values keep changing at t = {time:.9g} s",
-            "The connections form a loop: open it",
-            time=time,
-        )
+        return True, changed
+
+    def _answer(self, trial: Mapping[str, Value]) -> dict[str, Value]:
+        """What the connections of trial values would set instead."""
+        self._set_changed(trial)
+        found = self._read()
+        return {target: found[target] for target in trial}
 
     def _read(self) -> dict[str, Value]:
         found: dict[str, Value] = {}
@@ -74,11 +89,24 @@ class Exchange:
             own = [c for c in self.connections if c.source.startswith(f"{name}.")]
             values = slave.read([c.source.partition(".")[2] for c in own])
             for c, value in zip(own, values, strict=True):
-                if isinstance(value, bool) and _entry(self.slaves, c.target).kind != "Boolean":
+                if c.mapping:
+                    found[c.target] = self._mapped(c, value, slave.time)
+                    continue
+                if isinstance(value, bool) and self._entries[c.target].kind != "Boolean":
                     value = int(value)
                 plain = isinstance(value, str | bytes) or (c.factor, c.offset) == (1.0, 0.0)
                 found[c.target] = value if plain else c.factor * float(value) + c.offset
         return found
+
+    def _mapped(self, connection: Connection, value: Value, time: float) -> Value:
+        if not isinstance(value, bool | int) or value not in connection.mapping:
+            known = ", ".join(map(str, connection.mapping))
+            raise FmuRunError(
+                f"{connection.source} is {value!r} at t = {time:.9g} s, which its mapping to {connection.target} lacks",
+                f"It has values for {known}",
+                time=time,
+            )
+        return connection.mapping[value]
 
     def _set_changed(self, values: Mapping[str, Value]) -> list[str]:
         """Sets the values that changed; returns their targets."""

@@ -11,8 +11,8 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.errors import InputError
 from ropeway.fmu.cosimulation.communication_points import points, require_steps
+from ropeway.fmu.cosimulation.connections import Connection
 from ropeway.fmu.cosimulation.coupling import Coupling, Driving, Scheme, Span
-from ropeway.fmu.cosimulation.discrete_exchange import Connection
 from ropeway.fmu.cosimulation.input_signals import Inputs, signals
 from ropeway.fmu.cosimulation.pacing import Pace
 from ropeway.fmu.cosimulation.participants import Participant

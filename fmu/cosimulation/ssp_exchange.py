@@ -8,12 +8,13 @@ from dataclasses import asdict, fields
 from typing import Any
 
 from ropeway.components.errors import InputError
+from ropeway.fmu.cosimulation.connections import Connection
 from ropeway.fmu.cosimulation.coupling import Scheme
-from ropeway.fmu.cosimulation.discrete_exchange import Connection
 from ropeway.fmu.cosimulation.participants import Participant, conversion
 from ropeway.fmu.cosimulation.step_control import StepControl
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.reading import SspConnection, SspSlave, SspSystem
 
 _MASTER, _CONTROL = "CoSimulation", "StepControl"
@@ -59,7 +60,19 @@ def options_of(one: SspSlave) -> dict[str, Any]:
 def connection(one: Connection, participants: Mapping[str, Participant]) -> SspConnection:
     """A connection; it is plain if it converts units, and nothing else."""
     plain = (one.factor, one.offset) == _units(one, participants)
-    return SspConnection(one.source, one.target, one.factor, one.offset, plain)
+    return SspConnection(one.source, one.target, one.factor, one.offset, plain, _mapping(one, participants))
+
+
+def _mapping(one: Connection, participants: Mapping[str, Participant]) -> dict[Mapped, Mapped] | None:
+    """The table of a connection: between enumerations by the names of their items."""
+    if not one.mapping:
+        return None
+    ends = (end.partition(".") for end in (one.source, one.target))
+    items = [participants[name].fmu.entry(variable).items for name, _, variable in ends]
+    first, second = ({number: item for item, number in own.items()} for own in items)
+    if not first or not second:
+        return dict(one.mapping)
+    return {first[int(key)]: second[int(value)] for key, value in one.mapping.items()}
 
 
 def _units(one: Connection, participants: Mapping[str, Participant]) -> tuple[float, float] | None:

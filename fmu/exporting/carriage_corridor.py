@@ -17,7 +17,7 @@ from ropeway.fmu.exporting.switched_model import Read, SwitchedModel, SwitchedPa
 from ropeway.systems.modelling.dae_model import Limits, VariableTable
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.line_state import LineState, span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, SpanModel, span_model
 from ropeway.systems.studies.skyline.carriage_route import EDGE, TOUCH, Places, require_pulled

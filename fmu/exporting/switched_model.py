@@ -15,7 +15,7 @@ from ropeway.components.check import ANY
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Limits, Model, VariableTable
 from ropeway.systems.modelling.structure import Structure
-from ropeway.systems.solvers.newton import VECTORS, Point
+from ropeway.systems.solvers.points import VECTORS, Point
 
 Read = Callable[[str], ca.SX]
 """Reads a variable or an output of a part."""

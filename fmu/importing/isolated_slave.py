@@ -25,15 +25,24 @@ from ropeway.fmu.errors import FmuError, FmuImportError, FmuRunError, FmuVariabl
 from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.importing.instance import KEPT, require_kind
 from ropeway.fmu.importing.interface import FmuInterface
-from ropeway.fmu.importing.slave_messages import Ahead, Answer, decoded, framed, received
+from ropeway.fmu.importing.slave_messages import SHARED, Ahead, Answer, decoded, framed, received
 from ropeway.fmu.importing.variable_types import Value
 from ropeway.systems.interrupts import WAIT, stop_if_interrupted
 
 _ERRORS = {error.__name__: error for error in (FmuImportError, FmuRunError, FmuVariableError, InputError)}
+_EXCEPTIONS = {
+    0xC0000005: " (access violation)",
+    0xC0000006: " (page that cannot be read)",
+    0xC00000FD: " (stack overflow)",
+    0xC0000409: " (abort)",
+}
+"""Exceptions of Windows that end a process (NTSTATUS)."""
 _STARTING = 60.0
 """Longest time for the start of the process, before it loads the FMU [s]."""
 _ENDING = 5.0
 """Longest time for the end of a process after its last answer [s]."""
+_WINDOWS = os.name == "nt"
+_OWN_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 _MAIN = "import json, sys; sys.path[:] = json.loads(sys.argv.pop()); from {0} import main; main()"
 
 
@@ -192,9 +201,8 @@ class IsolatedSlave:
             code = self._process.wait(_ENDING)
         except subprocess.TimeoutExpired:
             code = 0
-        how = f"by exit({code})" if code >= 0 else f"by signal {-code} ({signal.strsignal(-code)})"
         raise self._error(
-            f"ended its process {how} in the call {what!r}", "The fault is in the FMU: report it to its maker"
+            f"ended its process {_how(code)} in the call {what!r}", "The fault is in the FMU: report it to its maker"
         )
 
     def _error(self, what: str, remedy: str) -> FmuRunError:
@@ -203,25 +211,32 @@ class IsolatedSlave:
         return FmuRunError(cause, remedy, time=self.time, fatal=True)
 
 
+def _how(code: int) -> str:
+    """How a process has ended, by its exit code: negative after a signal, large after an exception of Windows."""
+    if code < 0:
+        return f"by signal {-code} ({signal.strsignal(-code)})"
+    return f"by exit({code})" if code < 1 << 31 else f"by exception 0x{code:08X}{_EXCEPTIONS.get(code, '')}"
+
+
 def _started(folder: str) -> tuple[subprocess.Popen[bytes], socket.socket]:
     """A process for the FMU in a folder, and the socket to it.
 
-    Its standard input is a lifeline: it ends with the session. It is in a session of its own, so that Ctrl-C in a
-    terminal does not reach it.
+    Its standard input is a lifeline: it ends with the session. Ctrl-C in a terminal does not reach it. Windows passes
+    on no open files: the socket is shared with the process by its number, through the standard input.
     """
     ours, theirs = socket.socketpair()
-    windows = os.name == "nt"
-    name = "shared" if windows else str(theirs.fileno())
+    name = SHARED if _WINDOWS else str(theirs.fileno())
     main = _MAIN.format("ropeway.fmu.importing.slave_process")
     command = [get_executable(), "-c", main, name, folder, json.dumps(sys.path)]
     process = None
-    how: dict[str, Any] = {"pass_fds": () if windows else (theirs.fileno(),), "start_new_session": not windows}
+    alone: dict[str, Any] = {"creationflags": _OWN_GROUP} if _WINDOWS else {"start_new_session": True}
     try:
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, **how)
-        if windows:
-            share: bytes = theirs.share(process.pid)  # type: ignore[attr-defined,unused-ignore]
-            process.stdin.write(len(share).to_bytes(4, "little") + share)  # type: ignore[union-attr]
-            process.stdin.flush()  # type: ignore[union-attr]
+        process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, pass_fds=() if _WINDOWS else (theirs.fileno(),), **alone
+        )
+        if _WINDOWS and process.stdin is not None:
+            process.stdin.write(framed(theirs.share(process.pid)))  # type: ignore[attr-defined,unused-ignore]
+            process.stdin.flush()
     except BaseException:
         ours.close()
         if process is not None:

@@ -14,6 +14,8 @@ import numpy as np
 
 LENGTH = struct.Struct("<I")
 """Length of a message, before it."""
+SHARED = "shared"
+"""Instead of the number of a socket: the standard input begins with how Windows shares it, as a message."""
 _HEAD = struct.Struct("<?d")
 """Of an answer: whether it is JSON; time of the slave."""
 _BYTES = "bytes in hexadecimal"

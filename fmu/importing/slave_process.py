@@ -16,28 +16,36 @@ from ropeway.components.errors import InputError, RopewayError
 from ropeway.fmu.errors import FmuError
 from ropeway.fmu.importing.interface import FmuInterface
 from ropeway.fmu.importing.local_slave import LocalSlave
-from ropeway.fmu.importing.slave_messages import Ahead, Answer, encoded, framed, received
+from ropeway.fmu.importing.slave_messages import LENGTH, SHARED, Ahead, Answer, encoded, framed, received
 
 
 def main() -> None:
     """Serves the socket that the command line names, for the FMU in a folder that it names."""
     folder = Path(sys.argv[2])
-    Thread(target=_end_with_session, args=(folder,), daemon=True).start()
     with suppress(ImportError):  # not on Windows
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash is expected: no memory image
     with _connection(sys.argv[1]) as connection, suppress(ConnectionError):
+        Thread(target=_end_with_session, args=(folder,), daemon=True).start()  # it reads the input from now on
         connection.sendall(framed(encoded(Answer(0.0, "ready"))))
         _Server(connection, folder).run()
     shutil.rmtree(folder, ignore_errors=True)  # the session may be gone
 
 
 def _connection(name: str) -> socket.socket:
-    if name == "shared":  # Windows
-        size = int.from_bytes(sys.stdin.buffer.read(4), "little")
-        return socket.fromshare(sys.stdin.buffer.read(size))  # type: ignore[attr-defined,no-any-return,unused-ignore]
+    if name == SHARED:
+        size = LENGTH.unpack(_input(LENGTH.size))[0]
+        return socket.fromshare(_input(size))  # type: ignore[attr-defined,no-any-return,unused-ignore]
     return socket.socket(fileno=int(name))
+
+
+def _input(size: int) -> bytes:
+    """So many bytes of the standard input, and not one more."""
+    found = b""
+    while len(found) < size and (more := os.read(0, size - len(found))):
+        found += more
+    return found
 
 
 def _end_with_session(folder: Path) -> None:

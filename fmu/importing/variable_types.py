@@ -5,11 +5,13 @@ from __future__ import annotations
 import numbers
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import SupportsFloat, TypeGuard
+from typing import SupportsFloat, TypeAlias, TypeGuard
 
 from ropeway.fmu.errors import FmuVariableError
 
 Value = float | int | bool | str | bytes
+Mapped: TypeAlias = bool | int | str
+"""A value in a table of values: a Boolean, an integer, or an item of an enumeration by its number or name."""
 
 _BOUNDS = {
     f"{sign}Int{n}": (0, 2**n - 1) if sign else (-(2 ** (n - 1)), 2 ** (n - 1) - 1)

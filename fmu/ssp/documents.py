@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 from ropeway.components.errors import InputError
 from ropeway.components.units import BASE, Conversion, Unit, conversion, from_base
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
+from ropeway.fmu.importing.variable_types import Mapped
 
 SSD, SSC, SSV, SSM, SSB = (
     f"http://ssp-standard.org/SSP1/SystemStructure{name}"
@@ -87,6 +88,32 @@ def linear_of(transformed: ElementTree.Element) -> tuple[float, float]:
     """Factor and offset of a connection or mapping entry."""
     linear = transformed.find(f"{{{SSC}}}LinearTransformation")
     return (1.0, 0.0) if linear is None else (float(linear.get("factor", "1")), float(linear.get("offset", "0")))
+
+
+_TABLES: Mapping[str, Callable[[str | None], Mapped]] = {
+    "Boolean": truth,
+    "Integer": lambda text: int(text or ""),
+    "Enumeration": str,
+}
+"""Kinds of transformations by a table, and how their values are read."""
+
+
+def table_of(transformed: ElementTree.Element) -> dict[Mapped, Mapped] | None:
+    """Values of the target by those of the source, of a connection or mapping entry; None: it has no table."""
+    for kind, read in _TABLES.items():
+        table = transformed.find(f"{{{SSC}}}{kind}MappingTransformation")
+        if table is not None:
+            rows = table.iterfind(f"{{{SSC}}}MapEntry")
+            return {read(row.get("source")): read(row.get("target")) for row in rows}
+    return None
+
+
+def write_table(parent: ElementTree.Element, kind: str, table: Mapping[Mapped, Mapped]) -> None:
+    """Adds a transformation of a kind of values."""
+    element = ElementTree.SubElement(parent, f"{{{SSC}}}{kind}MappingTransformation")
+    for ends in table.items():
+        shown = [str(v).lower() if isinstance(v, bool) else str(v) for v in ends]
+        ElementTree.SubElement(element, f"{{{SSC}}}MapEntry", source=shown[0], target=shown[1])
 
 
 class Quantity(NamedTuple):

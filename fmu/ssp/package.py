@@ -16,10 +16,13 @@ ROOT = "SystemStructure.ssd"
 
 
 class Package:
-    """The files of a system structure, by their URIs relative to the description. Raises FmuImportError."""
+    """The files of a system structure, by their URIs relative to the description.
 
-    def __init__(self, path: str | Path, limits: ArchiveLimits) -> None:
-        self.path = Path(path)
+    `folder`: where files of an archive are written. Raises FmuImportError.
+    """
+
+    def __init__(self, path: str | Path, folder: Path, limits: ArchiveLimits) -> None:
+        self.path, self.limits, self._folder = Path(path), limits, folder
         if not self.path.is_file():
             raise FmuImportError(f"There is no file {self.path}", "Check the path")
         self._zipped = zipfile.is_zipfile(self.path)
@@ -46,12 +49,28 @@ class Package:
         with zipfile.ZipFile(self.path) as archive:
             return archive.read(place)
 
-    def local(self, source: str, folder: Path, base: str = "") -> Path:
-        """A file on the disk: one of an archive is written into a folder, under a name of its own."""
+    def within(self, component: str, source: str) -> bytes:
+        """Content of a file of an FMU, by its path in there."""
+        archive = self.local(component)
+        if not zipfile.is_zipfile(archive):
+            raise FmuImportError(f"{component} is not a zip archive", "Export the SSP again")
+        with zipfile.ZipFile(archive) as opened:
+            require_within(archive, opened.infolist(), self.limits)
+            try:
+                return opened.read(unquote(source))
+            except KeyError as error:
+                raise FmuImportError(f"{component} has no file {source!r}", "Export the SSP again") from error
+
+    def nested(self, source: str, base: str) -> Package:
+        """A package inside this one."""
+        return Package(self.local(source, base), self._folder, self.limits)
+
+    def local(self, source: str, base: str = "") -> Path:
+        """A file on the disk: one of an archive is written into the folder, under a name of its own."""
         place = self._place(source, base)
         if isinstance(place, Path):
             return place
-        written = folder / f"{len(list(folder.iterdir()))}-{PurePosixPath(place).name}"
+        written = self._folder / f"{len(list(self._folder.iterdir()))}-{PurePosixPath(place).name}"
         with zipfile.ZipFile(self.path) as archive, archive.open(place) as content, written.open("wb") as file:
             shutil.copyfileobj(content, file)
         return written

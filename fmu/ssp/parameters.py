@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 from ropeway.components.units import Unit
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.documents import (
     MAPPING,
     SSC,
@@ -22,6 +23,7 @@ from ropeway.fmu.ssp.documents import (
     linear_of,
     parsed,
     quantity_of,
+    table_of,
     truth,
 )
 from ropeway.fmu.ssp.package import Package
@@ -69,22 +71,38 @@ class Binding:
     values: Mapping[str, Parameter]
 
 
+@dataclass(frozen=True)
+class _Files:
+    """Where documents are: relative to `base` in a package, or inside the FMU `component`."""
+
+    package: Package
+    base: str
+    component: str | None
+
+    def read(self, element: ElementTree.Element, source: str) -> bytes:
+        """The document to which an element refers."""
+        if element.get("sourceBase") != "component":
+            return self.package.read(source, self.base)
+        if self.component is None:
+            raise FmuImportError(f"{source} is inside a component, but its element is none", "Export the SSP again")
+        return self.package.within(self.package.inside(self.component, self.base), source)
+
+
 def read_bindings(
-    element: ElementTree.Element, package: Package, base: str, units: Mapping[str, Unit]
+    element: ElementTree.Element, package: Package, base: str, units: Mapping[str, Unit], component: str | None = None
 ) -> tuple[Binding, ...]:
-    """The parameter sets of an element, in their order. Raises FmuImportError."""
+    """The parameter sets of an element, in their order; `component`: its FMU. Raises FmuImportError."""
     found = element.iterfind(f"{{{SSD}}}ParameterBindings/{{{SSD}}}ParameterBinding")
-    return tuple(_binding(binding, package, base, units) for binding in found)
+    files = _Files(package, base, component)
+    return tuple(_binding(binding, files, units) for binding in found)
 
 
-def _binding(element: ElementTree.Element, package: Package, base: str, units: Mapping[str, Unit]) -> Binding:
+def _binding(element: ElementTree.Element, files: _Files, units: Mapping[str, Unit]) -> Binding:
     where = element.get("source", "values inside the description")
     if element.get("type", _SET) != _SET:
         raise FmuImportError(f"Parameters of {where} are of type {element.get('type')}", "Give a parameter set (.ssv)")
-    if "component" in (element.get("sourceBase"), *(m.get("sourceBase") for m in element)):
-        raise FmuImportError(f"Parameters of {where} are inside an FMU", "Put them beside the description")
     inline = element.find(f"{{{SSD}}}ParameterValues/{{{SSV}}}ParameterSet")
-    root = _loaded(element, inline, package, base, VALUES)
+    root = _loaded(element, inline, files, VALUES)
     known = {**units, **defined_units(root, SSV)}
     prefix = element.get("prefix", "")
     values = {}
@@ -94,17 +112,17 @@ def _binding(element: ElementTree.Element, package: Package, base: str, units: M
     mapping = element.find(f"{{{SSD}}}ParameterMapping")
     if mapping is not None:
         inline = mapping.find(f"{{{SSM}}}ParameterMapping")
-        values = _mapped(values, _loaded(mapping, inline, package, base, MAPPING))
+        values = _mapped(values, _loaded(mapping, inline, files, MAPPING))
     return Binding(where, values)
 
 
 def _loaded(
-    element: ElementTree.Element, inline: ElementTree.Element | None, package: Package, base: str, kind: Document
+    element: ElementTree.Element, inline: ElementTree.Element | None, files: _Files, kind: Document
 ) -> ElementTree.Element:
     """The root of a document that is inside an element or in a file."""
     source = element.get("source")
     if source is not None:
-        return parsed(package.read(source, base), source, kind)
+        return parsed(files.read(element, source), source, kind)
     if inline is None:
         raise FmuImportError("A parameter binding has neither values nor a source", "Export the SSP again")
     return inline
@@ -156,14 +174,15 @@ def _mapped(values: Mapping[str, Parameter], root: ElementTree.Element) -> dict[
 
 def _translated(one: Parameter, entry: ElementTree.Element) -> Parameter:
     """A Boolean, integer or item of an enumeration translated by a table."""
-    for kind, read in (("Boolean", truth), ("Integer", int), ("Enumeration", str)):
-        table = entry.find(f"{{{SSC}}}{kind}MappingTransformation")
-        if table is not None:
-            pairs = {read(row.get("source", "")): read(row.get("target", "")) for row in table}
-            if one.value not in pairs:
-                raise FmuImportError(f"A mapping has no entry for the value {one.value!r}", "Add it")
-            return replace(one, value=pairs[one.value])
-    return one
+    table = table_of(entry)
+    return one if table is None else replace(one, value=translated(one.value, table))
+
+
+def translated(value: object, table: Mapping[Mapped, Mapped]) -> Mapped:
+    """What a table has for a value. Raises FmuImportError."""
+    if not isinstance(value, bool | int | str) or value not in table:
+        raise FmuImportError(f"A mapping has no entry for the value {value!r}", "Add it")
+    return table[value]
 
 
 def quantity_in(fmu: Fmu, name: str) -> Quantity | None:

@@ -13,8 +13,9 @@ from ropeway.components.identifier import identifier
 from ropeway.fmu.errors import FmuImportError, FmuVariableError
 from ropeway.fmu.importing.archive import ArchiveLimits
 from ropeway.fmu.importing.fmu_file import Fmu, load
+from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.package import Package
-from ropeway.fmu.ssp.parameters import Binding, Parameter, quantity_in, scaled
+from ropeway.fmu.ssp.parameters import Binding, Parameter, quantity_in, scaled, translated
 from ropeway.fmu.ssp.structure import Component, SubSystem, read_description
 from ropeway.fmu.ssp.wiring import Path, Place, Wiring
 
@@ -34,7 +35,8 @@ class SspSlave:
 class SspConnection:
     """An output that drives an input, "slave.variable" each: the input is factor times the output plus offset.
 
-    `plain`: it is only converted between the units of the variables.
+    `plain`: it is only converted between the units of the variables, or mapped; `mapping`: values of the input by
+    those of the output.
     """
 
     source: str
@@ -42,6 +44,7 @@ class SspConnection:
     factor: float
     offset: float
     plain: bool
+    mapping: Mapping[Mapped, Mapped] | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ def read_ssp(path: str | File, folder: File, limits: ArchiveLimits) -> SspSystem
 
     Parameter values that fit no variable are ignored, with a RopewayWarning. Raises FmuImportError, FmuVariableError.
     """
-    package = Package(path, limits)
+    package = Package(path, folder, limits)
     try:
         described = read_description(package)
     except RopewayError:
@@ -70,11 +73,13 @@ def read_ssp(path: str | File, folder: File, limits: ArchiveLimits) -> SspSystem
     components = dict(_components(described.system, ()))
     if not components:
         raise FmuImportError(f"{package.path.name} has no FMU", "Export the SSP again")
-    loaded: dict[str, Fmu] = {}
-    for component in components.values():
-        if component.source not in loaded:
-            loaded[component.source] = load(package.local(component.source, folder), limits=limits)
-    fmus = {path: loaded[component.source] for path, component in components.items()}
+    loaded: dict[tuple[File, str], Fmu] = {}
+    fmus: dict[Path, Fmu] = {}
+    for place, component in components.items():
+        key = component.package.path, component.source
+        if key not in loaded:
+            loaded[key] = load(component.package.local(component.source), limits=limits)
+        fmus[place] = loaded[key]
     names = _names(components)
     wiring = Wiring(described.system, fmus)
     values = _Values(described.system, fmus, wiring)
@@ -127,7 +132,8 @@ def _connections(wiring: Wiring, target: Place, names: Mapping[Path, str]) -> li
     except FmuVariableError:  # they are connected without a conversion
         direct = None
     plain = (origin.factor, origin.offset) == direct
-    return [SspConnection(a, b, origin.factor, origin.offset, plain) for a, b in zip(*ends, strict=True)]
+    scale = origin.factor, origin.offset, plain
+    return [SspConnection(a, b, *scale, origin.table) for a, b in zip(*ends, strict=True)]
 
 
 class _Values:
@@ -148,7 +154,8 @@ class _Values:
             if given is not None:
                 value = given.value_in(self._wiring.unit(origin.place), str(origin.place))
                 origin = self._wiring.origin(target, given.quantity)
-                found[target.name] = scaled(value, origin.factor, origin.offset)
+                value = scaled(value, origin.factor, origin.offset)
+                found[target.name] = value if origin.table is None else translated(value, origin.table)
         for i, prefix, binding in self._within(path):
             for name in binding.values:
                 variable = name.removeprefix(prefix)

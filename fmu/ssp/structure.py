@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
 from ropeway.fmu.errors import FmuImportError
+from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.documents import (
     DICTIONARY,
     OWN,
@@ -19,13 +20,16 @@ from ropeway.fmu.ssp.documents import (
     linear_of,
     parsed,
     quantity_of,
+    table_of,
     truth,
 )
 from ropeway.fmu.ssp.package import Package
 from ropeway.fmu.ssp.parameters import Binding, read_bindings
 
 _FMU, _DESCRIPTION = "application/x-fmu-sharedlibrary", "application/x-ssp-definition"
-_MAPPINGS = "BooleanMappingTransformation", "IntegerMappingTransformation", "EnumerationMappingTransformation"
+_PACKAGE = "application/x-ssp-package"
+_DEEPEST = 20
+"""Largest number of descriptions within each other: an archive can contain itself."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +44,8 @@ class Connector:
 class Link:
     """A connection within a system; an end is (element, connector), the element None for the system itself.
 
-    Values are converted between units unless not `converts`, then become factor times the value plus offset.
+    Values are converted between units unless not `converts`, then become factor times the value plus offset, or what
+    the `table` has for them.
     """
 
     start: tuple[str | None, str]
@@ -48,15 +53,17 @@ class Link:
     factor: float
     offset: float
     converts: bool
+    table: Mapping[Mapped, Mapped] | None = None
 
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of a system; `settings`: of this library's master."""
+    """An FMU of a system, with its package; `settings`: of this library's master."""
 
     name: str
     connectors: Mapping[str, Connector]
     bindings: tuple[Binding, ...]
+    package: Package
     source: str
     kind: str | None
     settings: Mapping[str, str]
@@ -118,10 +125,15 @@ def _settings(element: ElementTree.Element) -> dict[str, dict[str, str]]:
 
 
 class _Reader:
-    """Reads the systems of one description, at `base` in the package; `around`: descriptions that contain it."""
+    """Reads the systems of one description, at `base` in the package.
 
-    def __init__(self, package: Package, base: str, root: ElementTree.Element, around: tuple[str, ...] = ()) -> None:
-        self.package, self.base, self.around = package, base, (*around, base)
+    `around`: descriptions of the package that contain it; `depth`: number of all that do.
+    """
+
+    def __init__(
+        self, package: Package, base: str, root: ElementTree.Element, around: tuple[str, ...] = (), depth: int = 0
+    ) -> None:
+        self.package, self.base, self.around, self.depth = package, base, (*around, base), depth
         self.units = defined_units(root, SSD)
 
     def system(self, element: ElementTree.Element) -> SubSystem:
@@ -148,27 +160,34 @@ class _Reader:
         kind, source = element.get("type", _FMU), element.get("source")
         if source is None or source.startswith("#"):
             raise FmuImportError(f"Component {name!r} has no FMU", "Complete the system in the tool that wrote it")
-        if kind == _DESCRIPTION:
-            return self._nested(element, source)
+        if kind in (_DESCRIPTION, _PACKAGE):
+            return self._nested(element, source, packed=kind == _PACKAGE)
         if kind != _FMU:
-            raise FmuImportError(f"Component {name!r} is of type {kind}", "Only FMUs and .ssd files can be components")
+            raise FmuImportError(
+                f"Component {name!r} is of type {kind}", "Only FMUs, .ssd and .ssp files can be components"
+            )
         implementation = element.get("implementation", "any")
         return Component(
             name,
             connectors,
-            read_bindings(element, self.package, self.base, self.units),
+            read_bindings(element, self.package, self.base, self.units, source),
+            self.package,
             source if ":" in source else self.package.inside(source, self.base),
             None if implementation == "any" else implementation,
             _settings(element).get("Slave", {}),
         )
 
-    def _nested(self, element: ElementTree.Element, source: str) -> SubSystem:
-        """A system of another description, with the connectors and bindings of the component."""
-        base = self.package.inside(source, self.base)
-        if base in self.around:
+    def _nested(self, element: ElementTree.Element, source: str, *, packed: bool) -> SubSystem:
+        """A system of another description or package, with the connectors and bindings of the component."""
+        package = self.package.nested(source, self.base) if packed else self.package
+        base = package.root if packed else package.inside(source, self.base)
+        if not packed and base in self.around:
             raise FmuImportError(f"{base} contains itself", "Remove the component that refers to it")
-        root = parsed(self.package.read(base), base, STRUCTURE)
-        inner = _Reader(self.package, base, root, self.around).system(_required(root, "System"))
+        if self.depth >= _DEEPEST:
+            raise FmuImportError(f"{source} is the {self.depth}th system within another", "Use fewer levels")
+        root = parsed(package.read(base), base, STRUCTURE)
+        around = () if packed else self.around
+        inner = _Reader(package, base, root, around, self.depth + 1).system(_required(root, "System"))
         outer = read_bindings(element, self.package, self.base, self.units)
         return SubSystem(
             element.get("name", ""),
@@ -181,14 +200,9 @@ class _Reader:
 
     def _link(self, link: ElementTree.Element) -> Link:
         ends = [(link.get(f"{end}Element"), link.get(f"{end}Connector", "")) for end in ("start", "end")]
-        shown = " and ".join(".".join(filter(None, end)) for end in ends)
-        if any(link.find(f"{{{SSC}}}{name}") is not None for name in _MAPPINGS):
-            raise FmuImportError(
-                f"The connection of {shown} maps values one by one", "Connections can only be scaled: map in an FMU"
-            )
         indices = [link.get(f"{end}Indices") for end in ("start", "end")]
         ends = [(e, f"{c}[{','.join(i.split())}]" if i else c) for (e, c), i in zip(ends, indices, strict=True)]
-        return Link(ends[0], ends[1], *linear_of(link), not truth(link.get("suppressUnitConversion")))
+        return Link(ends[0], ends[1], *linear_of(link), not truth(link.get("suppressUnitConversion")), table_of(link))
 
     def _connectors(self, element: ElementTree.Element) -> dict[str, Connector]:
         found = element.iterfind(f"{{{SSD}}}Connectors/{{{SSD}}}Connector")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from ropeway.fmu.errors import FmuImportError
 from ropeway.fmu.importing.fmu_file import Fmu
+from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.documents import Quantity
 from ropeway.fmu.ssp.parameters import quantity_in
 from ropeway.fmu.ssp.structure import Component, DictionaryUse, Link, SubSystem
@@ -30,23 +31,35 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a value comes from: an output, or a connector of a system that nothing drives; then it is scaled."""
+    """Where a value comes from: an output, or a connector of a system that nothing drives; then it is scaled.
+
+    `table`: the values that others become, one by one; it is not scaled then.
+    """
 
     place: Place
     factor: float = 1.0
     offset: float = 0.0
     quantity: Quantity | None = None
+    table: Mapping[Mapped, Mapped] | None = None
+
+    def translated(self, table: Mapping[Mapped, Mapped] | None) -> Origin:
+        """The same after another translation."""
+        if table is None or self.table is None:
+            return self if table is None else replace(self, table=table)
+        return replace(self, table={key: table[value] for key, value in self.table.items() if value in table})
 
     def scaled(self, factor: float, offset: float, quantity: Quantity | None) -> Origin:
         """The same after another scaling, in another unit."""
         if (factor, offset) == (1.0, 0.0):
-            return Origin(self.place, self.factor, self.offset, quantity)
-        return Origin(self.place, factor * self.factor, factor * self.offset + offset, quantity)
+            return replace(self, quantity=quantity)
+        if self.table is not None:
+            raise FmuImportError(f"Values of {self.place} are scaled and mapped one by one", "Use one of them")
+        return replace(self, factor=factor * self.factor, offset=factor * self.offset + offset, quantity=quantity)
 
     def converted(self, quantity: Quantity | None, to: Place) -> Origin:
         """The same in another unit; a place without a unit passes on that of the value. Raises FmuVariableError."""
         if quantity is None or self.quantity is None:
-            return Origin(self.place, self.factor, self.offset, quantity or self.quantity)
+            return replace(self, quantity=quantity or self.quantity)
         factor, offset = self.quantity.conversion(quantity, f"The connection of {self.place} to {to}")
         return self.scaled(factor, offset, quantity)
 
@@ -160,4 +173,5 @@ class Wiring:
             unit = self._own(place)
         if link.converts:
             before = before.converted(unit, place)
-        return before.scaled(link.factor, link.offset, before.quantity if link.converts else unit)
+        found = before.scaled(link.factor, link.offset, before.quantity if link.converts else unit)
+        return found.translated(link.table)

@@ -14,7 +14,7 @@ from ropeway.components.errors import InputError
 from ropeway.components.whole_files import whole
 from ropeway.fmu.importing.fmu_file import Fmu
 from ropeway.fmu.importing.variable_types import Value
-from ropeway.fmu.ssp.documents import OWN, SSC, SSD, SSV
+from ropeway.fmu.ssp.documents import OWN, SSC, SSD, SSV, write_table
 from ropeway.fmu.ssp.package import ROOT
 from ropeway.fmu.ssp.reading import SspConnection, SspSystem
 
@@ -129,11 +129,25 @@ def _connections(system: ElementTree.Element, connections: Iterable[SspConnectio
         (start, output), (end, entry) = one.source.split(".", 1), one.target.split(".", 1)
         ends = {"startElement": start, "startConnector": output, "endElement": end, "endConnector": entry}
         if one.plain:
-            ElementTree.SubElement(parent, f"{{{SSD}}}Connection", ends)
+            plain = ElementTree.SubElement(parent, f"{{{SSD}}}Connection", ends)
+            if one.mapping is not None:
+                _map(plain, one)
             continue
         element = ElementTree.SubElement(parent, f"{{{SSD}}}Connection", {**ends, "suppressUnitConversion": "true"})
         scale = {"factor": repr(one.factor), "offset": repr(one.offset)}
         ElementTree.SubElement(element, f"{{{SSC}}}LinearTransformation", scale)
+
+
+def _map(element: ElementTree.Element, one: SspConnection) -> None:
+    """A table of Booleans, of names of items, or of integers. Raises InputError."""
+    mapping = one.mapping or {}
+    kinds = {type(value) for row in mapping.items() for value in row}
+    if len(kinds) > 1:
+        raise InputError(
+            f"The mapping of {one.source} to {one.target} is between different kinds of values, which SSP has not",
+            "Map Booleans to Booleans, and integers or items of enumerations to each other",
+        )
+    write_table(element, {bool: "Boolean", int: "Integer", str: "Enumeration"}[kinds.pop()], mapping)
 
 
 def _annotate(element: ElementTree.Element, settings: Mapping[str, Mapping[str, str]]) -> None:

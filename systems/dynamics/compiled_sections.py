@@ -1,31 +1,35 @@
 """A line led from crossing to crossing in the compiled core.
 
-The core follows drives whose travel is a known function of time, and loads that pass their supports. What takes more,
-as a load that is pushed back or rests on a drum, is done here by the same rules as everywhere (`load_events`), with
-sections solved by the core.
+The core moves drives that feel no rope, loads that pass their supports, and clocks. What takes more, as a load that is
+pushed back or rests on a drum, is done here by the same rules as everywhere (`load_events`), with sections solved by
+the core.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ropeway.systems.dynamics import load_crossings as loads
+from ropeway.systems.dynamics.agenda import Agenda, Progress
 from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
-from ropeway.systems.dynamics.core_motion import CoreMotion
-from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.dynamics.line_stepper import LONGEST_STEP, LineMotion
 from ropeway.systems.dynamics.section_integrator import SectionIntegrator, UnforeseenError
 from ropeway.systems.native.section_library import (
+    ASTRAY,
+    COUPLED,
     CROSSING,
     FULL,
     LOADS,
     PASSED,
     REACHED,
     UNFORESEEN,
+    CrossingEvent,
 )
+from ropeway.systems.results.run_data import Event
+from ropeway.systems.solvers.compiled_nodes import compiled_clocks
 from ropeway.systems.solvers.drive_trajectories import Drives, Window, drives_of
-from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import extend
 
@@ -34,110 +38,119 @@ class CompiledSections(SectionIntegrator):
     """Advances a line in the core."""
 
     line: CompiledStepper
-    _core: CoreMotion | None = None
 
     def advance(self, motion: LineMotion, stop: float) -> LineMotion | None:
         line = self.line
-        if not line.commanded:
+        if line.moving.drives is None:
             return super().advance(motion, stop)
         if line.state.standing():
             return None
-        return self.attempt(line.window(stop - line.time, motion, stop), stop, motion, stop)
+        line.moving.at(line.state, motion.x, motion.z, line.slope(stop))
+        code, window = line.moving.window(min(stop, line.time + LONGEST_STEP))
+        if code == COUPLED:
+            return None
+        if code == ASTRAY:
+            return super().advance(motion, stop)
+        return self.attempt(window, window.start + window.h, motion, stop)
 
     def through(
         self, window: Window, end: float, motion: LineMotion, stop: float, *, strict: bool
     ) -> LineMotion | None:
-        if self.line.state.resting:
+        line = self.line
+        if line.state.resting:
             return super().through(window, end, motion, stop, strict=strict)
         crossed, limits = -np.inf, self._limits()
         while True:
-            core, single = self.core(), limits is not None
-            code = core.move(
-                self.line, window, motion, [end], grid=False, strict=strict, single=single, crossed=crossed
-            )
+            core = line.moving
+            core.at(line.state, window.at(line.time)[1], motion.z, line.slope(stop))
+            code = core.move(window, end, strict=strict, crossed=crossed, short=line.tiny)
             crossed = core.motion.crossed
-            motion = self._taken_over(core, core.motion.records)
-            state = self.line.state
+            motion = self._taken_over()
+            state = line.state
             if code == UNFORESEEN:
                 raise UnforeseenError
             # A crossing can activate a limit that is inactive again before the stop.
-            if limits is not None and not limits.decoupled(state.point):
+            if code == COUPLED or self._is_coupled(limits):
                 return None
             if code == REACHED:
                 return motion
             if code == LOADS:
                 _extend(state)
             elif code == CROSSING:
-                motion = self.line.correct(motion, stop)
+                motion = line.correct(motion, stop)
                 coming = loads.gap_of(state, core.coming, motion.travel)
                 motion = self.events.cross(coming, motion, stop, exact=True)
-                state = self.line.state
-                if limits is not None and not limits.decoupled(state.point):
+                state = line.state
+                if self._is_coupled(limits):
                     return None
                 if state.standing():
-                    return self.line.solve(stop)
+                    return line.solve(stop)
                 if state.resting:
                     return super().through(window, end, motion, stop, strict=strict)
             elif code not in (FULL, PASSED):
                 raise core.line.failure(core.motion.failure, core.solver.point.worst)
 
     def _limits(self) -> Drives | None:
-        """The drives, where they have limits."""
-        if self.line.commanded:
+        """The drives, where they are integrated elsewhere and have limits."""
+        if self.line.moving.drives is not None:
             return None
         drives = drives_of(self.line.state.model, self.line.tolerance)
         return drives if drives.ties else None
 
-    def along(self, motion: LineMotion, stops: Sequence[float]) -> tuple[LineMotion, int]:
-        """Advances through as many stops as the core can do alone, each with an entry on the grid; the line is then
-        solved at the last of them. Returns its rates there, and how many they are."""
-        done = 0
-        while done < len(stops):
-            line, state = self.line, self.line.state
-            if not line.commanded or state.standing() or state.resting or loads.overrun(state, set()):
+    def _is_coupled(self, limits: Drives | None) -> bool:
+        """Whether a limit of a drive is active."""
+        line, core = self.line, self.line.moving
+        if limits is not None:
+            return not limits.decoupled(line.state.point)
+        if core.drives is None:
+            return False
+        nothing = np.zeros(len(line.state.point.x)), np.zeros(len(line.state.point.z))
+        core.at(line.state, *nothing, np.zeros(len(line.state.point.u)))
+        return core.coupled()
+
+    def along(self, agenda: Agenda) -> tuple[Progress, LineMotion | None]:
+        """Advances through as many stops as the core can do alone, each with an entry; the line is then solved at the
+        last of them. Returns how far it has come, and its rates there."""
+        line, done, motion = self.line, 0, None
+        while done <= len(agenda.grid):
+            state, core = line.state, line.moving
+            if core.drives is None or state.standing() or state.resting or loads.overrun(state, set()):
                 break
-            saved = state.copy()
-            window = line.window(stops[-1] - line.time, motion, stops[-1])
-            core = self.core()
-            code = core.move(line, window, motion, stops[done:], grid=True, strict=True)
-            reached = core.motion.reached
-            led = self._taken_over(core, core.whole_records())
-            done += reached
-            if code == REACHED:
-                return led, done
-            line.state = saved
-            if reached:
-                _return_to(line.state, self.recorder.entries[-1].record)
-                line.set_time(stops[done - 1])
-                motion = line.solve(stops[-1])
+            if len(agenda.ticks) and compiled_clocks(state.model) is None:
+                break
+            bends = line.bends(float(max([*agenda.grid[-1:], *([agenda.last] if np.isfinite(agenda.last) else [])])))
+            core.at(state, np.zeros(len(state.point.x)), np.zeros(len(state.point.z)), bends.slope[0])
+            code = core.run(agenda, done, bends, line.tiny)
+            begin = line.time
+            motion = self._taken_over(agenda)
+            done, agenda = done + min(core.motion.reached, core.motion.grids), replace(agenda, ticks=core.ticks)
             if code == LOADS:
                 _extend(line.state)
-            elif not reached or code != FULL:
+            elif not (code == FULL and line.time > begin):
                 break
-        return motion, done
+        return Progress(done, tuple(agenda.ticks)), motion
 
-    def core(self) -> CoreMotion:
-        """The core for the present model and loads."""
-        if self._core is None or not self._core.fits(self.line.state):
-            self._core = CoreMotion(self.line.core, self.line.state)
-        return self._core
-
-    def _taken_over(self, core: CoreMotion, count: int) -> LineMotion:
-        """Takes over the state, and the first `count` records with their events; returns the rates."""
-        line, state = self.line, self.line.state
-        records = core.entries(line, count, self.recorder.pending)
-        done = 0
-        for event in core.events[: core.motion.events]:
-            if event.record >= count:
-                break
-            while done < event.record:
-                self.recorder.entries.append(records[done])
-                done += 1
-            crossing = core.crossing(event)
-            time = records[event.record].record.time
+    def _taken_over(self, agenda: Agenda | None = None) -> LineMotion:
+        """Takes over the state and the records of the core's last call, with their events; returns the rates."""
+        line, state, core, recorder = self.line, self.line.state, self.line.moving, self.recorder
+        pending = [recorder.pending] if agenda is None else [agenda.pending(ticks) for ticks in core.epochs()]
+        records = core.entries(state, pending)
+        happened: list[tuple[int, CrossingEvent | tuple[str, float]]] = [
+            (event.record, event) for event in core.events[: core.motion.events]
+        ]
+        if agenda is not None and core.motion.responses:
+            happened += [(record, (name, value)) for record, name, value in core.corrected()]
+            happened.sort(key=lambda entry: entry[0])
+        for record, what in happened:
+            time = records[record].record.time
+            if isinstance(what, tuple):
+                recorder.events.append(Event(time, what[0], "response", what[1]))
+                continue
+            crossing = core.crossing(what)
             self.guard.require(time, state.runs[crossing.r].nodes[crossing.k].name)
-            self.recorder.note(state, crossing, loads.passing_event(state, crossing), time)
-        self.recorder.entries += records[done:]
+            recorder.note(state, crossing, loads.passing_event(state, crossing), time)
+        recorder.entries += records
+        recorder.pending = pending[-1]
         state.passed = core.passed()
         line.set_time(core.motion.time)
         return line.motion_at(core.solver.x_rate.copy(), core.solver.z_rate.copy())
@@ -150,10 +163,3 @@ def _extend(state: LineState) -> None:
             extend(state, r)
         if run.around:
             extend(state, r, ahead=True)
-
-
-def _return_to(state: LineState, record: Record) -> None:
-    """Takes a state back to a record of it."""
-    state.point.x[:], state.point.z[:] = record.x, record.z
-    state.passed = [p - run.loads.first for p, run in zip(record.passed, state.runs, strict=True)]
-    state.write_slots()

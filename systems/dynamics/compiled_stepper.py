@@ -7,34 +7,35 @@ from collections.abc import Sequence
 import numpy as np
 
 from ropeway.systems.dynamics import load_crossings as loads
+from ropeway.systems.dynamics.core_motion import Bends, CoreMotion
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver, compiled_line
-from ropeway.systems.solvers.drive_trajectories import NODES, Window
-from ropeway.systems.solvers.prescribed_states import commanded_of
-from ropeway.systems.statics.stability import require_followed
 
 
 class CompiledStepper(LineStepper):
-    """A line whose sections the core solves. Drives that follow their commanded speeds are known functions of time;
-    others are integrated by IDAS: by themselves, and with the whole line while one is at a limit."""
+    """A line whose sections the core solves. Drives that move by themselves move in the core too; where one is at a
+    limit, IDAS integrates the whole line."""
 
-    @property
-    def commanded(self) -> bool:
-        """Whether all drives follow their commanded speeds."""
-        return len(commanded_of(self.state.model).rows) == len(self.state.model.x)
+    _moving: CoreMotion | None = None
 
     @property
     def core(self) -> CompiledLine:
         """The core of the present model, which grows with the loads in a span."""
         return compiled_line(self.state.model)
 
+    @property
+    def moving(self) -> CoreMotion:
+        """The core for the present model and loads."""
+        if self._moving is None or not self._moving.fits(self.state):
+            self._moving = CoreMotion(self.core, self.state)
+        return self._moving
+
     def solver(self, x_rate: np.ndarray, stop: float) -> PointSolver:
         """The present point in the core."""
         return PointSolver(self.core, self.state.point, self.core.used(self.state.passed), x_rate, self.slope(stop))
 
     def solve(self, stop: float) -> LineMotion:
-        if not self.commanded:  # their rates depend on the solution
-            self.core.solve_point(self.state.point, self.state.passed)
+        self.core.solve_point(self.state.point, self.state.passed)  # rates can depend on the solution
         x_rate = self.rates()
         solver = self.solver(x_rate, stop)
         self.core.solve(solver)
@@ -57,25 +58,19 @@ class CompiledStepper(LineStepper):
         self.core.solve(solver, sections)
         return self.motion_at(motion.x, solver.z_rate)
 
-    def motion(self, z: np.ndarray) -> LineMotion:
-        return self.motion_at(self.rates(), z)
+    def rates(self) -> np.ndarray:
+        core, state = self.moving, self.state
+        if core.drives is None:
+            return super().rates()
+        core.at(state, np.zeros(len(state.point.x)), np.zeros(len(state.point.z)), np.zeros(len(state.point.u)))
+        return core.rates()
 
-    def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
-        if not self.commanded:
-            return super().integrate(h, motion, stop)
-        point = self.state.point
-        predicted = point.z + h * motion.z
-        window = self.window(h, motion, stop)
-        point.x[:] = window.values[-1]
-        point.z[:] = predicted
-        self.set_time(point.t + h)
-        motion = self.solve(stop)
-        require_followed(self.state, predicted)
-        return motion
-
-    def window(self, h: float, motion: LineMotion, stop: float) -> Window:
-        """The states over the next `h` seconds, at a constant rate or by their commands."""
-        point = self.state.point
-        values = point.x + np.outer(NODES * h, motion.x)
-        commanded_of(self.state.model).put(values[1:], point, NODES[1:] * h, self.slope(stop))
-        return Window(point.t, h, values)
+    def bends(self, last: float) -> Bends:
+        """Where inputs bend from now to a time [s]."""
+        t, size = self.time, len(self.signals)
+        coming = self.breaks[self.breaks > t + 1e-12 * max(1.0, t)]
+        count = int(np.searchsorted(coming, last, side="right"))
+        times = np.concatenate([[t], coming[: count + 1]])
+        values = np.array([self.state.point.u, *(self.inputs_at(time) for time in times[1:].tolist())])
+        slope = np.vstack([np.diff(values, axis=0) / np.diff(times)[:, None], np.zeros((1, size))])
+        return Bends(times[1 : count + 1], values[1 : count + 1], slope[: count + 1])

@@ -1,68 +1,103 @@
-"""A call of the compiled core that moves a line: what it is given, and what it has written down."""
+"""Calls of the compiled core that move a line: what they are given, and what they have written down."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.components.catenary import Uniform
-from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
-from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.dynamics.agenda import Agenda
+from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP
 from ropeway.systems.dynamics.load_crossings import Crossing
 from ropeway.systems.dynamics.recorder import Entry
-from ropeway.systems.dynamics.section_integrator import LEAST_STEP
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.native.section_library import CrossingEvent, Motion
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.native import section_library as core
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
-from ropeway.systems.solvers.drive_trajectories import Window
+from ropeway.systems.solvers.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
+from ropeway.systems.solvers.drive_trajectories import NODES, WEIGHTS, Window
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope
 from ropeway.systems.statics.pending_events import Pending
 
 _NUMBERS = 2_000_000
 """Numbers in the records that the core keeps before they are taken over, about."""
+_EPOCHS = 256
+"""Ticks of clocks before records are taken over."""
+
+
+class Bends(NamedTuple):
+    """Where the slopes of inputs change: times (n,) [s], values of all inputs there (n, nu), and their slopes before
+    each and after the last (n + 1, nu)."""
+
+    time: np.ndarray
+    value: np.ndarray
+    slope: np.ndarray
 
 
 class CoreMotion:
-    """The core for a line with its lists of loads; `events` are those of the last call."""
+    """The core for a line with its lists of loads. `drives`: those that move by themselves, None where they are
+    integrated elsewhere; `solver`: the point of the last call."""
 
     solver: PointSolver
 
     def __init__(self, line: CompiledLine, state: LineState) -> None:
-        self.line, tables = line, line.tables
+        self.line, tables, model = line, line.tables, state.model
         self._loads = [run.loads for run in state.runs]
         self._nodes = np.cumsum([len(run.nodes) for run in state.runs])[:-1]
-        most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 16, 512))
-        self.events = (CrossingEvent * (4 * most + 64))()
-        self._time, self._grid = np.zeros(most), np.zeros(most, dtype=np.int32)
+        most = int(np.clip(_NUMBERS // (tables.nx + tables.nz + tables.supports), 64, 512))
+        drives = compiled_drives(model)
+        self.drives = None if drives is None else drives.filled()
+        members = sum(len(clock.members) for clock in model.clocks)
+        self.events = (core.CrossingEvent * (4 * most + 64))()
+        self.responses = (core.ResponseEvent * (4 * most + members))()
+        self._time, self._grid, self._epoch = np.zeros(most), np.zeros(most, np.int32), np.zeros(most, np.int32)
         self._x, self._z = np.zeros((most, tables.nx)), np.zeros((most, tables.nz))
-        self._beyond = np.zeros((most, tables.supports), dtype=np.int64)
-        self._passed = np.zeros(tables.supports, dtype=np.int64)
-        layouts = state.model.layouts
+        self._u, self._beyond = np.zeros((most, tables.nu)), np.zeros((most, tables.supports), np.int64)
+        self._passed = np.zeros(tables.supports, np.int64)
+        self._kept, self._ticks = np.zeros((_EPOCHS, len(model.kept))), np.zeros((_EPOCHS, len(model.clocks)), np.int64)
         pull, wind = _forces(state)
-        self._arrays = {
+        fixed = {
+            "nodes": NODES,
+            "weights": WEIGHTS,
             "load_first": np.cumsum([0, *(len(own.place) for own in self._loads)], dtype=np.int64),
             "place": np.concatenate([own.place for own in self._loads]),
             "mass": np.concatenate([own.mass for own in self._loads]),
             "drag": np.concatenate([own.drag for own in self._loads]),
-            "rope": np.concatenate([layout.start(state.point.p) for layout in layouts]),
+            "rope": np.concatenate([layout.start(state.point.p) for layout in model.layouts]),
             "scale": np.array(state.span_scale),
-            "passed": self._passed,
             "pull": pull,
             "wind": wind,
-            "record_time": self._time,
-            "record_grid": self._grid,
-            "record_x": self._x,
-            "record_z": self._z,
-            "record_passed": self._beyond,
+            "sign": _signs(model, line),
+            "kept": model.kept.astype(np.int32),
             "room": np.zeros(2 * tables.nz + 2 * tables.supports),
         }
-        self.motion = Motion(most=most, event=ctypes.addressof(self.events), least_step=LEAST_STEP)
-        for name, array in self._arrays.items():
-            setattr(self.motion, name, array.ctypes.data)
+        written = {
+            "passed": self._passed,
+            "record_time": self._time,
+            "record_grid": self._grid,
+            "record_epoch": self._epoch,
+            "record_x": self._x,
+            "record_z": self._z,
+            "record_u": self._u,
+            "record_passed": self._beyond,
+            "epoch_kept": self._kept,
+            "epoch_ticks": self._ticks,
+        }
+        self.motion = core.Motion(
+            most=most,
+            event=ctypes.addressof(self.events),
+            response=ctypes.addressof(self.responses),
+            least_step=LEAST_STEP,
+            keeps=len(model.kept),
+            epochs=_EPOCHS,
+        )
+        self._fixed = Filled(self.motion, {**fixed, **written})
+        self._saved = np.zeros(line.core.rs_saved_size(ctypes.byref(tables), len(model.d)))
 
     def fits(self, state: LineState) -> bool:
         """Whether this is the core for a state's model and loads."""
@@ -70,65 +105,121 @@ class CoreMotion:
             run.loads is own for run, own in zip(state.runs, self._loads, strict=True)
         )
 
-    def move(
-        self,
-        line: CompiledStepper,
-        window: Window,
-        motion: LineMotion,
-        stops: Sequence[float],
-        *,
-        grid: bool,
-        strict: bool,
-        single: bool = False,
-        crossed: float = -np.inf,
-    ) -> int:
-        """Moves a line through a window of its drives' states to each of some stops, with an entry there where they
-        are on the grid; single: only to the next crossing. Returns why the core has come back. Raises Interrupted."""
+    def at(self, state: LineState, x_rate: np.ndarray, z_rate: np.ndarray, u_rate: np.ndarray) -> None:
+        """Takes a state with its rates; the core changes it in place. Raises Interrupted."""
         stop_if_interrupted()
-        state, m = line.state, self.motion
-        values, rates, times = np.ascontiguousarray(window.values), np.ascontiguousarray(window.rates), np.array(stops)
-        self.solver = line.solver(window.at(state.point.t)[1], stops[-1])
-        self.solver.z_rate[:] = motion.z
+        m = self.motion
+        self.solver = PointSolver(self.line, state.point, self.line.used(state.passed), x_rate, u_rate)
+        self.solver.z_rate[:] = z_rate
         self._passed[:] = np.concatenate(state.passed)
-        m.window, m.window_rates, m.stop = values.ctypes.data, rates.ctypes.data, times.ctypes.data
-        m.time, m.begin, m.h, m.crossed = state.point.t, window.start, window.h, crossed
-        m.stops, m.reached, m.grid, m.strict = len(stops), 0, int(grid), int(strict)
-        m.short_step, m.records, m.events, m.single = line.tiny, 0, 0, int(single)
+        self._kept[0] = state.point.d[state.model.kept]
+        m.time, m.records, m.events, m.responses, m.epoch = state.point.t, 0, 0, 0, 0
+
+    def rates(self) -> np.ndarray:
+        """Rates of the states here [per s], of drives that the core moves."""
+        self._call("rs_rates", self._drives.address)
+        return self.solver.x_rate.copy()
+
+    def window(self, end: float) -> tuple[int, Window]:
+        """The states from now to `end` [s] or earlier, with the reason where they are not found."""
+        m, drives = self.motion, self._drives
+        code = self._call("rs_window", drives.address, ctypes.c_double(end))
+        return code, Window(m.begin, m.h, drives.arrays["window"].copy())
+
+    def coupled(self) -> bool:
+        """Whether a limit of a drive that the core moves is active here."""
+        return bool(self._call("rs_coupled", self._drives.address, None, 0))
+
+    def move(self, window: Window, stop: float, *, strict: bool, crossed: float, short: float) -> int:
+        """Moves the line through a window of its drives' states to a stop; to the next crossing only where drives are
+        integrated elsewhere and may come to their limits. Returns why the core has come back."""
+        m = self.motion
+        values, rates = np.ascontiguousarray(window.values), np.ascontiguousarray(window.rates)
+        m.window, m.window_rates = values.ctypes.data, rates.ctypes.data
+        m.begin, m.h, m.crossed = window.start, window.h, crossed
+        m.strict, m.single, m.short_step = int(strict), int(self.drives is None), short
+        drives = None if self.drives is None else self.drives.address
+        return self._call("rs_move", ctypes.c_double(stop), drives)
+
+    def run(self, agenda: Agenda, done: int, bends: Bends, short: float) -> int:
+        """Moves the line through the stops of an agenda, `done` of which have been reached. Returns why the core has
+        come back."""
+        model, m = self.line.model, self.motion
+        ended = np.isfinite(agenda.last) and (not len(agenda.grid) or agenda.last > agenda.grid[-1])
+        stops = np.array([*agenda.grid[done:], *([agenda.last] if ended else [])])
+        clocks = compiled_clocks(model) if len(agenda.ticks) else None
+        ticks = np.array(agenda.ticks, dtype=np.int64)
+        self._clocks = no_clocks() if clocks is None else clocks.filled(np.array(agenda.first, dtype=float), ticks)
+        self._ticks[0] = self._clocks.arrays.get("ticks", 0)
+        self._names = () if clocks is None else clocks.names
+        plan = Filled(
+            core.Agenda(bends=len(bends.time), bent=0, discrete=len(model.d)),
+            {"bend": bends.time, "value": bends.value, "slope": bends.slope, "saved": self._saved},
+        )
+        m.stop, m.stops, m.grids, m.reached = stops.ctypes.data, len(stops), len(agenda.grid) - done, 0
+        m.strict, m.single, m.short_step, m.longest_step = 1, 0, short, LONGEST_STEP
+        return self._call("rs_run", plan.address, self._drives.address, self._clocks.address)
+
+    @property
+    def ticks(self) -> list[int]:
+        """How often each clock has ticked after the last run."""
+        return [int(n) for n in self._clocks.arrays.get("ticks", ())]
+
+    @property
+    def _drives(self) -> Filled:
+        if self.drives is None:
+            raise ValueError("the drives of this line do not move by themselves")
+        return self.drives
+
+    def _call(self, name: str, *more: object) -> int:
+        """A function of the core on the line, its point and its motion."""
         tables, point = ctypes.byref(self.line.tables), ctypes.byref(self.solver.point)
-        return int(self.line.core.rs_move(tables, point, ctypes.byref(m)))
+        return int(getattr(self.line.core, name)(tables, point, ctypes.byref(self.motion), *more))
 
-    def whole_records(self) -> int:
-        """Records up to the last one on the grid."""
-        on_grid = np.flatnonzero(self._grid[: self.motion.records])
-        return int(on_grid[-1]) + 1 if len(on_grid) else 0
-
-    def entries(self, line: CompiledStepper, count: int, pending: Pending) -> list[Entry]:
-        """The first `count` records."""
-        state = line.state
-        kept = state.point.d[state.model.kept]
-        x, z, beyond = self._x[:count].copy(), self._z[:count].copy(), self._beyond[:count].copy()
+    def entries(self, state: LineState, pending: Sequence[Pending]) -> list[Entry]:
+        """The records of the last call; `pending`: what is pending in each epoch."""
+        count = self.motion.records
+        x, z, beyond = self._x[:count].copy(), self._z[:count].copy(), self._beyond[:count]
+        varied = bool(np.any(self._u[:count] != state.point.u))
         by_run = [p + own.first for p, own in zip(np.split(beyond, self._nodes, axis=1), self._loads, strict=True)]
-        constant = None if len(line.breaks) else state.point.u.copy()
-        found = []
-        for i, time in enumerate(self._time[:count].tolist()):
-            u = line.inputs_at(time) if constant is None else constant
-            record = Record(time, x[i], z[i], u, tuple(p[i] for p in by_run), kept, pending)
-            found.append(Entry(record, bool(self._grid[i]), exact=bool(self._grid[i])))
-        return found
+        u = list(self._u[:count].copy()) if varied else [state.point.u.copy()] * count
+        kept = [row.copy() for row in self._kept[: self.motion.epoch + 1]]
+        passed = zip(*by_run, strict=True)
+        rows = zip(self._time[:count].tolist(), x, z, u, passed, self._epoch[:count].tolist(), strict=True)
+        grid = self._grid[:count].astype(bool).tolist()
+        return [
+            Entry(Record(time, x, z, u, beyond, kept[epoch], pending[epoch]), on, on)
+            for (time, x, z, u, beyond, epoch), on in zip(rows, grid, strict=True)
+        ]
+
+    def epochs(self) -> list[list[int]]:
+        """How often each clock has ticked in each epoch of the last run."""
+        return [row[: len(self.ticks)] for row in self._ticks[: self.motion.epoch + 1].tolist()]
 
     def passed(self) -> list[np.ndarray]:
         """Loads passed at the supports of each run."""
         return [part.copy() for part in np.split(self._passed, self._nodes)]
 
-    def crossing(self, event: CrossingEvent) -> Crossing:
+    def crossing(self, event: core.CrossingEvent) -> Crossing:
         """What an event says crosses."""
         number = event.load + self._loads[event.run].first
         return Crossing(0.0, 0.0, event.run, event.support, number, bool(event.forward))
+
+    def corrected(self) -> list[tuple[int, str, float]]:
+        """The responses of the last run: the record that each leads to, its node, and its correction [m/s]."""
+        found = self.responses[: self.motion.responses]
+        return [(event.record, self._names[event.member], event.value) for event in found]
 
     @property
     def coming(self) -> Crossing:
         """The crossing that the core has left to its caller."""
         return self.crossing(self.motion.coming)
+
+
+def _signs(model: Model, line: CompiledLine) -> np.ndarray:
+    """For each support the sign of its balance, 1 where more travel lowers its residual (supports,)."""
+    by_travel = {balance.travel: int(balance.sign) for balance in model.balances}
+    return np.array([by_travel.get(z, 1) for z in line.sections.travel.tolist()], dtype=np.int32)
 
 
 def _forces(state: LineState) -> tuple[np.ndarray, np.ndarray]:

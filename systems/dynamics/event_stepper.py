@@ -6,14 +6,15 @@ from collections.abc import Sequence
 
 from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.systems.dynamics import load_crossings as loads
+from ropeway.systems.dynamics.agenda import Agenda, Progress
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
 from ropeway.systems.dynamics.compiled_sections import CompiledSections
 from ropeway.systems.dynamics.compiled_stepper import CompiledStepper
 from ropeway.systems.dynamics.line_integrator import LineIntegrator
-from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
+from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LineMotion, LineStepper, Signal
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
-from ropeway.systems.dynamics.section_integrator import LEAST_STEP, SectionIntegrator
+from ropeway.systems.dynamics.section_integrator import SectionIntegrator
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import has_free_nodes, require_stable, slack
 
@@ -62,15 +63,16 @@ class EventStepper:
         for crossing in loads.overrun(self.state, ends)[:1]:
             self._events.cross(crossing, motion, stop, exact=True, balanced=False)
 
-    def run_along(self, stops: Sequence[float]) -> int:
-        """Advances through the first of some stops on the grid, as `run_to` and with an entry at each, as far as the
-        compiled core can do it alone; returns how many they are. Inputs do not bend before the last one."""
-        if not isinstance(self._by_sections, CompiledSections) or not stops:
-            return 0
-        if self._motion is None or len(self.line.breaks):
-            self._motion = self.line.solve(stops[-1])
-        self._motion, done = self._by_sections.along(self._motion, stops)
-        return done
+    def run_agenda(self, agenda: Agenda) -> Progress:
+        """Advances through the stops of an agenda, with an entry at each, as far as the compiled core can do it
+        alone."""
+        if not isinstance(self._by_sections, CompiledSections):
+            return Progress(0, tuple(agenda.ticks))
+        begin = self.line.time
+        progress, motion = self._by_sections.along(agenda)
+        if self.line.time > begin:
+            self._motion = motion
+        return progress
 
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises

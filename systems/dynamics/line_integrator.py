@@ -8,9 +8,8 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.chattering import ChatterGuard
-from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper
+from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
-from ropeway.systems.dynamics.section_integrator import LEAST_STEP, LONGEST_STEP
 from ropeway.systems.statics.line_state import LineState
 
 _STANDING_STEP = 0.02

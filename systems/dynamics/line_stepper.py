@@ -13,11 +13,17 @@ from ropeway.systems.dynamics.load_crossings import Crossing
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, kept_with_structure
 from ropeway.systems.solvers.block_newton import blocks_of
 from ropeway.systems.solvers.idas import Idas
-from ropeway.systems.solvers.newton import Buffered, dense, newton_of
+from ropeway.systems.solvers.model_functions import Buffered, dense
+from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import require_followed
 
 Signal = float | Schedule
+
+LEAST_STEP = 1e-5
+"""Shortest step [s] that is tried when a longer one has failed."""
+LONGEST_STEP = 1.0
+"""Longest step [s] between two checks of the drives' limits, and of whether the rope has turned."""
 
 
 def breaks_of(signals: Sequence[Signal]) -> np.ndarray:

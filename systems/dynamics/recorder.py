@@ -7,16 +7,22 @@ from typing import NamedTuple
 import numpy as np
 
 from ropeway.systems.dynamics.load_crossings import Crossing
+from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.statics.line_records import Record, recorded
+from ropeway.systems.statics.line_records import AnyRecord, Record, part_of, recorded
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
+
+_LARGE = 1000
+"""Algebraic variables of a model from which records hold only what has changed."""
+_PARTS = 256
+"""Most records after a whole one that hold only what has changed."""
 
 
 class Entry(NamedTuple):
     """A state of a run: whether it is at a time of the result's grid, and whether all its sections are solved."""
 
-    record: Record
+    record: AnyRecord
     on_grid: bool
     exact: bool
 
@@ -29,21 +35,44 @@ class Checkpoint(NamedTuple):
 
 
 class Recorder:
-    """The entries and events of a run so far; `pending` is what each record says of clocks and an emergency stop."""
+    """The entries and events of a run so far; `pending` is what each record says of clocks and an emergency stop. With
+    the `model` of a long line, records hold only what has changed."""
 
-    def __init__(self, pending: Pending | None = None) -> None:
+    def __init__(self, pending: Pending | None = None, model: Model | None = None) -> None:
         self.entries: list[Entry] = []
         self.events: list[Event] = []
         self.pending = Pending() if pending is None else pending
+        self._model = model
+        self._last: Record | None = None
+        self._packed, self._parts = 0, 0
 
     def checkpoint(self) -> Checkpoint:
         """A mark that `rewind` returns to."""
+        self._pack()
         return Checkpoint(len(self.entries), len(self.events))
 
     def rewind(self, checkpoint: Checkpoint) -> None:
         """Deletes all that was written down after a checkpoint."""
         del self.entries[checkpoint.entries :]
         del self.events[checkpoint.events :]
+        if self._packed > checkpoint.entries:
+            self._packed, self._last = checkpoint.entries, None
+
+    def _pack(self) -> None:
+        """Reduces those of the entries so far, but the last, in which not all sections are solved."""
+        if self._model is None or len(self._model.z) < _LARGE:
+            return
+        for i in range(self._packed, len(self.entries) - 1):
+            entry, last = self.entries[i], self._last
+            if not isinstance(entry.record, Record):
+                continue
+            self._last, self._parts = entry.record, self._parts + 1
+            if entry.exact or last is None or self._parts > _PARTS:
+                self._parts = 0
+                continue
+            beside = self.entries[i - 1].record, self.entries[i + 1].record
+            self.entries[i] = entry._replace(record=part_of(self._model, entry.record, last, *beside))
+        self._packed = max(self._packed, len(self.entries) - 1)
 
     def record(self, state: LineState, *, on_grid: bool = False, exact: bool = True) -> None:
         """Writes a state down."""
@@ -73,6 +102,7 @@ class Recorder:
         return np.array([entry.exact for entry in self.entries], dtype=bool)
 
     @property
-    def records(self) -> tuple[Record, ...]:
+    def records(self) -> tuple[AnyRecord, ...]:
         """The states."""
+        self._pack()
         return tuple(entry.record for entry in self.entries)

@@ -16,7 +16,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.schedule import Schedule
 from ropeway.components.terrain import Profile
-from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.steppers import stepper_of
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.reporting.blocks import Section
 from ropeway.systems.reporting.reported import Reported

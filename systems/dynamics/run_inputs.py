@@ -18,6 +18,8 @@ from ropeway.systems.modelling.dae_model import Model, component_of, nearest
 from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.compiled_line import compiled_line
+from ropeway.systems.solvers.kernels.compiled_newton import require_kernels
+from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.warm_start import carried_over, declared_alike
@@ -34,11 +36,20 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
     return start
 
 
-def require_compiled(model: Model, signals: Sequence[Signal]) -> None:
-    """Raises CompiledError where the compiled core cannot simulate a model, CompilerError, WriteError."""
-    if any(isinstance(signal, Schedule) for signal in signals[: model.u.shared]):
-        raise CompiledError("The compiled core cannot simulate weather that changes", "Leave out compiled=True")
+def in_core(model: Model, signals: Sequence[Signal], inertia: Inertia | None) -> bool:
+    """Whether the compiled core moves a model: a line by its sections, or a system with inertia; otherwise it solves
+    all equations together. Raises CompiledError where it can do none of them, CompilerError, WriteError."""
+    changes = any(isinstance(signal, Schedule) for signal in signals[: model.u.shared])
+    if inertia is not None:
+        if changes:
+            cause = "The compiled core cannot simulate a line with inertia in weather that changes"
+            raise CompiledError(cause, "Leave out compiled=True")
+        return True
+    if changes or isinstance(line_sections(model), str):
+        require_kernels(model)
+        return False
     compiled_line(model)
+    return True
 
 
 def require_no_events(system: System) -> None:

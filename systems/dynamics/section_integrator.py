@@ -10,16 +10,10 @@ import numpy as np
 
 from ropeway.systems.dynamics import load_crossings as loads
 from ropeway.systems.dynamics.chattering import ChatterGuard
-from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper
+from ropeway.systems.dynamics.line_stepper import LEAST_STEP, LONGEST_STEP, LineMotion, LineStepper
 from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.solvers.drive_trajectories import Window, drives_of
-
-LEAST_STEP = 1e-5
-"""Shortest step [s] that is tried when a longer one has failed."""
-
-LONGEST_STEP = 1.0
-"""Longest step [s] between two checks of the drives' limits, and of whether the rope has turned."""
 
 
 class UnforeseenError(Exception):

@@ -10,33 +10,35 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, InputError, RopewayError, SimulationError
+from ropeway.components.errors import InputError, RopewayError, SimulationError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
+from ropeway.systems.dynamics.agenda import Agenda
 from ropeway.systems.dynamics.external_parts import ExternalParts
-from ropeway.systems.dynamics.inertia.inertial_stepper import stepper_of
+from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
 from ropeway.systems.dynamics.inertia.support_zones import lose
 from ropeway.systems.dynamics.line_stepper import Signal
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.run_inputs import (
     check_interventions,
+    in_core,
     is_speed,
-    require_compiled,
     require_no_events,
     signals_of,
     start_of,
     started,
 )
+from ropeway.systems.dynamics.steppers import stepper_of
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
 from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.newton import Buffered, dense
+from ropeway.systems.solvers.model_functions import Buffered, dense
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState
@@ -81,7 +83,7 @@ def simulate(
         `result.at(t)`, from which clocks, delayed responses, brakes and an emergency stop continue; times count from 0
         again. A speed in `inputs` ends the emergency stop of its drive. By default the system's equilibrium.
     tolerance : float, default 1e-6
-        Of IDAS, absolute on scaled variables.
+        Of IDAS, or of a compiled step with inertia, absolute on scaled variables.
     interventions : sequence of Intervention, optional
         Brakes, losses of pressure, an emergency stop.
     stop_at : str or sequence of str, optional
@@ -89,14 +91,15 @@ def simulate(
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
-        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. For
-        lines of spans over standing supports. Drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit.
+        Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
+        lines of spans over standing supports, drives that follow their commanded speeds (`IdealDrive`, drums) run in
+        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit, as are other
+        systems. With `inertia` all systems and drives run in compiled code, in weather that does not change.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
         The inertia of ropes, loads and wheels, of which the line is in equilibrium otherwise at every time. The run
-        starts in equilibrium, with the line at its speed. Not compiled.
+        starts in equilibrium, with the line at its speed.
 
     Returns
     -------
@@ -136,16 +139,15 @@ def simulate(
     check_interventions(model, interventions, inertia)
     if inertia is not None:
         require_no_events(model.system)
-    if compiled and inertia is not None:
-        raise CompiledError("The compiled core has no inertia", "Leave out compiled=True or inertia=")
-    if compiled:
-        require_compiled(model, signals)
-    rest = equilibrium(model, compiled=compiled) if start is None else start_of(start, model, inertia)
+    moved_in_core = compiled and in_core(model, signals, inertia)
+    at_once = compiled and inertia is None
+    rest = equilibrium(model, compiled=at_once) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
     pending = replace(rest.pending, stopping=stopping or None)
-    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, compiled, inertia)
-    run = _Simulation(replace(rest, pending=pending), settings)
+    settings = _Settings(model.u.names, signals, interventions, tolerance, stops, moved_in_core, inertia)
+    solved_on = in_code(rest.model, compiled=model.compiled or (compiled and not moved_in_core))
+    run = _Simulation(replace(rest, model=solved_on, pending=pending), settings, compiled=model.compiled)
     with bar("simulate", until, progress) as advance, keeping(run.result_so_far):
         try:
             run.go(until, every, advance)
@@ -175,7 +177,8 @@ class _Settings:
 class _Simulation:
     """One run: a line, and the clocks and interventions that act on it."""
 
-    def __init__(self, start: Equilibrium, settings: _Settings) -> None:
+    def __init__(self, start: Equilibrium, settings: _Settings, *, compiled: bool) -> None:
+        self._compiled = compiled
         state = LineState(start.model, start.point.copy(), start.runs, start.passed)
         unpin(state)
         signals = settings.signals
@@ -185,7 +188,7 @@ class _Simulation:
                 state = started(state, signals, settings.inertia)
             # Rates of inputs follow from these: their own signals are not read.
             signals = tuple(known.get(name, 0.0) for name in state.model.u.names)
-        self.recorder = Recorder()
+        self.recorder = Recorder(model=state.model)
         self.stepper = stepper_of(state, signals, settings.tolerance, self.recorder, compiled=settings.compiled)
         self.line = self.stepper.line
         self.external = ExternalParts(state.model.system, self.stepper, self.recorder)
@@ -205,7 +208,7 @@ class _Simulation:
         """All entries so far."""
         state, recorder = self.state, self.recorder
         return Result(
-            state.model,
+            in_code(state.model, compiled=self._compiled),
             tuple(state.runs),
             state.point.p,
             recorder.records,
@@ -231,14 +234,12 @@ class _Simulation:
             t = self.line.time
             bend = min(self.line.breaks[self.line.breaks > t + 1e-12 * max(1.0, t)], default=np.inf)
             quiet = min(self.next_act(), bend)
-            if (self.settings.compiled or self.settings.inertia) and not self.stop_at:
-                stops = _grid(count, every, until, quiet)
-                if done := self.stepper.run_along(stops):
-                    advance(stops[done - 1])
-                    count, grid = count + done, min((count + done) * every, until)
-                    if stops[done - 1] >= until:
-                        return
-                    continue
+            if (done := self.run_ahead(count, every, until, quiet)) is not None:
+                count, grid = count + done, min((count + done) * every, until)
+                advance(self.line.time)
+                if self.line.time >= until:
+                    return
+                continue
             stop = min(grid, quiet)
             self.external.run_to(stop)
             if self.external.ended:
@@ -258,12 +259,38 @@ class _Simulation:
             if self.stop_at and self.stopped():
                 return
 
-    def ticking(self, pending: Pending) -> Pending:
-        """What is pending, with the time of each clock's next tick [s]; clocks do not tick after an emergency stop."""
-        clocks = zip(self.state.model.clocks, self.first_tick, self.ticks, strict=True)
+    def run_ahead(self, count: int, every: float, until: float, quiet: float) -> int | None:
+        """Runs through as many stops as the line can do alone; `count` is the number of the next one on the grid, and
+        nothing acts on the line before `quiet` [s]. Returns how many of the grid, None where the line has not moved."""
+        if self.stop_at:
+            return None
+        if isinstance(self.stepper, InertialStepper):
+            return self.stepper.run_along(_grid(count, every, until, quiet)) or None
+        if not self.settings.compiled:
+            return None
+        pending, begin = self.recorder.pending, self.line.time
+        last = self.interventions[0].time if self.interventions else np.inf
+        ticking = pending.stopping is None
+        grid = _grid(count, every, until, last)
+        agenda = Agenda(
+            grid,
+            last if last < until and (count + len(grid)) * every >= last - 1e-9 else np.inf,
+            self.first_tick if ticking else (),
+            self.ticks if ticking else (),
+            lambda ticks: self.ticking(pending, ticks),
+        )
+        progress = self.stepper.run_agenda(agenda)
+        if ticking:
+            self.ticks = list(progress.ticks)
+        return progress.grid if self.line.time > begin else None
+
+    def ticking(self, pending: Pending, ticks: Sequence[int] | None = None) -> Pending:
+        """What is pending, with the time of each clock's next tick [s], by default after those so far; clocks do not
+        tick after an emergency stop."""
+        clocks = zip(self.state.model.clocks, self.first_tick, ticks or self.ticks, strict=True)
         responding = pending.stopping is None
-        ticks = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
-        return replace(pending, ticks=ticks)
+        coming = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+        return replace(pending, ticks=coming)
 
     def next_act(self) -> float:
         """Time of the next tick of a clock or intervention [s]."""

@@ -19,7 +19,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Loads, Run
 from ropeway.systems.results.quasi_static import without_inertia
 from ropeway.systems.results.run_data import Event
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.pending_events import Pending

@@ -107,7 +107,7 @@ def assembled(system: System, slots: Sequence[Sequence[int]] | None = None, iner
     layouts, balances = tuple(_layout(run, tables) for run in runs), _balances(system, runs, tables)
 
     def build() -> Structure:
-        return Structure(*EquationGraph(system, runs, sites, variables, tables, functions).functions())
+        return EquationGraph(system, runs, sites, variables, tables, functions).structure()
 
     indices = {kind: table.index for kind, table in tables.items()}
     positions = (balances, tuple(layout.key for layout in layouts))

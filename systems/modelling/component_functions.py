@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +13,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.errors import InputError
+from ropeway.components.span import Span
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
@@ -78,12 +79,21 @@ class ComponentFunctions:
 
     def get(self, component: Component, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """A component's equations."""
+        return self._known(
+            _form(component, site, variables),
+            lambda: component_function(component, variables, weather=site.weather),
+        )
+
+    def closures(self, span: Span, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+        """The closure of a span with its derivatives in closed form."""
+        return self._known(("closures", *_form(span, site, variables)), lambda: closures_function(span, variables))
+
+    def _known(self, key: tuple[Hashable, ...], make: Callable[[], ca.Function]) -> ca.Function:
         stop_if_interrupted()
-        key = _form(component, site, variables)
         if key not in self._functions:
             if len(self._functions) > MOST:
                 self._functions.clear()
-            self._functions[key] = component_function(component, variables, weather=site.weather)
+            self._functions[key] = make()
         return self._functions[key]
 
 
@@ -158,6 +168,24 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
         names = [[var.name for var in variables if var.kind is kind for _ in range(var.size)] for kind in kinds]
         component_rules.require_numbers(component, found, names)
     return found
+
+
+def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:
+    """Derivatives (3, 5) of a span's closure by its tension vector and the travels at its ends, of the same inputs as
+    its `component_function`."""
+    v, inputs = _symbols(span, variables, weather=weather)
+    columns = [ca.vertcat(*column) for column in span.closure_moves(v)]
+    return ca.Function("closure", inputs, [ca.horzcat(*columns)])
+
+
+def closures_function(span: Span, variables: tuple[Variable, ...]) -> ca.Function:
+    """The closure (3,) of a span in calm, and its derivatives (3, 11) by the tension vector, and by position and travel
+    at a and at b; of the same inputs as its `component_function`."""
+    v, inputs = _symbols(span, variables, weather=False)
+    (closure,) = [ca.vertcat(*span.equations(v).residuals.values())]
+    *by_force, by_a, by_b = (ca.vertcat(*column) for column in span.closure_moves(v))
+    one = ca.SX.eye(3)
+    return ca.Function("closures", inputs, ca.cse([closure, ca.horzcat(*by_force, one, by_a, -one, by_b)]))
 
 
 def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:

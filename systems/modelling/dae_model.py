@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
@@ -104,6 +104,15 @@ class LoadSlots:
         """Span and slot number of every slot."""
         return _cells(np.arange(len(self.count)), self.count)
 
+    @cached_property
+    def _every(self) -> tuple[np.ndarray, ...]:
+        """As `_places` of all spans."""
+        return self._places(*self._cells)
+
+    def _places(self, span: np.ndarray, slot: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Of slots their spans and numbers, and the places of mass, at, ride, empty and drag area."""
+        return (span, slot, *(first[span] + slot for first in (self.mass, self.at, self.ride, self.empty, self.drag)))
+
     def filled(self, d: np.ndarray) -> int:
         """Number of slots with a load."""
         span, slot = self._cells
@@ -114,22 +123,21 @@ class LoadSlots:
     ) -> None:
         """Fills the slots of all or of some spans according to `passed`. `start` (supports,) is the rope coordinate at
         each support at zero travel [m]. `d` (..., nd) and `passed` (..., supports) may contain many records."""
-        span, slot = self._cells if spans is None else _cells(spans, self.count[spans])
         loads = run.loads
         if len(loads.place) == 0:
             return
+        places = self._every if spans is None else self._places(*_cells(spans, self.count[spans]))
+        span, slot, mass, at, ride, empty, drag = places
         load = passed[..., span] - 1 - slot
         full = load >= passed[..., span + 1]
         load = np.where(full, load, 0)
         pinned = full & (loads.pinned[load] >= 0)
-        d[..., self.mass[span] + slot] = np.where(full, loads.mass[load], 0.0)
-        d[..., self.at[span] + slot] = np.where(
-            pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0)
-        )
-        d[..., self.ride[span] + slot] = full & ~pinned
-        d[..., self.empty[span] + slot] = ~full
+        d[..., mass] = np.where(full, loads.mass[load], 0.0)
+        d[..., at] = np.where(pinned, loads.at[load], np.where(full, loads.place[load] - start[span], 0.0))
+        d[..., ride] = full & ~pinned
+        d[..., empty] = ~full
         if self.drag[0] >= 0:
-            d[..., self.drag[span] + slot] = np.where(full, loads.drag[load], 0.0)
+            d[..., drag] = np.where(full, loads.drag[load], 0.0)
 
 
 def _cells(spans: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -329,6 +337,11 @@ class Model:
         return self.structure.outputs
 
     @property
+    def compiled(self) -> bool:
+        """Whether solvers of this model use compiled code."""
+        return self.structure.compiled
+
+    @property
     def weather(self) -> bool:
         """Whether temperature, ice and wind are among its inputs and parameters."""
         return self.system.environment is not None
@@ -387,6 +400,18 @@ class Model:
     def travels(self, x: np.ndarray, z: np.ndarray) -> list[np.ndarray]:
         """Travels of the supports of each run [m]."""
         return [layout.travel.read(x, z) for layout in self.layouts]
+
+
+def in_code(model: Model, *, compiled: bool) -> Model:
+    """The model whose solvers use compiled code, or the one whose solvers do not."""
+    if compiled == model.compiled:
+        return model
+    if "other" not in model.derived:
+        other = replace(model, structure=model.structure.in_code(compiled=compiled))
+        other.derived["other"] = model
+        model.derived.setdefault("other", other)
+    found: Model = model.derived["other"]
+    return found
 
 
 def component_of(name: str) -> str:

@@ -10,6 +10,7 @@ import casadi as ca
 from ropeway.components.component import Component, RopeEnd, Seat
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.node import Node
+from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
@@ -17,6 +18,7 @@ from ropeway.systems.modelling.component_functions import INERTIA, SYMBOLS, Comp
 from ropeway.systems.modelling.connections.signals import differences
 from ropeway.systems.modelling.dae_model import VariableTable, shared_places
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
+from ropeway.systems.modelling.structure import Closures, Structure
 from ropeway.systems.modelling.system import System
 
 _RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3
@@ -24,7 +26,7 @@ _RATES, _RESIDUALS, _OUTPUTS, _FORCES = 0, 1, 2, 3
 
 
 class EquationGraph:
-    """The components of a system joined at their ports, as two functions of the vectors of the model."""
+    """The components of a system joined at their ports, as functions of the vectors of the model."""
 
     def __init__(
         self,
@@ -48,8 +50,8 @@ class EquationGraph:
         self.force_on: dict[tuple[str, str], ca.MX] = {}
         self.external: dict[ca.MX, ca.MX] = {}
 
-    def functions(self) -> tuple[ca.Function, ca.Function]:
-        """`dae(t, x, z, u, p, d) -> (ode, alg)` and `outputs(t, x, z, u, p, d) -> y`. Raises InputError."""
+    def structure(self) -> Structure:
+        """The equations. Raises InputError."""
         self._call_ropes()
         shares = self._call_sources()
         for c in self.system.components.values():
@@ -57,7 +59,7 @@ class EquationGraph:
                 own = shares.get(c.name, ca.MX(ca.DM.ones(len(c.shares), 1)))
                 self.results[c.name] = self._call(c, own, self._forces(c))
         ode, y = (ca.vertcat(ca.MX(0, 1), *(self.results[n][i] for n in self.variables)) for i in (_RATES, _OUTPUTS))
-        alg = self._residuals(y)
+        alg = self._residuals(y, {name: results[_RESIDUALS] for name, results in self.results.items()})
         arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
         if self.external:  # the remaining equations as one scalar graph
             scalar_graph = ca.Function("rest", [*arguments, *self.external], [ode, alg, y]).expand()
@@ -66,17 +68,40 @@ class EquationGraph:
         stop_if_interrupted()
         dae = ca.Function("dae", arguments, [ode, alg], names, ["ode", "alg"])
         stop_if_interrupted()
-        return dae, ca.Function("outputs", arguments, [y], names, ["y"])
+        return Structure(dae, ca.Function("outputs", arguments, [y], names, ["y"]), self._closures(ode, y))
+
+    def _closures(self, ode: ca.MX, outputs: ca.MX) -> Closures | None:
+        """The closures of spans in calm, with their derivatives."""
+        spans = [c for c in self.system.components.values() if type(c) is Span]
+        if self.weather or self.external or not spans:
+            return None
+        residuals = {name: results[_RESIDUALS] for name, results in self.results.items()}
+        quantities, derivatives = list[ca.MX](), list[ca.MX]()
+        for span in spans:
+            ends = self._ends(span)
+            f = self.component_functions.closures(span, self.sites[span.name], self.variables[span.name])
+            residuals[span.name], by = f.call(self._inputs(span, ca.MX(0, 1), ends))
+            quantities += [self.parts[Kind.ALGEBRAIC][span.name], *ends]
+            derivatives.append(by)
+        alg = self._residuals(outputs, residuals)
+        arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
+        results = [ode, alg, ca.vertcat(*quantities), ca.horzcat(*derivatives)]
+        first = [self.tables[Kind.RESIDUAL].index[f"{span.name}.closure_x"] for span in spans]
+        return Closures(ca.Function("closures", arguments, results), tuple(k + i for k in first for i in range(3)))
 
     def _call_ropes(self) -> None:
         """Calls components with rope ends, which give the forces on the seats."""
         for c in self.system.components.values():
             if not any(isinstance(port, RopeEnd) for port in c.ports):
                 continue
+            self.results[c.name] = self._call(c, ca.MX(0, 1), self._ends(c))
             seats = [self.system.connections[c.name, port.name] for port in c.ports]
-            ends = [self._position(self.seats[seat], inertial=c.inertial) for seat in seats]
-            self.results[c.name] = self._call(c, ca.MX(0, 1), ends)
             self.force_on.update(zip(seats, self.results[c.name][_FORCES:], strict=True))
+
+    def _ends(self, component: Component) -> list[ca.MX]:
+        """Position and travel of the rope at the seats of a component's rope ends."""
+        seats = [self.system.connections[component.name, port.name] for port in component.ports]
+        return [self._position(self.seats[seat], inertial=component.inertial) for seat in seats]
 
     def _call_sources(self) -> dict[str, ca.MX]:
         """Calls sources with the sums of all demands. Returns the shares of each component that a source feeds."""
@@ -95,8 +120,8 @@ class EquationGraph:
             shares.update({c.name: ca.vertcat(*(values[name] for name in c.shares)) for c in fed[source.name]})
         return shares
 
-    def _residuals(self, outputs: ca.MX) -> ca.MX:
-        """Residuals of all components, and of the inputs that others drive."""
+    def _residuals(self, outputs: ca.MX, own: Mapping[str, ca.MX]) -> ca.MX:
+        """Residuals of all components, which are their `own`, and of the inputs that others drive."""
 
         def quantity(component: str, name: str) -> ca.MX:
             index = self.tables[Kind.OUTPUT].index.get(f"{component}.{name}")
@@ -105,7 +130,7 @@ class EquationGraph:
         parts = [
             part
             for c, owned in self.variables.items()
-            for part in (self.results[c][_RESIDUALS], *differences(self.system, c, owned, quantity))
+            for part in (own[c], *differences(self.system, c, owned, quantity))
         ]
         return ca.vertcat(ca.MX(0, 1), *parts)
 

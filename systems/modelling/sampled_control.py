@@ -22,16 +22,23 @@ Precedence = Callable[[str], tuple[str, str]]
 """Function of a component's name: its subsystem, and the precedence rule there."""
 
 
+Rivals = tuple[tuple[int, bool], ...]
+"""The responses that go before one: number, and whether by the larger need, else always."""
+
+
 @dataclass(frozen=True, eq=False)
 class Clock:
     """Ticks at `phase`, `phase + period`, ... [s]. `update(t, x, z, u, p, d)` gives new values of the `entries` of the
-    discrete vector. `corrections` maps the entries that change the line's motion to their sheaves."""
+    discrete vector. `corrections` maps the entries that change the line's motion to their sheaves. `members`: the
+    sheaves that decide, with the `rivals` of each, or, without rivals, those whose waiting corrections take effect."""
 
     period: float
     phase: float
     update: ca.Function
     entries: np.ndarray
     corrections: Mapping[int, str]
+    members: tuple[str, ...]
+    rivals: tuple[Rivals, ...] = ()
 
 
 def clocks(
@@ -75,66 +82,62 @@ def _sample(
     """The clock of one period: all responses decide, and those with permission act."""
     decisions = {}
     for name, response in group.items():
-        function, variables = _rule(response)
+        function, variables = rule_of(response)
         values = [_read(f"{name}.{variable}", point, y, index) for variable, _ in variables.inputs]
         decisions[name] = variables, function.call(values)
-    grants: dict[str, ca.MX] = {}
-    for line in dict.fromkeys(precedence_of(name) for name in group):
-        own = {name: results for name, (_, results) in decisions.items() if precedence_of(name) == line}
-        wants, needs = ([results[i] for results in own.values()] for i in (0, 1))
-        grants.update(zip(own, _grants(line[1], wants, needs), strict=True))
+    rivals = _rivals([precedence_of(name) for name in group])
+    grants = _grants(rivals, *([results[i] for _, results in decisions.values()] for i in (0, 1)))
     entries, values, corrections = [], [], {}
-    for name, (variables, results) in decisions.items():
+    for (name, (variables, results)), grant in zip(decisions.items(), grants, strict=True):
         count = len(variables.outputs)
         for i, (variable, size) in enumerate(variables.outputs):
-            values.append(ca.if_else(grants[name], results[2 + i], results[2 + count + i]))
-            places = _places(f"{name}.{variable}", size, index[Kind.DISCRETE])
+            values.append(ca.if_else(grant, results[2 + i], results[2 + count + i]))
+            places = discrete_places(f"{name}.{variable}", size, index[Kind.DISCRETE])
             entries += places
             if variable == "correction":
                 corrections[places[0]] = name
     update = ca.Function("sample", list(point), [ca.vertcat(*values)])
-    return Clock(period, period, update, np.array(entries), corrections)
+    return Clock(period, period, update, np.array(entries), corrections, tuple(group), rivals)
 
 
-def _grants(precedence: str, wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> list[ca.MX]:
-    """Permissions of the sheaves that want to act."""
-    n = len(wants)
-    need = [ca.if_else(w, r, -1e30) for w, r in zip(wants, needs, strict=True)]
+def _rivals(lines: Sequence[tuple[str, str]]) -> tuple[Rivals, ...]:
+    """The rivals of each response, from the subsystem and the precedence rule of each. Only those of one subsystem
+    are rivals."""
+    found = []
+    for k, line in enumerate(lines):
+        own = [j for j, other in enumerate(lines) if other == line]
+        place = own.index(k)
+        rivals = {
+            "upstream first": [(j, False) for j in own[:place]],
+            "downstream first": [(j, False) for j in own[place + 1 :]],
+            "worst first": [(j, True) for j in own if j != k],
+            "neighbours locked out": [(j, True) for j in (*own[:place][-1:], *own[place + 1 :][:1])],
+        }
+        found.append(tuple(rivals.get(line[1], [])))
+    return tuple(found)
 
-    def first(order: Sequence[int]) -> list[ca.MX]:
-        grants, free = [ca.MX(0)] * n, ca.MX(1)
-        for k in order:
-            grants[k] = wants[k] * free
-            free = free * (1 - wants[k])
-        return grants
 
-    def has_priority(k: int, others: Sequence[int]) -> ca.MX:
-        """Whether the need of k exceeds that of the others. The first on the rope wins a tie."""
+def _grants(rivals: Sequence[Rivals], wants: Sequence[ca.MX], needs: Sequence[ca.MX]) -> list[ca.MX]:
+    """Permissions of the sheaves that want to act. The first on the rope wins a tie of needs."""
+    need, grants = [ca.if_else(w, r, -1e30) for w, r in zip(wants, needs, strict=True)], []
+    for k, own in enumerate(rivals):
         grant = wants[k]
-        for j in others:
-            grant = grant * (need[k] >= need[j] if k < j else need[k] > need[j])
-        return grant
-
-    if precedence == "upstream first":
-        return first(range(n))
-    if precedence == "downstream first":
-        return first(range(n - 1, -1, -1))
-    if precedence == "worst first":
-        return [has_priority(k, [j for j in range(n) if j != k]) for k in range(n)]
-    if precedence == "neighbours locked out":
-        return [has_priority(k, [j for j in (k - 1, k + 1) if 0 <= j < n]) for k in range(n)]
-    return list(wants)
+        for j, by_need in own:
+            larger = need[k] >= need[j] if k < j else need[k] > need[j]
+            grant = grant * (larger if by_need else 1 - wants[j])
+        grants.append(grant)
+    return grants
 
 
 @dataclass(frozen=True)
-class _Names:
+class RuleVariables:
     """Variables (name, size) that a rule reads and sets."""
 
     inputs: tuple[tuple[str, int], ...]
     outputs: tuple[tuple[str, int], ...]
 
 
-def _rule(response: Response) -> tuple[ca.Function, _Names]:
+def rule_of(response: Response) -> tuple[ca.Function, RuleVariables]:
     """A response's rule as a function: inputs -> wants, need, values if granted..., values if refused..."""
     inputs = (("time", 1), ("tension_in", 1), ("tension_out", 1), *((v.name, v.size) for v in response.variables()))
     symbols = [ca.SX.sym(name, size) for name, size in inputs]
@@ -146,14 +149,14 @@ def _rule(response: Response) -> tuple[ca.Function, _Names]:
         *(decision.granted[name] for name, _ in outputs),
         *(decision.refused[name] for name, _ in outputs),
     ]
-    return ca.Function("rule", symbols, results), _Names(inputs, outputs)
+    return ca.Function("rule", symbols, results), RuleVariables(inputs, outputs)
 
 
 def _effect(period: float, phase: float, group: Mapping[str, Response], point: Sequence[ca.MX], index: Any) -> Clock:
     """The clock of a delay: the oldest queued decision of each response becomes its correction."""
     entries, values, corrections = [], [], {}
     for name, response in group.items():
-        oldest = _places(f"{name}.response_waiting", response.waiting, index[Kind.DISCRETE])[0]
+        oldest = discrete_places(f"{name}.response_waiting", response.waiting, index[Kind.DISCRETE])[0]
         entry = index[Kind.DISCRETE][f"{name}.correction"]
         entries.append(entry)
         corrections[entry] = name
@@ -165,10 +168,12 @@ def _effect(period: float, phase: float, group: Mapping[str, Response], point: S
         ca.Function("effect", list(point), [ca.vertcat(*values)]),
         np.array(entries),
         corrections,
+        tuple(group),
     )
 
 
-def _places(name: str, size: int, index: Mapping[str, int]) -> list[int]:
+def discrete_places(name: str, size: int, index: Mapping[str, int]) -> list[int]:
+    """Places of a variable in its vector."""
     if name in index:
         return [index[name]]
     return [index[f"{name}[{i + 1}]"] for i in range(size)]
@@ -182,5 +187,5 @@ def _read(name: str, point: Sequence[ca.MX], y: ca.MX, index: Any) -> ca.MX:
             return vector[index[kind][name]]
         if f"{name}[1]" in index[kind]:
             size = sum(1 for n in index[kind] if n.startswith(f"{name}["))
-            return vector[_places(name, size, index[kind])]
+            return vector[discrete_places(name, size, index[kind])]
     raise KeyError(name)

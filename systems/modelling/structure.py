@@ -10,7 +10,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 
@@ -24,16 +24,35 @@ MOST = 20_000
 """Variables of all structures that a thread keeps: the least recently used are dropped."""
 
 
+class Closures(NamedTuple):
+    """Equations whose derivatives have a closed form: (t, x, z, u, p, d) -> (ode, alg, quantities, derivatives), and
+    their `rows` in alg. Each three rows depend on eleven of the quantities; (3, 11) derivatives follow each other."""
+
+    function: ca.Function
+    rows: tuple[int, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Equations of a model, (t, x, z, u, p, d) -> (ode, alg) and -> y, and what is `derived` from them alone."""
+    """Equations of a model, (t, x, z, u, p, d) -> (ode, alg) and -> y, and what is `derived` from them alone;
+    `closures`: those of them with derivatives in closed form; `compiled`: whether solvers use compiled code."""
 
     dae: ca.Function
     outputs: ca.Function
+    closures: Closures | None = None
+    compiled: bool = False
     derived: dict[Hashable, Any] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Structure, (self.dae, self.outputs)
+        return Structure, (self.dae, self.outputs, self.closures, self.compiled)
+
+    def in_code(self, *, compiled: bool) -> Structure:
+        """The same equations, for solvers that use compiled code or not."""
+        if compiled == self.compiled:
+            return self
+        other = Structure(self.dae, self.outputs, self.closures, compiled, {"other": self})
+        found: Structure = self.derived.setdefault("other", other)
+        return found
 
 
 class KnownStructures(threading.local):

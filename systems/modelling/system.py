@@ -224,7 +224,7 @@ class System(Declarations):
         length : float, optional
             Total unstretched length [m]; give either length or tension.
         tension : float, optional
-            Tension of the empty rope at rest at the first support [N], on the taut branch.
+            Tension of the empty rope at rest at the first support [N]; of two lengths with it the shorter one.
         name : str, optional
             Prefix of the names of the spans, for two ropes between the same supports.
 

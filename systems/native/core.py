@@ -21,10 +21,10 @@ SOURCES = (
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
+_HEADERS = ("sections.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 
 def core_files() -> dict[str, str]:
     """Text of each source and header, by name."""
-    headers = (path.name for path in sorted(_FOLDER.glob("*.h")))
-    return {name: (_FOLDER / name).read_text() for name in (SECTIONS, *SOURCES, *headers)}
+    return {name: (_FOLDER / name).read_text() for name in (SECTIONS, *SOURCES, *_HEADERS)}

@@ -6,6 +6,8 @@ from collections import Counter
 
 import casadi as ca
 
+from ropeway.systems.native.function_steps import CHOICE, function_steps
+
 _UNARY = {
     ca.OP_ASSIGN: "{0}",
     ca.OP_NEG: "-{0}",
@@ -40,7 +42,7 @@ _UNARY = {
         )
     },
 }
-_BINARY = {
+_OTHERS = {
     ca.OP_ADD: "{0} + {1}",
     ca.OP_SUB: "{0} - {1}",
     ca.OP_MUL: "{0} * {1}",
@@ -59,6 +61,7 @@ _BINARY = {
     ca.OP_AND: "{0} && {1}",
     ca.OP_OR: "{0} || {1}",
     ca.OP_IF_ELSE_ZERO: "{0} ? {1} : 0.0",
+    CHOICE: "{0} ? {1} : {2}",
 }
 
 _EXPORTED = """#ifdef _WIN32
@@ -72,47 +75,27 @@ __attribute__((visibility("default")))
 def kernel_source(function: ca.Function, name: str, *, exported: bool = True) -> str:
     """A file with one function of that name, `void name(const double *v, double *r)`, visible outside of its library
     if it is exported. Raises NotImplementedError for an operation that it has no form for."""
-    steps, divisors = _steps(function)
+    steps = function_steps(function)
+    divisors = Counter(step.read[1] for step in steps if step.op == ca.OP_DIV)
     lines = []
-    for k, (op, read, value) in enumerate(steps):
-        if op == ca.OP_OUTPUT:
-            lines.append(f"    r[{value}] = a{read[0]};")
+    for k, step in enumerate(steps):
+        if step.op == ca.OP_OUTPUT:
+            lines.append(f"    r[{step.place}] = a{step.read[0]};")
             continue
-        if op == ca.OP_CONST:
-            text = repr(float(value))
-        elif op == ca.OP_INPUT:
-            text = f"v[{value}]"
-        elif op == ca.OP_DIV and divisors[read[1]] > 1:
-            text = f"a{read[0]} * b{read[1]}"
+        if step.op == ca.OP_CONST:
+            text = repr(float(step.value))
+        elif step.op == ca.OP_INPUT:
+            text = f"v[{step.place}]"
+        elif step.op == ca.OP_DIV and divisors[step.read[1]] > 1:
+            text = f"a{step.read[0]} * b{step.read[1]}"
         else:
-            form = (_UNARY if len(read) == 1 else _BINARY).get(op)
+            form = (_UNARY if len(step.read) == 1 else _OTHERS).get(step.op)
             if form is None:
-                raise NotImplementedError(f"Operation {op} of {function.name()!r} has no form in C")
-            text = form.format(*(f"a{i}" for i in read))
+                raise NotImplementedError(f"Operation {step.op} of {function.name()!r} has no form in C")
+            text = form.format(*(f"a{i}" for i in step.read))
         lines.append(f"    const double a{k} = {text};")
         if divisors[k] > 1:  # one division is as long as five products
             lines.append(f"    const double b{k} = 1.0 / a{k};")
     body = "\n".join(lines)
-    return (
-        f"#include <math.h>\n{_EXPORTED if exported else ''}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
-    )
-
-
-def _steps(function: ca.Function) -> tuple[list[tuple[int, list[int], float]], Counter[int]]:
-    """The operations of a function: each with the numbers of those that it reads, and a constant or the place of an
-    input or output; and how often each one is divided by."""
-    steps, divisors, place = list[tuple[int, list[int], float]](), Counter[int](), dict[int, int]()
-    for k in range(function.n_instructions()):
-        op = function.instruction_id(k)
-        read, written = function.instruction_input(k), function.instruction_output(k)
-        if op == ca.OP_CONST:
-            steps.append((op, [], function.instruction_constant(k)))
-        elif op == ca.OP_INPUT:
-            steps.append((op, [], read[1]))
-        else:
-            steps.append((op, [place[i] for i in read], written[1] if op == ca.OP_OUTPUT else 0))
-        if op == ca.OP_DIV:
-            divisors[place[read[1]]] += 1
-        if op != ca.OP_OUTPUT:
-            place[written[0]] = k
-    return steps, divisors
+    head = f"#include <math.h>\n{_EXPORTED if exported else ''}"
+    return f"{head}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"

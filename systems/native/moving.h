@@ -1,27 +1,49 @@
-/* A line whose drives follow known trajectories, from crossing to crossing. */
+/* A line in time, from crossing to crossing and from one stop to the next. */
 #ifndef MOVING_H
 #define MOVING_H
 
+#include "clocks.h"
+#include "drives.h"
 #include "sections.h"
 
-/* Why rs_move returns: the last stop is reached; a crossing that takes more than to pass; a load has crossed before the
- * time that rates predict; the list of loads ends; no room for records; Newton's method has failed; a rope is slack or
- * used up at a stop; a load has crossed, where it is to stop then. */
-enum { RS_REACHED, RS_CROSSING, RS_UNFORESEEN, RS_LOADS, RS_FULL, RS_FAILED, RS_SLACK, RS_PASSED };
+#define RS_MOST 64 /* crossings at one time, and sections that they touch */
+
+/* Why rs_move and rs_run return: the last stop is reached; a crossing that takes more than to pass; a load has crossed
+ * before the time that rates predict; the list of loads ends; no room for records; Newton's method has failed; a rope is
+ * used up or unstable at a stop; a load has crossed, where it is to stop then; a limit of a drive is active; the motion
+ * of a drive is not found. */
+enum {
+    RS_REACHED,
+    RS_CROSSING,
+    RS_UNFORESEEN,
+    RS_LOADS,
+    RS_FULL,
+    RS_FAILED,
+    RS_SLACK,
+    RS_PASSED,
+    RS_COUPLED,
+    RS_ASTRAY
+};
 
 typedef struct {
     int run, support, load, forward, record; /* of what crosses; the record that it leads to */
 } rs_event;
 
 typedef struct {
+    int member, record; /* of the clocks; the record that it leads to */
+    double value;
+} rs_response;
+
+typedef struct {
     double time, begin, h; /* now; the window of the drives' trajectories */
-    const double *stop;    /* times at which all sections are solved, and written down where `grid` */
-    int stops, reached, grid;
+    const double *stop;    /* times of the grid: all sections are solved, and written down */
+    int stops, grids, reached; /* the last stop may be beyond the grid: nothing is written down there */
     int strict, single, failure; /* single: stop after each crossing */
     const double *window;       /* (RS_NODES, nx) states at its Chebyshev points */
     const double *window_rates; /* their rates */
-    double crossed;             /* time of the last crossing */
-    double short_step, least_step;
+    const double *nodes, *weights;
+    double crossed; /* time of the last crossing */
+    double short_step, least_step, longest_step;
     /* loads: of each run the first in the lists; places on the rope; (supports,) how many have passed; rope at each
      * support at zero travel, and mean span of each run */
     const long long *load_first;
@@ -29,16 +51,61 @@ typedef struct {
     long long *passed;
     const double *pull; /* (spans, 3): what each metre of rope adds to its tension vector [N/m] */
     const double *wind; /* (2,): what each square metre of a load's drag area adds to it [N/m2] */
-    /* records and events */
-    int records, most, events;
-    int *record_grid;
-    double *record_time, *record_x, *record_z;
+    const int *sign;    /* (supports,): 1 where more travel of a stable line lowers the residual of its balance, else -1 */
+    /* records and events; an epoch lasts from one tick of a clock to the next */
+    int records, most, events, responses, epoch;
+    int *record_grid, *record_epoch;
+    double *record_time, *record_x, *record_z, *record_u;
     long long *record_passed;
     rs_event *event;
+    rs_response *response;
     rs_event coming; /* the crossing that is left */
-    double *room;    /* 2 nz + 2 supports doubles */
+    const int *kept; /* places of the discrete variables that do not follow from the loads */
+    int keeps, epochs;
+    double *epoch_kept;     /* (epochs, keeps) */
+    long long *epoch_ticks; /* (epochs, clocks) */
+    double *room;           /* 2 nz + 2 supports doubles */
 } rs_motion;
 
-RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m);
+/* Times at which inputs bend, their values there, and their rates before each of them and after the last. */
+typedef struct {
+    int bends, bent;
+    const double *bend, *value, *slope;
+    int discrete; /* number of discrete variables */
+    double *saved; /* rs_saved_size doubles */
+} rs_agenda;
+
+RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m, double stop, const rs_drives *drives);
+RS_API int rs_run(const rs_line *line, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *drives, rs_clocks *clocks);
+RS_API int rs_window(const rs_line *line, rs_point *q, rs_motion *m, rs_drives *s, double end);
+RS_API int rs_coupled(const rs_line *line, const rs_point *q, const rs_motion *m, const rs_drives *s, const int *sections,
+                      int count);
+RS_API int rs_rates(const rs_line *line, rs_point *q, const rs_motion *m, const rs_drives *s);
+RS_API int rs_drives_size(const rs_line *line, const rs_drives *drives);
+RS_API int rs_saved_size(const rs_line *line, int discrete);
+
+/* crossings.c */
+typedef struct {
+    double time, gap;
+    int k, forward;
+} rs_coming;
+
+double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k);
+void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int span, int end, double *force);
+int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found);
+void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
+int rs_beside(const rs_line *l, int k, int *sections, int count);
+int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first);
+void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);
+int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m);
+int rs_short_of_loads(const rs_line *l, const rs_motion *m);
+
+/* moving.c */
+void rs_follow(const rs_line *l, rs_point *q, rs_motion *m, double time);
+
+/* clocks.c */
+int rs_sample(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_clocks *c, double time);
+void rs_act(rs_point *q, rs_motion *m, const rs_clocks *c, double time);
+double rs_next_tick(const rs_clocks *c);
 
 #endif

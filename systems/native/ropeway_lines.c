@@ -8,7 +8,7 @@ static const char *const failures[] = {"", "The equations are singular", "Newton
 
 /* The present point, with `x_rate` as the rates of its states; inputs are those in m->us. Loads are counted where
  * they are put into their slots. */
-static rs_point point_of(rw_instance *m, const double *x_rate, double *z_rate)
+static rs_point point_of(rw_instance *m, double *x_rate, double *z_rate)
 {
     rs_point q = {0};
     q.x = m->s.now.x, q.z = m->s.now.z, q.u = m->us, q.p = m->s.p, q.d = m->s.d;

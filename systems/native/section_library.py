@@ -5,12 +5,15 @@ from __future__ import annotations
 import ctypes
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from ropeway.systems.native.binary_cache import library
 
 _FOLDER = Path(__file__).parent
-FILES = ("sections.h", "sections.c", "moving.h", "moving.c")
-
+FILES = (
+    *("sections.h", "clocks.h", "drives.h", "moving.h"),
+    *("sections.c", "crossings.c", "moving.c", "drives.c", "clocks.c", "running.c"),
+)
 
 LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "np", "ns", "runs")
 LINE_INTEGERS = (
@@ -58,37 +61,79 @@ class LinePoint(ctypes.Structure):
     )
 
 
+def _fields(*groups: tuple[Any, str]) -> tuple[tuple[str, Any], ...]:
+    """Fields of a structure, from types with the names of their fields."""
+    return tuple((name, kind) for kind, names in groups for name in names.split())
+
+
 class CrossingEvent(ctypes.Structure):
     """rs_event."""
 
-    _fields_ = tuple((name, ctypes.c_int) for name in ("run", "support", "load", "forward", "record"))
+    _fields_ = _fields((ctypes.c_int, "run support load forward record"))
+
+
+class ResponseEvent(ctypes.Structure):
+    """rs_response."""
+
+    _fields_ = _fields((ctypes.c_int, "member record"), (ctypes.c_double, "value"))
 
 
 class Motion(ctypes.Structure):
     """rs_motion."""
 
-    _fields_ = (
-        *((name, ctypes.c_double) for name in ("time", "begin", "h")),
-        ("stop", ctypes.c_void_p),
-        *((name, ctypes.c_int) for name in ("stops", "reached", "grid")),
-        *((name, ctypes.c_int) for name in ("strict", "single", "failure")),
-        *((name, ctypes.c_void_p) for name in ("window", "window_rates")),
-        *((name, ctypes.c_double) for name in ("crossed", "short_step", "least_step")),
-        *((name, ctypes.c_void_p) for name in ("load_first", "place", "mass", "drag", "rope", "scale", "passed")),
-        ("pull", ctypes.c_void_p),
-        ("wind", ctypes.c_void_p),
-        *((name, ctypes.c_int) for name in ("records", "most", "events")),
-        *(
-            (name, ctypes.c_void_p)
-            for name in ("record_grid", "record_time", "record_x", "record_z", "record_passed", "event")
+    _fields_ = _fields(
+        (ctypes.c_double, "time begin h"),
+        (ctypes.c_void_p, "stop"),
+        (ctypes.c_int, "stops grids reached strict single failure"),
+        (ctypes.c_void_p, "window window_rates nodes weights"),
+        (ctypes.c_double, "crossed short_step least_step longest_step"),
+        (ctypes.c_void_p, "load_first place mass drag rope scale passed pull wind sign"),
+        (ctypes.c_int, "records most events responses epoch"),
+        (
+            ctypes.c_void_p,
+            "record_grid record_epoch record_time record_x record_z record_u record_passed event response",
         ),
-        ("coming", CrossingEvent),
-        ("room", ctypes.c_void_p),
+        (CrossingEvent, "coming"),
+        (ctypes.c_void_p, "kept"),
+        (ctypes.c_int, "keeps epochs"),
+        (ctypes.c_void_p, "epoch_kept epoch_ticks room"),
     )
 
 
-REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK, PASSED = range(8)
-"""Why `rs_move` returns."""
+class Agenda(ctypes.Structure):
+    """rs_agenda."""
+
+    _fields_ = _fields(
+        (ctypes.c_int, "bends bent"),
+        (ctypes.c_void_p, "bend value slope"),
+        (ctypes.c_int, "discrete"),
+        (ctypes.c_void_p, "saved"),
+    )
+
+
+class DriveTables(ctypes.Structure):
+    """rs_drives."""
+
+    _fields_ = _fields(
+        (ctypes.c_int, "drives most"),
+        (ctypes.c_void_p, "form x u p d port_first port_span port_end states inputs parameters discrete ports tied"),
+        (ctypes.c_void_p, "kernels nominal nodes weights derivative window rates work"),
+    )
+
+
+class ClockTables(ctypes.Structure):
+    """rs_clocks."""
+
+    _fields_ = _fields(
+        (ctypes.c_int, "clocks most"),
+        (ctypes.c_void_p, "period begin ticks first effect form x u p d port_first port_span port_end"),
+        (ctypes.c_void_p, "states inputs parameters discrete ports values correction waiting place_first place"),
+        (ctypes.c_void_p, "rival_first rival by_need kernels results changed work"),
+    )
+
+
+REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK, PASSED, COUPLED, ASTRAY = range(10)
+"""Why `rs_move` and `rs_run` return."""
 
 FAILURES = {
     1: "The equations are singular",
@@ -112,7 +157,13 @@ def section_library() -> ctypes.CDLL:
         "rs_solve": (pointer, pointer, ctypes.c_int, ctypes.c_int),
         "rs_solve_all": (pointer, pointer, ctypes.c_int),
         "rs_solve_many": (pointer, pointer, ctypes.c_int, pointer, pointer),
-        "rs_move": (pointer, pointer, pointer),
+        "rs_move": (pointer, pointer, pointer, ctypes.c_double, pointer),
+        "rs_run": (pointer,) * 6,
+        "rs_window": (*(pointer,) * 4, ctypes.c_double),
+        "rs_coupled": (*(pointer,) * 5, ctypes.c_int),
+        "rs_rates": (pointer,) * 4,
+        "rs_drives_size": (pointer, pointer),
+        "rs_saved_size": (pointer, ctypes.c_int),
     }.items():
         function = getattr(found, name)
         function.argtypes, function.restype = list(types), ctypes.c_int

@@ -217,6 +217,16 @@ static void rates_of(const rs_line *l, rs_point *q, int section, const room *r)
     }
 }
 
+/* Whether the balances of all idlers are stable, where sections have just been solved: more travel lowers the residual of
+ * those of sign 1 and raises that of sign -1. */
+int rs_stable(const rs_line *l, const rs_point *q, const int *sign)
+{
+    room r = room_of(l, q->work);
+    for (int k = 0; k < l->supports; k++)
+        if (l->travel[k] >= 0 && !(r.pivot[k] * sign[k] < 0.0)) return 0;
+    return 1;
+}
+
 /* z = before + share * move, for the variables of a section. */
 static void put(const rs_line *l, rs_point *q, int section, const room *r, double share)
 {

@@ -47,7 +47,7 @@ typedef struct {
 typedef struct {
     double *x, *z, *u, *p, *d;
     long long *used;                     /* of each span: slots with a load */
-    const double *x_rate, *u_rate;       /* [per s] */
+    double *x_rate, *u_rate;             /* [per s] */
     double *z_rate;
     double *work; /* rs_work_size(line) doubles */
     int worst;    /* of a failure: the residual that is worst */
@@ -65,5 +65,6 @@ RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
 RS_API int rs_solve_all(const rs_line *line, rs_point *q, int rates);
 RS_API int rs_solve_many(const rs_line *line, rs_point *q, int cases, const long long *stride, unsigned char *good);
 double rs_travel(const rs_line *line, const rs_point *q, int k);
+int rs_stable(const rs_line *line, const rs_point *q, const int *sign);
 
 #endif

@@ -21,15 +21,18 @@ from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.array_outputs import outputs_at
 from ropeway.systems.solvers.condensed_newton import solve_points
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_records import Record, restored, restored_points
+from ropeway.systems.statics.line_records import AnyRecord, restored, restored_points
 from ropeway.systems.statics.line_state import LineState
 
 _SLACK = "slack rope"
 _BATCH = 64
 """Number of records that are restored together."""
+_KEPT = 50_000_000
+"""Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""
 
 
 class Event(NamedTuple):
@@ -51,7 +54,7 @@ class RunData(Tabular):
     model: Model
     runs: tuple[Run, ...]
     parameters: np.ndarray
-    records: tuple[Record, ...]
+    records: tuple[AnyRecord, ...]
     on_grid: np.ndarray
     exact: np.ndarray
     noted: tuple[Event, ...]
@@ -235,17 +238,30 @@ class RunData(Tabular):
     @cached_property
     def limits_reached(self) -> list[Event]:
         """Limits of components that are exceeded, at the first record in which they are."""
-        limits = self.model.limits
-        exceeded = limits.broken(self.outputs)
-        return [
-            Event(
-                float(self.records[i].time),
-                limits.components[j],
-                limits.events[j],
-                float(self.outputs[i, limits.output[j]]),
-            )
-            for i, j in zip(*np.nonzero(_onsets(exceeded)), strict=True)
-        ]
+        limits, found, last, done = self.model.limits, list[Event](), np.zeros((1, 0), dtype=bool), 0
+        for outputs in self._outputs_in_parts():
+            exceeded = limits.broken(outputs)
+            begun = _onsets(exceeded, last if done else None)
+            found += [
+                Event(
+                    float(self.records[done + i].time),
+                    limits.components[j],
+                    limits.events[j],
+                    float(outputs[i, limits.output[j]]),
+                )
+                for i, j in zip(*np.nonzero(begun), strict=True)
+            ]
+            last, done = exceeded[-1:], done + len(outputs)
+        return found
+
+    def _outputs_in_parts(self) -> Iterator[np.ndarray]:
+        """Outputs of all records in their order, (records, ny); in parts where all are too many to keep."""
+        count = len(self.records)
+        if "_solved" in self.__dict__ or count * len(self.model.y) <= _KEPT:
+            yield self.outputs
+            return
+        for first in range(0, count, _BATCH):
+            yield self._evaluated(np.arange(first, min(first + _BATCH, count)))[0]
 
     @property
     def slack_time(self) -> float:
@@ -285,6 +301,8 @@ class RunData(Tabular):
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
 
 
-def _onsets(exceeded: np.ndarray) -> np.ndarray:
-    """Records at which limits become exceeded, from booleans (records, limits)."""
-    return np.asarray(exceeded & ~np.vstack([np.zeros((1, exceeded.shape[1]), dtype=bool), exceeded[:-1]]))
+def _onsets(exceeded: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:
+    """Records at which limits become exceeded, from booleans (records, limits); `before` (1, limits): of the record
+    before them."""
+    first = np.zeros((1, exceeded.shape[1]), dtype=bool) if before is None else before
+    return np.asarray(exceeded & ~np.vstack([first, exceeded[:-1]]))

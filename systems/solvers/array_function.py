@@ -11,6 +11,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ropeway.systems.native.function_steps import CHOICE, Step, function_steps
+
 Array = np.ndarray
 
 
@@ -55,7 +57,7 @@ _UNARY: dict[int, Callable[..., Any]] = {
     ca.OP_INV: _inverse,
     ca.OP_NOT: np.logical_not,
 }
-_BINARY: dict[int, Callable[..., Any]] = {
+_OTHERS: dict[int, Callable[..., Any]] = {
     ca.OP_ADD: np.add,
     ca.OP_SUB: np.subtract,
     ca.OP_MUL: np.multiply,
@@ -74,11 +76,12 @@ _BINARY: dict[int, Callable[..., Any]] = {
     ca.OP_AND: np.logical_and,
     ca.OP_OR: np.logical_or,
     ca.OP_IF_ELSE_ZERO: _kept_where,
+    CHOICE: np.where,
 }
 _TRUTHS = {ca.OP_LT, ca.OP_LE, ca.OP_EQ, ca.OP_NE, ca.OP_NOT, ca.OP_AND, ca.OP_OR}
 """Operations whose results are truth values."""
-_TAKE_TRUTHS = {ca.OP_NOT, ca.OP_AND, ca.OP_OR, ca.OP_IF_ELSE_ZERO}
-"""Operations that read truth values, the last one in its first argument."""
+_TAKE_TRUTHS = {ca.OP_NOT: 1, ca.OP_AND: 2, ca.OP_OR: 2, ca.OP_IF_ELSE_ZERO: 1, CHOICE: 1}
+"""How many of what an operation reads are truth values, the first ones."""
 
 
 class ArrayFunction:
@@ -89,42 +92,32 @@ class ArrayFunction:
     """
 
     def __init__(self, function: ca.Function) -> None:
-        self._inputs: list[tuple[int, int, int]] = []
-        self._constants: list[tuple[int, np.ndarray]] = []
+        found = function_steps(function)
+        self._inputs = [(k, step.argument, step.place) for k, step in enumerate(found) if step.op == ca.OP_INPUT]
+        self._constants = [(k, np.array(step.value)) for k, step in enumerate(found) if step.op == ca.OP_CONST]
         self._steps: list[tuple[Callable[..., Any], int, tuple[int, ...]]] = []
         self._results = [-1] * function.nnz_out(0)
         # Each result has a place of its own, so that none is overwritten.
-        place, truth = dict[int, int](), set[int]()
-
-        def new(work: int, is_truth: bool = False) -> int:
-            place[work] = self._size
-            self._size += 1
-            if is_truth:
-                truth.add(place[work])
-            return place[work]
-
-        self._size = 0
-        for k in range(function.n_instructions()):
-            op = function.instruction_id(k)
-            read, written = function.instruction_input(k), function.instruction_output(k)
-            if op == ca.OP_CONST:
-                self._constants.append((new(written[0]), np.array(function.instruction_constant(k))))
-            elif op == ca.OP_INPUT:
-                self._inputs.append((new(written[0]), read[0], read[1]))
-            elif op == ca.OP_OUTPUT:
-                self._results[written[1]] = place[read[0]]
-            else:
-                known = [place[i] for i in read]
-                for i, entry in enumerate(known):
-                    if entry in truth and (op not in _TAKE_TRUTHS or (op == ca.OP_IF_ELSE_ZERO and i == 1)):
-                        known[i] = self._size
-                        self._size += 1
-                        self._steps.append((_as_number, known[i], (entry,)))
-                step = _UNARY.get(op) if len(known) == 1 else _BINARY.get(op)
-                if step is None:
-                    raise NotImplementedError(f"Operation {op} of {function.name()!r} has no form on arrays")
-                self._steps.append((step, new(written[0], op in _TRUTHS), tuple(known)))
+        self._size = len(found)
+        truth = {k for k, step in enumerate(found) if step.op in _TRUTHS}
+        for k, step in enumerate(found):
+            if step.op == ca.OP_OUTPUT:
+                self._results[step.place] = step.read[0]
+            elif step.op not in (ca.OP_INPUT, ca.OP_CONST):
+                form = (_UNARY if len(step.read) == 1 else _OTHERS).get(step.op)
+                if form is None:
+                    raise NotImplementedError(f"Operation {step.op} of {function.name()!r} has no form on arrays")
+                self._steps.append((form, k, tuple(self._read(step, i, truth) for i in range(len(step.read)))))
         self._drop = self._last_reads()
+
+    def _read(self, step: Step, i: int, truth: set[int]) -> int:
+        """Where a step finds what it reads as number i: a truth value as a number, unless it takes truth values."""
+        place = step.read[i]
+        if place not in truth or i < _TAKE_TRUTHS.get(step.op, 0):
+            return place
+        self._steps.append((_as_number, self._size, (place,)))
+        self._size += 1
+        return self._size - 1
 
     def _last_reads(self) -> list[tuple[int, ...]]:
         """For each step the places that nothing reads after it."""

@@ -19,7 +19,8 @@ from ropeway.systems.modelling.component_functions import component_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
-from ropeway.systems.solvers.newton import VECTORS, Point, Vectors, outputs_of
+from ropeway.systems.solvers.newton import outputs_of
+from ropeway.systems.solvers.points import VECTORS, Point, Vectors
 
 _BATCH = 12_000
 """Entries of one array, about: they stay in the processor's cache."""

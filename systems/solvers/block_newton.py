@@ -18,7 +18,9 @@ from scipy.sparse.csgraph import connected_components
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.damped_newton import damped
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded, solve_sparse
+from ropeway.systems.solvers.equations import equations
+from ropeway.systems.solvers.model_functions import Buffered, solve_sparse
+from ropeway.systems.solvers.points import VECTORS, Point
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,9 @@ class Blocks:
         self._symbols = {kind: model.sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
         self._time = model.sym("t")
         self._rate, self._slope = model.sym("rate", len(model.x)), model.sym("slope", len(model.u))
-        alg = expanded(model)(self._time, *(self._symbols[kind] for kind in VECTORS))[1]
-        self._alg = alg / model.r.nominals
-        pattern = ca.jacobian_sparsity(self._alg, self._symbols[Kind.ALGEBRAIC])
+        found = equations(model, [self._time, *(self._symbols[kind] for kind in VECTORS)])[1]
+        self._alg = found.scaled(ca.DM(1.0 / model.r.nominals))
+        pattern = ca.jacobian_sparsity(self._alg.value, self._symbols[Kind.ALGEBRAIC])
         rows, columns, n = np.array(pattern.row()), np.array(pattern.get_col()), len(model.z)
         graph = csr_matrix((np.ones(len(rows)), (rows, n + columns)), shape=(2 * n, 2 * n))
         # Without a scalar graph, blocks save nothing.
@@ -57,13 +59,14 @@ class Blocks:
         """A block; its functions, of its own variables only, are made at the first use."""
         if number not in self._blocks:
             rows = np.flatnonzero(self._row_of == number)
-            residual = self._alg[rows.tolist()]
+            found = self._alg.only(rows.tolist())
+            residual = found.value
             used = tuple(self._used(residual, kind) for kind in VECTORS)
             x, z, u, p, d = (_entries(self._symbols[kind], places) for kind, places in zip(VECTORS, used, strict=True))
             rate, slope = _entries(self._rate, used[0]), _entries(self._slope, used[2])
             columns = used[1]
-            drift = ca.jtimes(residual, x, rate) + ca.jtimes(residual, u, slope) + ca.jtimes(residual, self._time, 1)
-            jacobian = ca.mtimes(ca.jacobian(residual, z), ca.diag(ca.DM(self.model.z.nominals[columns])))
+            drift = found.along([(x, rate), (u, slope), (self._time, 1)])
+            jacobian = ca.mtimes(found.jacobian(z), ca.diag(ca.DM(self.model.z.nominals[columns])))
             inputs = [self._time, x, z, u, p, d, rate, slope]
             parts = ca.Function("parts", inputs, [residual, jacobian, ca.densify(ca.horzcat(residual, drift))])
             symbols = parts.mx_in()

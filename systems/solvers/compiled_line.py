@@ -26,7 +26,7 @@ from ropeway.systems.native.section_library import (
 )
 from ropeway.systems.solvers.condensed_newton import Cases
 from ropeway.systems.solvers.line_sections import LineSections, SpanForm, SupportForm, line_sections
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 
 
 class CompiledLine:
@@ -95,18 +95,28 @@ class CompiledLine:
     def solve_cases(self, cases: Cases, used: np.ndarray) -> np.ndarray:
         """Solves many cases in place, `used` loads in each span; returns which have converged."""
         count = cases.z.shape[1]
-        rows = [np.ascontiguousarray(vector.T) for vector in cases.vectors]
         good = np.zeros(count, dtype=np.uint8)
-        x, z, u, p, d = (row[0] if count else row.ravel() for row in rows)
+        if count == 0:
+            return good.astype(bool)
+        rows = [vector.T if _rows_follow(vector.T) else np.ascontiguousarray(vector.T) for vector in cases.vectors]
+        before = cases.z.copy()
+        x, z, u, p, d = (row[0] for row in rows)
         first = Point(x, z, u, p, d)
-        solver = PointSolver(self, first, used, np.zeros(len(first.x)), np.zeros(len(first.u)))
-        strides = np.array([row.shape[1] for row in rows], dtype=np.int64)
+        solver = PointSolver(self, first, used, np.zeros(len(x)), np.zeros(len(u)))
+        strides = np.array([row.strides[0] // row.itemsize for row in rows], dtype=np.int64)
         self.core.rs_solve_many(
             ctypes.byref(self.tables), ctypes.byref(solver.point), count, strides.ctypes.data, good.ctypes.data
         )
         found = good.astype(bool)
-        cases.z[:, found] = rows[1][found].T
+        if not _rows_follow(cases.z.T):
+            cases.z[:] = rows[1].T
+        cases.z[:, ~found] = before[:, ~found]
         return found
+
+
+def _rows_follow(rows: np.ndarray) -> bool:
+    """Whether each row is in one piece, as the compiled core reads it, at equal distances."""
+    return rows.strides[1] == rows.itemsize
 
 
 class CompiledCases:
@@ -236,15 +246,15 @@ def _span_addresses(form: SpanForm, most: int) -> list[int]:
 
 @lru_cache(maxsize=64)
 def _compiled(form: SpanForm, slots: tuple[int, ...]) -> list[int]:
-    return _addresses([form.kernel(n) for n in slots])
+    return addresses_of([form.kernel(n) for n in slots])
 
 
 @lru_cache(maxsize=64)
 def _support_address(form: SupportForm) -> int:
-    return _addresses([form.kernel])[0]
+    return addresses_of([form.kernel])[0]
 
 
-def _addresses(kernels: Sequence[ca.Function]) -> list[int]:
+def addresses_of(kernels: Sequence[ca.Function]) -> list[int]:
     """Where kernels are, compiled to one library."""
     names = [f"kernel_{i}" for i in range(len(kernels))]
     found = library({f"{name}.c": kernel_source(k, name) for name, k in zip(names, kernels, strict=True)})

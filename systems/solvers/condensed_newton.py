@@ -21,7 +21,8 @@ from ropeway.systems.solvers.line_sections import (
     SupportForm,
     line_sections,
 )
-from ropeway.systems.solvers.newton import Point, Vectors, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point, Vectors
 
 _ITERATIONS = 30
 _CLOSE = 1e-12

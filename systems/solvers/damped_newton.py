@@ -45,11 +45,11 @@ def damped(
                 now, sides = step(v)
                 after = float(np.linalg.norm(now))
         except RuntimeError as error:
-            raise _failure(residual, "The equations are singular", names) from error
+            raise failure(residual, "The equations are singular", names) from error
         residual, move = now, sides[:n]
         size = float(np.abs(move).max())
         if not np.isfinite(size):
-            raise _failure(residual, "The equations are singular", names)
+            raise failure(residual, "The equations are singular", names)
         if number >= _STAGNANT and size <= 1e-6 and after <= 1e-12:
             return v - move, sides  # stiff: rounding errors of the unknowns move the others by more than a root's steps
         # Convergence is quadratic: the next step would be about size * (size / last)^2.
@@ -62,7 +62,7 @@ def damped(
             if np.abs(final).max() <= _SMALL or _rounded(v - move, final, value):
                 return v - move, sides
         v, before, last = v - move, after, size
-    raise _failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+    raise failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
 
 
 def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
@@ -90,10 +90,11 @@ def _shortened(
         if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
             return trial
         share *= 0.5
-    raise _failure(residual, "Newton's method makes no progress", names)
+    raise failure(residual, "Newton's method makes no progress", names)
 
 
-def _failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> EquilibriumError:
+def failure(residual: np.ndarray | None, reason: str, names: Sequence[str]) -> EquilibriumError:
+    """The error of a solve that has failed, with the worst residual."""
     worst, place = None, ""
     if residual is not None and len(residual):
         k = int(np.argmax(np.where(np.isfinite(residual), np.abs(residual), np.inf)))

@@ -16,13 +16,16 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.solvers.equations import expanded
 from ropeway.systems.solvers.idas import strict
-from ropeway.systems.solvers.newton import VECTORS, Buffered, Point, expanded
+from ropeway.systems.solvers.model_functions import Buffered
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.solvers.prescribed_states import commanded_of
 
 NODES = (1.0 - np.cos(np.pi * np.arange(13) / 12.0)) / 2.0
 """Chebyshev points on [0, 1]."""
-_WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
+WEIGHTS = (-1.0) ** np.arange(13) * np.where((np.arange(13) == 0) | (np.arange(13) == 12), 0.5, 1.0)
+"""Weights of the barycentric formula at these points."""
 
 _CHECKED = slice(3, None, 3)
 """Those of them at which limits are checked."""
@@ -31,13 +34,14 @@ _CHECKED = slice(3, None, 3)
 def _derivative() -> np.ndarray:
     """Matrix of the derivatives, at the points, of the polynomial through values there."""
     with np.errstate(divide="ignore"):
-        matrix = (_WEIGHTS[None, :] / _WEIGHTS[:, None]) / (NODES[:, None] - NODES[None, :])
+        matrix = (WEIGHTS[None, :] / WEIGHTS[:, None]) / (NODES[:, None] - NODES[None, :])
     np.fill_diagonal(matrix, 0.0)
     np.fill_diagonal(matrix, -matrix.sum(axis=1))
     return matrix
 
 
-_DERIVATIVE = _derivative()
+DERIVATIVE = _derivative()
+"""The derivatives, at these points, of the polynomial through values there."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class Window:
     @cached_property
     def rates(self) -> np.ndarray:
         """Rates of the states at the Chebyshev points [per s]."""
-        return np.asarray(_DERIVATIVE @ self.values / self.h)
+        return np.asarray(DERIVATIVE @ self.values / self.h)
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """States and their rates at a time, by the polynomials through all points, shapes (nx,)."""
@@ -59,7 +63,7 @@ class Window:
         near = int(np.argmin(np.abs(distance)))
         if abs(distance[near]) < 1e-14:
             return self.values[near].copy(), self.rates[near].copy()
-        share = _WEIGHTS / distance
+        share = WEIGHTS / distance
         share /= share.sum()
         return share @ self.values, share @ self.rates
 

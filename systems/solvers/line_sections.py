@@ -20,10 +20,10 @@ from ropeway.components.node import Node
 from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site
 from ropeway.components.weather import SHARED, Weather
-from ropeway.systems.modelling.component_functions import component_function
+from ropeway.systems.modelling.component_functions import closure_function, component_function
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
-from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.solvers.points import VECTORS
 
 SPAN_RESULTS = 24
 """Results of a span's kernel: closure (3,); force at end b (3,); then, for the closure, the travel at end a and that at
@@ -114,7 +114,7 @@ _OF_SUPPORTS = ("state", "travel", "balance", "support_form", "support_parameter
 """Fields of `LineSections`, in the order in which they are found."""
 
 
-class _UnfitError(Exception):
+class UnfitError(Exception):
     """A model has unknowns besides those of spans and idlers; the text says which."""
 
 
@@ -123,7 +123,7 @@ def line_sections(model: Model) -> LineSections | str:
     """The sections of a model; a text that says why where it does not fit."""
     try:
         return _Finder(model).sections()
-    except _UnfitError as reason:
+    except UnfitError as reason:
         return str(reason)
 
 
@@ -141,12 +141,12 @@ class _Finder:
         self.speeds = drive_speeds(model.runs)
 
     def sections(self) -> LineSections:
-        """The places. Raises _UnfitError."""
+        """The places. Raises UnfitError."""
         m = self.model
         if m.external:
-            raise _UnfitError("it has a component in compiled code")
+            raise UnfitError("it has a component in compiled code")
         if m.inertia is not None:
-            raise _UnfitError("its ropes have inertia")
+            raise UnfitError("its ropes have inertia")
         spans: list[tuple[int, ...]] = []
         supports: list[tuple[int, ...]] = []
         points: list[list[int]] = []
@@ -154,7 +154,7 @@ class _Finder:
             for k, node in enumerate(run.nodes):
                 axes = [m.p.index.get(f"{node.name}.{axis}", -1) for axis in "xyz"]
                 if min(axes) < 0 or any(seat.offset is not None for seat in node.seats):
-                    raise _UnfitError(f"ropes hold {node.name!r}, or leave it beside its place")
+                    raise UnfitError(f"ropes hold {node.name!r}, or leave it beside its place")
                 points.append(axes)
                 arrives = run.seats[k] if k else None
                 leaves = run.seats[0] if k == 0 else node.through(run.seats[k]) if k < len(run.spans) else None
@@ -163,7 +163,7 @@ class _Finder:
                     spans.append((*self._span(run.spans[k]), len(supports) - 1))
         unknowns = 3 * len(spans) + sum(row[1] >= 0 for row in supports)
         if not spans or unknowns != len(m.z):
-            raise _UnfitError("it has unknowns besides tensions and the travel of idlers")
+            raise UnfitError("it has unknowns besides tensions and the travel of idlers")
         by_span, by_support = np.array(spans, dtype=int).T, np.array(supports, dtype=int).T
         places = {name: row.copy() for name, row in zip(_OF_SPANS, by_span, strict=True)}
         places |= {name: row.copy() for name, row in zip(_OF_SUPPORTS, by_support, strict=True)}
@@ -200,7 +200,7 @@ class _Finder:
             return (state, -1, -1, -1, 0, 0, -1)
         balance = node.balance_at(seat) if seat else None
         if balance is None:
-            raise _UnfitError(f"the rope over {node.name!r} has no balance of its own")
+            raise UnfitError(f"the rope over {node.name!r} has no balance of its own")
         ports = [port.name for port in node.ports]
         ends = tuple(-1 if s is None else ports.index(s.name) for s in (arrives, leaves))
         site = Site(1.0, 1.0, weather=m.weather)
@@ -220,12 +220,12 @@ class _Finder:
             return -1
         name = ".".join(driver)
         if name in m.z.index:
-            raise _UnfitError(f"{name!r} is an unknown")
+            raise UnfitError(f"{name!r} is an unknown")
         return m.x.index[name] if name in m.x.index else len(m.x) + m.u.index[name]
 
 
 def _require_chain(found: LineSections) -> None:
-    """Raises _UnfitError where a residual reads other unknowns than its spans and supports have."""
+    """Raises UnfitError where a residual reads other unknowns than its spans and supports have."""
     m = found.model
     pattern = m.dae.jac_sparsity(1, 2)
     allowed = np.zeros(pattern.shape, dtype=bool)
@@ -240,7 +240,7 @@ def _require_chain(found: LineSections) -> None:
                 allowed[found.balance[support], own] = True
                 allowed[found.balance[support], ends[ends >= 0]] = True
     if not allowed[np.array(pattern.row(), dtype=int), np.array(pattern.get_col(), dtype=int)].all():
-        raise _UnfitError("an equation couples spans that are not beside each other")
+        raise UnfitError("an equation couples spans that are not beside each other")
 
 
 def _symbols(count: int) -> tuple[ca.SX, list[ca.SX]]:
@@ -248,14 +248,14 @@ def _symbols(count: int) -> tuple[ca.SX, list[ca.SX]]:
     return vector, ca.vertsplit(vector) if count else []
 
 
-def _count(*, weather: bool) -> int:
+def shared_count(*, weather: bool) -> int:
     """Number of quantities that all components share."""
     return 1 + (len(SHARED) if weather else 0)
 
 
 def _shared(v: list[ca.SX], *, weather: bool) -> tuple[ca.SX, list[ca.SX]]:
     """What all components share, as their functions take it, and the other entries."""
-    count = _count(weather=weather)
+    count = shared_count(weather=weather)
     return ca.vertcat(v[0], *(Weather.of(v[1:count]) if weather else ())), v[count:]
 
 
@@ -264,7 +264,7 @@ def _called(component: Component, function: ca.Function, shared: Any, given: dic
     empty = ca.SX(0, 1)
     vectors = [given.get(kind, empty) for kind in VECTORS]
     if any(function.size1_in(2 + i) != vector.numel() for i, vector in enumerate(vectors)) or function.size1_in(7):
-        raise _UnfitError(f"{component.name!r} has variables of its own besides its travel")
+        raise UnfitError(f"{component.name!r} has variables of its own besides its travel")
     return function.call([ca.SX(0.0), shared, *vectors, empty, *ports])
 
 
@@ -273,7 +273,7 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
     variables = form.first.variables(Site(1.0, 1.0, slots, weather=form.weather))
     function = component_function(form.first, variables, weather=form.weather)
     slotted = (4 if form.weather else 3) * slots
-    vector, v = _symbols(_count(weather=form.weather) + 3 + form.parameters + slotted + 8)
+    vector, v = _symbols(shared_count(weather=form.weather) + 3 + form.parameters + slotted + 8)
     shared, rest = _shared(v, weather=form.weather)
     force, rest = ca.vertcat(*rest[:3]), rest[3:]
     own, rest = ca.vertcat(*rest[: form.parameters]), rest[form.parameters :]
@@ -284,20 +284,28 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
     closure, going, coming = results[1], results[3][:3], results[4][:3]
     unknowns = ca.vertcat(force, rest[3], rest[7])
     if not ca.is_equal(ca.simplify(going), force, 2):
-        raise _UnfitError(f"the force of {form.first.name!r} at its start is not its tension vector")
-    matrix, pull = ca.jacobian(closure, unknowns), ca.jacobian(coming, unknowns)
-    one, two, three = (matrix[:, i] for i in range(3))
-    cross = ca.cross(two, three)
-    found = []
-    inverse = 1.0 / ca.dot(one, cross)
-    for side in (-closure, -matrix[:, 3], -matrix[:, 4]):
-        parts = (ca.dot(side, cross), ca.dot(one, ca.cross(side, three)), ca.dot(one, ca.cross(two, side)))
-        found.append(ca.vertcat(*parts) * inverse)
-    moves = [ca.mtimes(pull[:, :3], move) for move in found]
-    moves[1] += pull[:, 3]
-    moves[2] += pull[:, 4]
-    result = ca.vertcat(*ca.cse([closure, coming, *found, *moves]))
+        raise UnfitError(f"the force of {form.first.name!r} at its start is not its tension vector")
+    if type(form.first) is Span:
+        moves = closure_function(form.first, variables, weather=form.weather)
+        matrix = _called(form.first, moves, shared, given, ends)[0]
+    else:
+        matrix = ca.jacobian(closure, unknowns)
+    pull = ca.jacobian(coming, unknowns)
+    found = _solved(matrix[:, :3], [-closure, -matrix[:, 3], -matrix[:, 4]])
+    coming_moves = [ca.mtimes(pull[:, :3], move) for move in found]
+    coming_moves[1] += pull[:, 3]
+    coming_moves[2] += pull[:, 4]
+    result = ca.vertcat(*ca.cse([closure, coming, *found, *coming_moves]))
     return ca.Function(f"span_{slots}", [vector], [ca.densify(result)])
+
+
+def _solved(matrix: Any, sides: list[Any]) -> list[Any]:
+    """Solutions of a system of three equations by Cramer's rule."""
+    one, two, three = (matrix[:, i] for i in range(3))
+    cofactors = (ca.cross(two, three), ca.cross(three, one), ca.cross(one, two))
+    inverse = 1.0 / ca.dot(one, cofactors[0])
+    rows = [row * inverse for row in cofactors]
+    return [ca.vertcat(*(ca.dot(row, side) for row in rows)) for side in sides]
 
 
 @dataclass(frozen=True)
@@ -316,9 +324,9 @@ def _support_form(form: _Node, ends: tuple[int, ...]) -> SupportForm:
     function = component_function(node, variables, weather=form.weather)
     sizes = {kind: sum(v.size for v in variables if v.kind is kind) for kind in (*VECTORS, Kind.RESIDUAL)}
     if sizes[Kind.ALGEBRAIC] != 1 or sizes[Kind.RESIDUAL] != 1 or sizes[Kind.STATE] or sizes[Kind.INPUT]:
-        raise _UnfitError(f"{node.name!r} has unknowns or states of its own besides its travel")
+        raise UnfitError(f"{node.name!r} has unknowns or states of its own besides its travel")
     parameters, discrete = sizes[Kind.PARAMETER], sizes[Kind.DISCRETE]
-    vector, v = _symbols(_count(weather=form.weather) + parameters + discrete + 8)
+    vector, v = _symbols(shared_count(weather=form.weather) + parameters + discrete + 8)
     shared, rest = _shared(v, weather=form.weather)
     own, rest = ca.vertcat(ca.SX(0, 1), *rest[:parameters]), rest[parameters:]
     switches, rest = ca.vertcat(ca.SX(0, 1), *rest[:discrete]), rest[discrete:]
@@ -331,6 +339,6 @@ def _support_form(form: _Node, ends: tuple[int, ...]) -> SupportForm:
     given = {Kind.ALGEBRAIC: travel, Kind.PARAMETER: own, Kind.DISCRETE: switches}
     residual = _called(node, function, shared, given, ports)[1]
     if ca.jacobian(residual, carried).nnz():
-        raise _UnfitError(f"the balance of {node.name!r} reads the energy that its rope carries")
+        raise UnfitError(f"the balance of {node.name!r} reads the energy that its rope carries")
     result = ca.vertcat(*ca.cse([residual, ca.jacobian(residual, ca.vertcat(*rest)).T]))
     return SupportForm(form.key, parameters, discrete, ca.Function("support", [vector], [ca.densify(result)]))

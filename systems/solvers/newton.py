@@ -1,175 +1,44 @@
-"""Damped Newton's method on the scaled algebraic equations of a model."""
+"""Newton's method on the scaled algebraic equations of a model, compiled or not."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix
-from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mckee
+from scipy.sparse import csc_matrix
 
-from ropeway.components.variable import Kind
-from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model, kept_with_model, kept_with_structure
-from ropeway.systems.solvers.damped_newton import damped
-
-Slot = tuple[Kind, int]
-"""An entry of one of the model's vectors."""
-
-VECTORS = {
-    Kind.STATE: "x",
-    Kind.ALGEBRAIC: "z",
-    Kind.INPUT: "u",
-    Kind.PARAMETER: "p",
-    Kind.DISCRETE: "d",
-}
-"""The vectors of a model in the order of its functions' arguments, and what each is called."""
+from ropeway.systems.solvers.kernels.compiled_newton import CompiledFunctions, compiled_outputs, compiled_residuals
+from ropeway.systems.solvers.model_functions import NewtonFunctions, NewtonInputs, dense
+from ropeway.systems.solvers.points import Point, Slot
 
 
-@dataclass(frozen=True)
-class Vectors:
-    """One array for each vector of a model."""
-
-    x: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-    p: np.ndarray
-    d: np.ndarray
-
-    def vector(self, kind: Kind) -> np.ndarray:
-        """The array of a kind."""
-        return np.asarray(getattr(self, VECTORS[kind]))
+class Functions(Protocol):
+    """What Newton's method needs of the scaled residuals of a structure: `NewtonFunctions`, or compiled ones."""
 
     @property
-    def vectors(self) -> tuple[np.ndarray, ...]:
-        """All of them, in the order of `VECTORS`."""
-        return (self.x, self.z, self.u, self.p, self.d)
-
-
-@dataclass(frozen=True)
-class Point(Vectors):
-    """A point of the model: the values of all vectors, and the time [s]."""
-
-    t: float = 0.0
-
-    @property
-    def arguments(self) -> tuple[np.ndarray, ...]:
-        """Arguments of the model's functions."""
-        return (np.array([self.t]), self.x, self.z, self.u, self.p, self.d)
-
-    def copy(self) -> Point:
-        """With vectors of its own."""
-        x, z, u, p, d = (vector.copy() for vector in self.vectors)
-        return Point(x, z, u, p, d, self.t)
-
-
-class Buffered:
-    """A CasADi function called on NumPy arrays without copies; each thread has buffers of its own."""
-
-    def __init__(self, function: ca.Function) -> None:
-        self.function = function
-        self._own = threading.local()
-
-    def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
-        """Results as nonzeros; they are overwritten by the next call of this thread. Raises Interrupted."""
-        stop_if_interrupted()
-        try:
-            set_argument, call, results, known = self._own.buffers
-        except AttributeError:
-            set_argument, call, results, known = self._own.buffers = self._buffers()
-        for i, argument in enumerate(arguments):
-            if argument is not known[i]:  # most are the same arrays in all steps of one solve
-                set_argument(i, argument.data)
-                known[i] = argument
-        call()
-        return results
-
-    def _buffers(self) -> tuple[Callable[[int, memoryview], None], Callable[[], None], list[np.ndarray], list[object]]:
-        """The function that sets an argument, the call, the arrays of the results, and the arguments that are set."""
-        buffer, call = self.function.buffer()
-        results = [np.zeros(self.function.nnz_out(i)) for i in range(self.function.n_out())]
-        for i, result in enumerate(results):
-            buffer.set_res(i, result.data)
-        return buffer.set_arg, call, results, [None] * self.function.n_in()
-
-
-class NewtonInputs(NamedTuple):
-    """Inputs of a residual and its Jacobian: the scaled `unknowns`, the point's other vectors, the `target` of given
-    values, the `damping` of the idlers' travels with their start `anchor`, the `slope` of the inputs [per s], the
-    nominals of the unknowns, and one over those of the residuals."""
-
-    unknowns: Any
-    t: Any
-    x: Any
-    u: Any
-    p: Any
-    d: Any
-    target: Any
-    damping: Any
-    anchor: Any
-    slope: Any
-    scale: Any
-    weight: Any
-
-
-class NewtonFunctions:
-    """The scaled residuals of a structure, their Jacobian and Newton's step, for `freed` and `given` entries."""
-
-    def __init__(self, model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> None:
-        sym, count = model.sym, len(model.z) + len(freed)
-        v, scale, weight = sym("v", count), sym("scale", count), sym("weight", len(model.r) + len(given))
-        time, point = sym("t"), {kind: sym(kind.value, len(model.tables[kind])) for kind in VECTORS}
-        full = {**point, Kind.ALGEBRAIC: v[: len(model.z)] * scale[: len(model.z)]}
-        for i, (kind, k) in enumerate(freed, len(model.z)):
-            entries = ca.vertsplit(full[kind])
-            entries[k] = v[i] * scale[i]
-            full[kind] = ca.vertcat(*entries)
-            if kind is Kind.PARAMETER:
-                full[Kind.DISCRETE] -= _beyond(model, k, full[Kind.DISCRETE]) * (entries[k] - point[kind][k])
-        arguments = [time, *(full[kind] for kind in VECTORS)]
-        ode, alg = expanded(model)(*arguments)
-        target, damping = sym("target", len(given)), sym("damping")
-        anchor, slope = sym("anchor", len(model.z)), sym("slope", len(model.u))
-        residual = alg * weight[: len(model.r)] - damping * _drag(model, v, anchor)
-        if given:
-            y = scalar(model, model.outputs)(*arguments)
-            chosen = ca.vertcat(*(y[k] if kind is Kind.OUTPUT else full[kind][k] for kind, k in given))
-            residual = ca.vertcat(residual, (chosen - target) * weight[len(model.r) :])
-        known = {letter: point[kind] for kind, letter in VECTORS.items() if kind is not Kind.ALGEBRAIC}
-        nominals = {"scale": scale, "weight": weight}
-        inputs = NewtonInputs(v, time, **known, target=target, damping=damping, anchor=anchor, slope=slope, **nominals)
-        names = list(NewtonInputs._fields)
-        self.residual = ca.Function("residual", inputs, [residual], names, ["residual"])
-        matrix = ca.jacobian(residual, v)
-        stop_if_interrupted()
-        self.jacobian = ca.Function("jacobian", inputs, [matrix], names, ["jacobian"])
-        self.value, self.matrix = Buffered(self.residual), Buffered(self.jacobian)
-        pattern = self.jacobian.sparsity_out(0)
-        self._rows, self._columns = np.array(pattern.row()), np.array(pattern.colind())
-        self.step = Buffered(_linear_solves("step", inputs, residual, matrix, residual))
-        self._symbols = (inputs, residual, matrix)
-        self._moving = ((point[Kind.STATE], ode), (point[Kind.INPUT], slope), (time, 1))
+    def entries(self) -> int:
+        """Number of entries of the Jacobian."""
 
     def sparse(self, entries: np.ndarray) -> csc_matrix:
         """The entries of a Jacobian as a matrix."""
-        return csc_matrix((entries, self._rows, self._columns), shape=self.jacobian.size_out(0))
 
-    @cached_property
-    def step_and_rates(self) -> Buffered:
-        """As `step`, with the rates: made only where rates are asked for."""
-        inputs, residual, matrix = self._symbols
-        drift = sum(ca.jtimes(residual, moving, rate) for moving, rate in self._moving)
-        return Buffered(_linear_solves("rates", inputs, residual, matrix, ca.horzcat(residual, drift)))
+    def jacobian_values(self, inputs: NewtonInputs) -> np.ndarray:
+        """The entries of the Jacobian."""
+
+    def solve(
+        self, inputs: NewtonInputs, names: Sequence[str], iterations: int, shortest: float, *, rates: bool
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The root from the unknowns of `inputs`, and the rates of the unknowns, scaled. Raises EquilibriumError."""
 
 
 @kept_with_structure
-def newton_functions(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> NewtonFunctions:
-    """The functions of a structure, made once."""
+def newton_functions(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...]) -> Functions:
+    """The functions of a structure, made once. Of a compiled model raises CompiledError, CompilerError, WriteError."""
+    if model.compiled:
+        return CompiledFunctions(model, freed, given)
     return NewtonFunctions(model, freed, given)
 
 
@@ -207,11 +76,11 @@ class Newton:
 
     def jacobian_values(self, point: Point) -> np.ndarray:
         """The entries of `matrix` in the order of its pattern."""
-        return self.functions.matrix(*self.arguments(point))[0].copy()
+        return self.functions.jacobian_values(self.arguments(point))
 
     def matrix_places(self) -> csc_matrix:
         """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
-        return self.functions.sparse(np.arange(1, self.functions.jacobian.nnz_out(0) + 1))
+        return self.functions.sparse(np.arange(1, self.functions.entries + 1))
 
     def solve(
         self,
@@ -238,19 +107,9 @@ class Newton:
             inputs = inputs._replace(target=target)
         if slope is not None:
             inputs = inputs._replace(slope=slope)
-        known = inputs[1:]
-        function = self.functions.step if slope is None else self.functions.step_and_rates
-
-        def step(v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            value, sides = function(v, *known)
-            return value.copy(), sides.copy()
-
-        def value(v: np.ndarray) -> np.ndarray:
-            return self.functions.value(v, *known)[0]
-
-        v, sides = damped(inputs.unknowns, step, value, self.model.r.names, iterations, shortest)
+        v, rates = self.functions.solve(inputs, self.model.r.names, iterations, shortest, rates=slope is not None)
         self._put(v, point)
-        return None if slope is None else -sides[n : n + len(point.z)] * self.model.z.nominals
+        return None if slope is None else rates[: len(point.z)] * self.model.z.nominals
 
     def _start(self, point: Point) -> np.ndarray:
         freed = [point.vector(kind)[k] for kind, k in self.freed]
@@ -263,68 +122,25 @@ class Newton:
             point.vector(kind)[k] = value
 
 
-def solve_sparse(matrix: ca.MX, right: ca.MX) -> ca.MX:
-    """Solution of a sparse system, its rows and columns ordered so that chains of spans stay banded.
-
-    CasADi's "csparse" does not reorder them, which would fill in; its "qr" gives NaN where an entry of the pattern is
-    zero, as all those across a plane line are."""
-    rows, columns = banded_order(matrix.sparsity())
-    solution = ca.solve(matrix[rows.tolist(), columns.tolist()], right[rows.tolist(), :], "csparse")
-    return solution[np.argsort(columns).tolist(), :]
-
-
-def banded_order(pattern: ca.Sparsity) -> tuple[np.ndarray, np.ndarray]:
-    """Orders of the rows and columns of a square pattern that give it a full diagonal and a narrow band.
-
-    A structurally singular one stays as it is.
-    """
-    if pattern.nnz() == 0:
-        return np.arange(pattern.size1()), np.arange(pattern.size2())
-    graph = csr_matrix((np.ones(pattern.nnz()), (pattern.row(), pattern.get_col())), shape=pattern.shape)
-    rows = maximum_bipartite_matching(graph, perm_type="row")
-    if np.any(rows < 0):
-        return np.arange(pattern.size1()), np.arange(pattern.size2())
-    order = reverse_cuthill_mckee(graph[rows].tocsr(), symmetric_mode=False)
-    return rows[order], order
-
-
-def _linear_solves(name: str, inputs: Sequence[Any], residual: Any, matrix: Any, sides: Any) -> ca.Function:
-    """inputs -> residual, and the solutions of the system of `matrix` for all right-hand `sides`."""
-    parts = ca.Function("parts", inputs, [residual, matrix, ca.densify(sides)])
-    stop_if_interrupted()
-    symbols = parts.mx_in()
-    value, system, right = parts(*symbols)
-    return ca.Function(name, symbols, [value, solve_sparse(system, right)])
+@kept_with_model
+def newton_of(model: Model) -> Newton:
+    """The solver of a model without freed quantities, made once."""
+    return Newton(model)
 
 
 @kept_with_structure
-def expanded(model: Model) -> ca.Function:
-    """The model's equations for numerical work."""
-    return scalar(model, model.dae)
-
-
-def scalar(model: Model, function: ca.Function) -> ca.Function:
-    """A function of a model as one scalar graph; as it is where that cannot be. Raises Interrupted."""
-    stop_if_interrupted()
-    return function if model.external else function.expand()
-
-
-def dense(model: Model, function: ca.Function) -> Buffered:
-    """The first result of a function of a model, on arrays, with all its entries."""
-    arguments: list[Any] = function.mx_in() if model.external else function.sx_in()
-    result = scalar(model, function).call(arguments)[0]
-    return Buffered(ca.Function(function.name(), arguments, [ca.densify(result)]))
-
-
-@kept_with_structure
-def outputs_of(model: Model) -> Buffered:
+def outputs_of(model: Model) -> Callable[..., list[np.ndarray]]:
     """The model's outputs as a function of a point's arguments, as arrays."""
+    if model.compiled:
+        return compiled_outputs(model)
     return dense(model, model.outputs)
 
 
 @kept_with_structure
-def residuals_of(model: Model) -> Buffered:
+def residuals_of(model: Model) -> Callable[..., list[np.ndarray]]:
     """The algebraic equations of a model as a function of a point's arguments."""
+    if model.compiled:
+        return compiled_residuals(model)
     arguments = model.dae.mx_in()
     return dense(model, ca.Function("residuals", arguments, [model.dae.call(arguments)[1]]))
 
@@ -332,29 +148,3 @@ def residuals_of(model: Model) -> Buffered:
 def _nominal(model: Model, slot: Slot) -> float:
     kind, k = slot
     return float(model.tables[kind].nominals[k])
-
-
-def _drag(model: Model, v: Any, anchor: Any) -> Any:
-    """Displacement of each travel that a residual balances, at the place of that residual."""
-    drag = type(v)(len(model.r), 1)
-    for balance in model.balances:
-        drag[balance.residual] = balance.sign * (v[balance.travel] - anchor[balance.travel])
-    return ca.densify(drag)
-
-
-def _beyond(model: Model, parameter: int, discrete: Any) -> Any:
-    """By how much loads come nearer to their spans' ends a, per metre of a span's starting length: 1 for those that
-    ride on later spans, as they keep their places along the rope. One entry for each discrete variable."""
-    nearer = type(discrete)(discrete.shape[0], 1)
-    for layout in model.layouts:
-        for span in np.flatnonzero(layout.length_start == parameter):
-            for k in range(int(span) + 1, len(layout.length_start)):
-                for slot in range(int(layout.slots.count[k])):
-                    nearer[int(layout.slots.at[k]) + slot] = discrete[int(layout.slots.ride[k]) + slot]
-    return nearer
-
-
-@kept_with_model
-def newton_of(model: Model) -> Newton:
-    """The solver of a model without freed quantities, made once."""
-    return Newton(model)

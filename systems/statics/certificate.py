@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, overload
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,8 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.newton import Point, outputs_of, residuals_of
+from ropeway.systems.solvers.newton import outputs_of, residuals_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.certificate_layout import CertificateLayout, layout_of
 from ropeway.systems.statics.certificate_spans import (
     LoadsInSpans,
@@ -196,7 +197,7 @@ def certify(
     Certificate
         It raises nothing: `certificate.require(model)` does.
     """
-    values = _stacked(point.x, point.z, point.u, point.p, point.d)[None]
+    values = stacked(point)[None]
     checks = _checks(model, values, [point], runs, [beyond[None] for beyond in passed], rope, held)
     if given:
         checks.append(_given(model, point, runs, passed, given))
@@ -220,7 +221,7 @@ def certify_records(
     first = 0
     while chunk := list(itertools.islice(states, size)):
         points = [point for point, _ in chunk]
-        values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
+        values = np.array([stacked(q) for q in points])
         beyond = [np.array([passed[r] for _, passed in chunk]) for r in range(len(runs))]
         checks = _checks(model, values, points, runs, beyond, rope, held)
         found += [check._replace(record=check.record + first) for check in checks]
@@ -236,19 +237,23 @@ def _batch_size(layout: CertificateLayout) -> int:
 def certified_variants(
     model: Model,
     runs: Sequence[Run],
-    points: Sequence[Point],
+    values: np.ndarray,
     passed: Sequence[np.ndarray],
     masses: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
-    also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
-    values = np.array([_stacked(q.x, q.z, q.u, q.p, q.d) for q in points])
-    good, left = np.zeros(len(points), dtype=bool), [np.arange(len(points))] if points else []
+    """Which of many states of a line, `stacked` as rows (states, all) and each with loads of other `masses` (states,
+    loads) in each run, hold every check, also that of the ropes' breaking load, (states,). `passed` as in `certify`,
+    the same in all states."""
+    good, left = np.zeros(len(values), dtype=bool), [np.arange(len(values))] if len(values) else []
+    size = _batch_size(layout_of(model))
     while left:
         which = left.pop()
+        if len(which) > size:
+            left += np.array_split(which, -(-len(which) // size))
+            continue
         beyond = [np.repeat(p[None], len(which), axis=0) for p in passed]
-        own = [mass[which] for mass in masses]
-        checks = _checks(model, values[which], [points[i] for i in which.tolist()], runs, beyond, (), (), own)
+        own, rows = [mass[which] for mass in masses], values if len(which) == len(values) else values[which]
+        checks = _checks(model, rows, _Points(model, rows), runs, beyond, (), (), own)
         if all(check.holds for check in checks):
             good[which] = True
         elif len(which) > 1:
@@ -256,9 +261,29 @@ def certified_variants(
     return good
 
 
-def _stacked(*vectors: np.ndarray) -> np.ndarray:
-    """All vectors, and the zero behind them that a layout counts on."""
-    return np.concatenate((*vectors, (0.0,)))
+def stacked(point: Point) -> np.ndarray:
+    """All vectors of a point, and the zero behind them that a layout counts on."""
+    return np.concatenate((*point.vectors, (0.0,)))
+
+
+class _Points(Sequence[Point]):
+    """Points of states that are the rows of an array, each made when it is read."""
+
+    def __init__(self, model: Model, rows: np.ndarray) -> None:
+        self._ends, self._rows = np.cumsum([len(model.tables[kind]) for kind in VECTORS]), rows
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @overload
+    def __getitem__(self, i: int) -> Point: ...
+    @overload
+    def __getitem__(self, i: slice) -> Sequence[Point]: ...
+    def __getitem__(self, i: int | slice) -> Point | Sequence[Point]:
+        if isinstance(i, slice):
+            return [self[k] for k in range(*i.indices(len(self)))]
+        x, z, u, p, d = np.split(self._rows[i][: self._ends[-1]], self._ends[:-1])
+        return Point(x, z, u, p, d)
 
 
 def _checks(

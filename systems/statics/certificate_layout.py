@@ -15,7 +15,7 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Site
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
-from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.solvers.points import VECTORS
 
 SPAN = (
     "force_x",

@@ -9,6 +9,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 from ropeway.systems.modelling.dae_model import Balance
+from ropeway.systems.solvers.kernels.compiled_network import CompiledPivots
 from ropeway.systems.solvers.newton import Newton
 from ropeway.systems.statics.certificate_layout import layout_of
 
@@ -32,8 +33,10 @@ class CondensedStiffness:
             for own, still in zip(places_of(free), kept, strict=True)
         )
         pattern, inner = newton.matrix_places(), len(rows) - len(self.balances)
-        self._pivots_of: _Banded | _Dense | _Sparse
-        if layout_of(newton.model).plain:
+        self._pivots_of: CompiledPivots | _Banded | _Dense | _Sparse
+        if newton.model.compiled:
+            self._pivots_of = CompiledPivots(pattern[rows][:, columns], inner)
+        elif layout_of(newton.model).plain:
             self._pivots_of = _Banded(pattern[rows][:, columns], inner)
         elif inner <= _SMALL:
             self._pivots_of = _Dense(pattern[rows][:, columns], inner)

@@ -10,12 +10,12 @@ from ropeway.systems.solvers.newton import Newton, newton_of
 from ropeway.systems.statics.line_state import LineState
 
 
-def solve_algebraic(state: LineState, *, compiled: bool = False) -> None:
-    """Newton's method, `compiled` or not, then continuation in the damping of the idlers and in the rope's stiffness.
-    Raises EquilibriumError."""
+def solve_algebraic(state: LineState, *, by_sections: bool = False) -> None:
+    """Newton's method, then continuation in the damping of the idlers and in the rope's stiffness; by_sections: the
+    first in the compiled core by sections. Raises EquilibriumError."""
     start = state.point.copy()
     try:
-        if compiled:
+        if by_sections:
             compiled_line(state.model).solve_point(state.point, state.passed)
         else:
             newton_of(state.model).solve(state.point)

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
-from ropeway.components.errors import CompiledError, EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
+from ropeway.components.errors import EquilibriumError, InputError, RopewayWarning, UnbalancedSystemError
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.assembly import in_weather
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, in_code
 from ropeway.systems.modelling.system import System
 from ropeway.systems.modelling.user_code import caller
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.solvers.compiled_line import compiled_line
+from ropeway.systems.solvers.kernels.compiled_newton import require_kernels
+from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.given_values import solve_swapped
@@ -61,8 +63,7 @@ def equilibrium(
         A nearby equilibrium of the same declarations, for a warm start; or `result.at(t)`, without its brakes and
         responses.
     compiled : bool, default False
-        Whether to solve in compiled code, which needs a C compiler at first use; for lines of spans over standing
-        supports, without `given`.
+        Whether to solve in compiled code, which needs a C compiler at first use.
     environment : Environment, optional
         Weather, instead of that of the system; its values are then inputs and parameters of the model, unless it is
         calm.
@@ -93,7 +94,8 @@ def equilibrium(
     wanted = dict(given or {})
     if len(wanted) != len(freed):
         raise UnbalancedSystemError(
-            f"{len(wanted)} values are given and {len(freed)} are solved for", "Free one for each one given"
+            f"given has {len(wanted)} values, solve_for {len(freed)} names",
+            "Name one quantity in solve_for for each value in given",
         )
     for name, value in wanted.items():
         if not np.isfinite(value):
@@ -101,19 +103,20 @@ def equilibrium(
     model = in_weather(system, environment, parameters or ())
     if model.inertia is not None:
         raise InputError(f"{model.name!r} is a model with inertia", "Give the system, or `assemble` of it")
-    if compiled:
-        require_compiled(model, wanted)
+    by_sections = compiled and not wanted and require_compiled(model)
     freed = [model.swaps.get(name, name) for name in freed]
-    solved_on = at_rest_model(model) if model.free_states else model
+    in_kernels = model.compiled or (compiled and not by_sections)
+    solved_on = in_code(at_rest_model(model) if model.free_states else model, compiled=in_kernels)
     first: EquilibriumError | None = None
     for way in ("near", "from geometry", "let out", "loaded"):
         if (way == "near" and start is None) or (way == "loaded" and wanted):
             continue
         state = _near(model, start, parameters) if way == "near" and start else _cold(solved_on, parameters)
         try:
-            if way == "near" and solved_on is not model:
+            if way == "near" and model.free_states:
                 state = on_model(state, solved_on)
-            found, certificate = _at_rest(state, wanted, freed, way, compiled=compiled)
+            state.model = in_code(state.model, compiled=in_kernels)
+            found, certificate = _at_rest(state, wanted, freed, way, by_sections=by_sections)
         except TooHeavyError as error:
             raise error from first
         except EquilibriumError as error:
@@ -124,13 +127,14 @@ def equilibrium(
     raise first or EquilibriumError(f"{model.name!r} has no equilibrium")
 
 
-def require_compiled(model: Model, wanted: Collection[str] = ()) -> None:
-    """Raises CompiledError where the compiled core cannot solve a model with values `wanted`, CompilerError,
-    WriteError."""
-    if wanted or model.free_states:
-        what = "solve for given values" if wanted else f"bring {model.free_states[0]!r} to rest"
-        raise CompiledError(f"The compiled core cannot {what}", "Leave out compiled=True")
+def require_compiled(model: Model) -> bool:
+    """Whether the compiled core solves a model by its sections; otherwise it solves all equations together. Raises
+    CompiledError where it can do neither, CompilerError, WriteError."""
+    if model.free_states or isinstance(line_sections(model), str):
+        require_kernels(model)
+        return False
     compiled_line(model)
+    return True
 
 
 def _cold(model: Model, parameters: Mapping[str, float] | None) -> LineState:
@@ -157,7 +161,7 @@ def _near(model: Model, start: Equilibrium, parameters: Mapping[str, float] | No
 
 
 def _at_rest(
-    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str, *, compiled: bool
+    state: LineState, wanted: Mapping[str, float], freed: Sequence[str], way: str, *, by_sections: bool
 ) -> tuple[Equilibrium, Certificate]:
     """The equilibrium of a state with values `wanted` and others `freed` in exchange, and its certificate. The way
     "let out" comes from a taut rope, the way "loaded" from light loads. Raises EquilibriumError."""
@@ -171,7 +175,7 @@ def _at_rest(
     if wanted:
         solve_swapped(state, wanted, freed, from_chord=way != "let out")
     elif way in ("near", "from geometry"):
-        settle(state, compiled=compiled)
+        settle(state, by_sections=by_sections)
         if way == "from geometry":
             keep_taut_root(state)
     for name in freed:
@@ -187,8 +191,11 @@ def _at_rest(
 
 
 def _of(model: Model, rest: Equilibrium) -> Equilibrium:
-    """An equilibrium of `at_rest_model(model)` as one of the model."""
-    state = on_model(LineState(rest.model, rest.point, rest.runs, rest.passed), model)
+    """An equilibrium of `at_rest_model(model)`, or of the model in other code, as one of the model."""
+    if not model.free_states:
+        return replace(rest, model=in_code(rest.model, compiled=model.compiled))
+    plain = in_code(rest.model, compiled=model.compiled)
+    state = on_model(LineState(plain, rest.point, rest.runs, rest.passed), model)
     return replace(rest, model=state.model, point=state.point, runs=tuple(state.runs))
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import component_of
-from ropeway.systems.solvers.newton import Newton, Slot, newton_of
+from ropeway.systems.solvers.newton import Newton, newton_of
+from ropeway.systems.solvers.points import Slot
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import assign_loads, require_pinned
 from ropeway.systems.statics.settling import settle

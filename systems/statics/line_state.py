@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,10 +16,11 @@ from ropeway.components.schedule import Schedule
 from ropeway.components.variable import Kind
 from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.dae_model import Model, kept_with_model, nearest
+from ropeway.systems.modelling.dae_model import Model, in_code, kept_with_model, nearest
 from ropeway.systems.modelling.initial_guess import run_start
 from ropeway.systems.modelling.rope_path import Run, rounded_up
-from ropeway.systems.solvers.newton import VECTORS, Point, Slot, outputs_of
+from ropeway.systems.solvers.newton import outputs_of
+from ropeway.systems.solvers.points import VECTORS, Point, Slot
 
 LOAD_OUTPUTS = ("x", "y", "z", "distance")
 """What a slot says of the load in it, as outputs `slot_x`, ... of its span."""
@@ -109,7 +111,8 @@ class LineState:
 
     def _grow(self, counts: Sequence[np.ndarray]) -> None:
         old = self.model
-        self.model = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
+        grown = assembled(old.system, [[int(n) for n in c] for c in counts], old.inertia)
+        self.model = in_code(grown, compiled=old.compiled)
         d = self.model.d.values.copy()
         if old.inertia is None:
             d[self.model.kept] = self.point.d[old.kept]
@@ -200,19 +203,15 @@ class LineState:
 
     def set(self, values: Mapping[str, float]) -> None:
         """Sets parameters, inputs, drives' states and masses of loads. Raises InputError."""
-        owners: dict[str, list[tuple[int, int]]] = {}  # a load comes round an endless rope more than once
-        for r, run in enumerate(self.runs):
-            for i, name in enumerate(run.loads.names):
-                owners.setdefault(name, []).append((r, i))
+        owners = _owners(tuple(run.loads.names for run in self.runs))
         masses = [run.loads.mass.copy() for run in self.runs]
         for name, value in values.items():
             if not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}", "Give a finite number")
-            owner, _, quantity = name.rpartition(".")
-            if quantity == "mass" and owner in owners:
-                if value < 0.0 or (value == 0.0 and self.runs[owners[owner][0][0]].feed is None):
+            if (loads := owners.get(name)) is not None:
+                if value < 0.0 or (value == 0.0 and self.runs[loads[0][0]].feed is None):
                     raise InputError(f"{name} is {value!r} kg", "A load has a mass above zero")
-                for r, i in owners[owner]:
+                for r, i in loads:
                     masses[r][i] = value
                 continue
             kind, k = self.find(self.model.swaps.get(name, name))
@@ -224,6 +223,17 @@ class LineState:
         self.runs = [
             replace(run, loads=replace(run.loads, mass=mass)) for run, mass in zip(self.runs, masses, strict=True)
         ]
+
+
+@lru_cache(maxsize=16)
+def _owners(names: tuple[tuple[str, ...], ...]) -> dict[str, list[tuple[int, int]]]:
+    """For the name of each load's mass its run and its number there, from the names in each run; a load comes round an
+    endless rope more than once."""
+    owners: dict[str, list[tuple[int, int]]] = {}
+    for r, run in enumerate(names):
+        for i, name in enumerate(run):
+            owners.setdefault(f"{name}.mass", []).append((r, i))
+    return owners
 
 
 def declared_point(model: Model) -> Point:
@@ -274,7 +284,9 @@ def find(model: Model, runs: Sequence[Run], passed: Sequence[np.ndarray], name: 
             slot = f"{run.spans[k].name}.slot_{quantity}[{beyond[k] - load}]"
             kind = Kind.DISCRETE if quantity == "mass" else Kind.OUTPUT
             return kind, model.tables[kind].index[slot]
-    known = [n for kind in (Kind.OUTPUT, *VECTORS) for n in model.tables[kind].names]
+    tables = [model.tables[kind] for kind in (Kind.OUTPUT, *VECTORS)]
+    known = [table.names[i] for table in tables for i in table.shown]
+    known += [f"{load}.{of}" for run in runs for load in run.loads.names for of in (*load_outputs(model), "mass")]
     raise UnknownNameError(f"{name!r} is not in system {model.name!r}", nearest(name, known))
 
 

@@ -85,8 +85,12 @@ def _wind(state: LineState, r: int, rope: np.ndarray) -> None:
 def require_pinned(state: LineState) -> None:
     """Raises EquilibriumError where a span does not have enough rope for a load that hangs at a distance on it."""
     for r, run in enumerate(state.runs):
-        loads, room = run.loads, np.diff(state.rope(r)) + state.model.layouts[r].free(state.point.z)
-        for i in np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0)):
+        loads = run.loads
+        pinned = np.flatnonzero((loads.pinned >= 0) & (loads.at > 0.0))
+        if not len(pinned):
+            continue
+        room = np.diff(state.rope(r)) + state.model.layouts[r].free(state.point.z)
+        for i in pinned:
             span = run.spans[loads.pinned[i]].name
             if loads.at[i] > room[loads.pinned[i]] * (1.0 + 1e-9):
                 raise EquilibriumError(

@@ -14,8 +14,8 @@ from ropeway.components.component import Component
 from ropeway.components.errors import UnbalancedSystemError
 from ropeway.components.variable import Equations, Kind, Site, Variable
 from ropeway.systems.modelling.assembly import assemble
-from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
-from ropeway.systems.solvers.newton import VECTORS, Point
+from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.line_state import LineState, declared_point
 
 _SUFFIX = " at rest"
@@ -66,7 +66,7 @@ def on_model(state: LineState, model: Model) -> LineState:
     """A state of a model on its `at_rest_model`, or the other way round; variables without a value stay as declared."""
     counts = [layout.slots.count.tolist() for layout in state.model.layouts]
     if counts != [layout.slots.count.tolist() for layout in model.layouts]:
-        model = assemble(model.system, slots=counts)
+        model = in_code(assemble(model.system, slots=counts), compiled=model.compiled)
     point = same_values(state.model, state.point, model)
     runs = [replace(own, loads=run.loads) for own, run in zip(model.runs, state.runs, strict=True)]
     return LineState(model, point, runs, state.passed)

@@ -40,16 +40,16 @@ def certified(state: LineState) -> Certificate:
     return certify(state.model, state.point, state.runs, state.passed)
 
 
-def settle(state: LineState, *, quick: bool = False, compiled: bool = False) -> None:
-    """Solves a state and assigns its loads until each is in its span; quick: by Newton's method alone; compiled: in the
-    compiled core. Raises EquilibriumError."""
+def settle(state: LineState, *, quick: bool = False, by_sections: bool = False) -> None:
+    """Solves a state and assigns its loads until each is in its span; quick: by Newton's method alone;
+    by_sections: in the compiled core by sections. Raises EquilibriumError."""
     seen: set[bytes] = set()
     models = [state.model]
     for _ in range(200):
         if quick:
             newton_of(state.model).solve(state.point)
         else:
-            solve_algebraic(state, compiled=compiled)
+            solve_algebraic(state, by_sections=by_sections)
         before = [p.copy() for p in state.passed]
         if assign_loads(state):
             require_pinned(state)

@@ -9,7 +9,8 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of, kept_with_model
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness
 from ropeway.systems.statics.line_state import LineState
 

@@ -13,11 +13,12 @@ import numpy as np
 
 from ropeway.components.check import Range
 from ropeway.components.variable import Kind
+from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.compiled_line import CompiledCases, compiled_line
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.solvers.newton import Point
-from ropeway.systems.statics.certificate import certified_variants
+from ropeway.systems.solvers.points import VECTORS
+from ropeway.systems.statics.certificate import certified_variants, stacked
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK
 
@@ -43,15 +44,15 @@ class LineVariants:
     def solve(self, values: np.ndarray) -> tuple[np.ndarray, Cases]:
         """Equilibria for values (cases, parameters): which are solved and certified, (cases,), and all cases, travels
         counted from their rest."""
-        model, state, count = self._state.model, self._state, len(values)
-        q = state.point
-        cases = Cases(*(np.repeat(v[:, None], count, axis=1) for v in q.vectors))
+        state, count = self._state, len(values)
+        every = np.repeat(stacked(state.point)[None], count, axis=0)
+        cases = _columns(state.model, every)
         masses = [np.repeat(run.loads.mass[None], count, axis=0) for run in state.runs]
         good = self._set(values, cases, masses)
         self._write_slots(cases, masses)
         tried = np.flatnonzero(good)
         if len(tried) < count:
-            part = Cases(*(np.ascontiguousarray(v[:, tried]) for v in cases.vectors))
+            part = _columns(state.model, every[tried])
             good[tried] = self._solver.solve(part)
             cases.z[:, tried] = part.z
         else:
@@ -59,9 +60,8 @@ class LineVariants:
         for r in range(len(state.runs)):
             good &= self._settled(r, cases)
         which = np.flatnonzero(good)
-        rows = [np.ascontiguousarray(v[:, which].T) for v in cases.vectors]
-        points = [Point(*vectors) for vectors in zip(*rows, strict=True)]
-        good[which] = certified_variants(model, state.runs, points, state.passed, [m[which] for m in masses])
+        solved = every if len(which) == count else every[which]
+        good[which] = certified_variants(state.model, state.runs, solved, state.passed, [m[which] for m in masses])
         self._rezero(cases)
         return good, cases
 
@@ -158,6 +158,12 @@ def line_variants(state: LineState, names: Sequence[str], *, compiled: bool = Fa
         return LineVariants(state, names, core)
     except _OneByOneError:
         return None
+
+
+def _columns(model: Model, rows: np.ndarray) -> Cases:
+    """The vectors of cases that are the rows of an array, as views."""
+    ends = np.cumsum([len(model.tables[kind]) for kind in VECTORS])
+    return Cases(*(part.T for part in np.split(rows[:, : ends[-1]], ends[:-1], axis=1)))
 
 
 class _OneByOneError(Exception):

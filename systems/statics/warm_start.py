@@ -16,7 +16,7 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.modelling.intervention import SWITCHED
 from ropeway.systems.modelling.system import System
-from ropeway.systems.solvers.newton import VECTORS
+from ropeway.systems.solvers.points import VECTORS
 from ropeway.systems.statics.line_state import LineState, declared_point
 from ropeway.systems.statics.pending_events import Pending
 

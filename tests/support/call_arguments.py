@@ -194,13 +194,14 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "gravity_skyline": lambda: {"terrain": GROUND, **ends, "skyline": ROPE, "tension": 60e3, "length": None},
         "inhaul": lambda: {
             **payload, "start": 40.0, "end": 44.0, "speed": 3.0, "every": 0.5, "changes": (), "tolerance": 1e-7,
+            "compiled": False,
         },
         "latin_hypercube": lambda: {"bounds": {"p": (1.0, 2.0)}, "samples": 5, "seed": 1},
         "lira_worksheet": lambda: {**LOADED, "carriage_weight": 900.0, "strain": ROPE.strain, "readings": None},
         "live_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "standing_skyline": lambda: {"terrain": GROUND, **rig_parts()},
         "running_skyline": lambda: {"terrain": GROUND, **ends, "haulback": ROPE, "tension": 60e3},
-        "load_path": lambda: {**payload, "stations": STATIONS, "height": None, **cold},
+        "load_path": lambda: {**payload, "stations": STATIONS, "height": None, "compiled": False, **cold},
         "load_cases": lambda: {
             "of": one_span(), "cases": [rw.Environment("calm")], "loadings": ["full"], "safety_factor": 2.5,
             "payload": None, "stations": None,
@@ -235,20 +236,21 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "objectives": lambda: {"result": run(), "settle": 1.0, "target": 3e4},
         "optimise_schedule": lambda: {
             "line": line_of_two(), "until": 6.0, "minimise": {"energy": 1.0}, "limits": rw.ScheduleLimits(),
-            "intervals": 3, "lead": "c", "trim": response(), "warm_start": None, **optional,
+            "intervals": 3, "lead": "c", "trim": response(), "warm_start": None, "compiled": False,
+            **optional,
         },
         "receding_horizon": lambda: {
             "line": line_of_two(), "until": 6.0, "horizon": 6.0, "every": 3.0, "minimise": "energy",
-            "limits": rw.ScheduleLimits(), "intervals": 4, "lead": "c", **optional,
+            "limits": rw.ScheduleLimits(), "intervals": 4, "lead": "c", "compiled": False, **optional,
         },
         "optimise_supports": lambda: {
             "rig": rig(), "candidates": [rw.Candidate("tree", 110.0, (7.0,))], "payload": 500.0, "clearance": 0.5,
-            "rope_clearance": 0.0, "safety_factor": 3.0, "stations": STATIONS, "most": 1,
+            "rope_clearance": 0.0, "safety_factor": 3.0, "stations": STATIONS, "most": 1, "compiled": False,
         },
         "payload": lambda: {
             "rig": rig(), "safety_factor": 3.0, "clearance": 0.5, "rope_clearance": 0.0, "stations": [150.0],
             "mainline_safety_factor": 3.0, "lift_off": True, **cold, "saddle_angle": (-0.2, 1.2), "roller_force": 60e3,
-            "rollers": {"jack": 2},
+            "rollers": {"jack": 2}, "compiled": False,
         },
         "payload_for_tension": lambda: {
             "method": METHODS["rigid link"], "line": LOADED["line"], "rope": ROPE, "tension": 150e3,
@@ -270,9 +272,11 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "save": lambda: {"value": one_span(), "path": folder() / "saved.json"},
         "sensitivities": lambda: {
             "solution": rig(), "of": "sag", "to": ["payload"], "payload": 500.0, "stations": [150.0], "height": None,
+            "compiled": False,
         },
         "set_up": lambda: {
-            "rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None, **cold,
+            "rig": live_rig(), "station": 150.0, "payload": 500.0, "tension": 60e3, "deflection": None,
+            "compiled": False, **cold,
         },
         "tension_history": lambda: {"rig": new_rig(), "turns": [(150.0, 500.0)]},
         "simulate": lambda: {

@@ -224,7 +224,13 @@ def methods() -> dict[str, Callable[[], Call]]:
             timeout=9.0, step=0.5,
         ),
         "fmu.CoSimulation.connect": lambda: cosimulation(
-            "connect", source="span.a.tension", target="line.c.speed", factor=2.0, offset=0.5, convert_units=False
+            "connect",
+            source="span.a.tension",
+            target="line.c.speed",
+            factor=2.0,
+            offset=0.5,
+            convert_units=False,
+            mapping=None,
         ),
         "fmu.CoSimulation.from_ssp": structure,
         "fmu.CoSimulation.to_ssp": lambda: cosimulation(

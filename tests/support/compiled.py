@@ -1,4 +1,4 @@
-"""What a run in the compiled core has in common with the same run by IDAS."""
+"""What a run or a study in compiled code has in common with the same one without."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import pandas as pd
 
 import ropeway as rw
 
-TENSION, TIME = 1e-6, 1e-6
-"""Relative difference of tensions, and difference of an event's time [s]."""
+TENSION, TIME, SAME = 1e-6, 1e-6, 1e-9
+"""Relative difference of tensions, difference of an event's time [s], and relative difference in a table."""
 
 
 def require_alike(compiled: rw.Result, integrated: rw.Result) -> None:
@@ -22,6 +22,19 @@ def require_alike(compiled: rw.Result, integrated: rw.Result) -> None:
     apart = np.array([np.abs(times - t).min(initial=np.inf) > 10.0 * TIME for t in frames[1].index])
     difference = np.abs(frames[0].to_numpy() / frames[1].to_numpy() - 1.0)[apart]
     assert difference.max(initial=0.0) <= TENSION
+
+
+def require_same_table(compiled: pd.DataFrame, plain: pd.DataFrame, tolerance: float = SAME) -> None:
+    """The same words, and the same numbers relative to the largest of each column and one unit."""
+    assert list(compiled.columns) == list(plain.columns)
+    numbers = plain.select_dtypes(float).columns
+    pd.testing.assert_frame_equal(
+        compiled.drop(columns=numbers).reset_index(drop=True), plain.drop(columns=numbers).reset_index(drop=True)
+    )
+    one, other = compiled[numbers].to_numpy(), plain[numbers].to_numpy()
+    np.testing.assert_array_equal(np.isfinite(one), np.isfinite(other))
+    size = np.nanmax(np.where(np.isfinite(other), np.abs(other), 1.0), axis=0, initial=1.0)
+    assert np.nanmax(np.where(np.isfinite(other), np.abs(one - other) / size, 0.0), initial=0.0) <= tolerance
 
 
 def _events(result: rw.Result) -> pd.Series:

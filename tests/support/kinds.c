@@ -101,7 +101,7 @@ static status set_real(instance *i, unsigned vr, double value)
 static status set_whole(instance *i, unsigned vr, int64_t value)
 {
     NEED(vr == SIZE ? CONFIGURING : DISCRETE);
-    if (vr == ENUM && (value < 1 || value > 2)) return say(i, ERROR, "no such item");
+    if (vr == ENUM && (value < 1 || value > 3)) return say(i, ERROR, "no such item");
     i->s.z[vr] = value;
     return OK;
 }

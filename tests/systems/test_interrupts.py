@@ -17,7 +17,7 @@ from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.interrupts import interruptible, keeping, stop_if_interrupted, users_code
 from ropeway.systems.native import compiler
 from ropeway.systems.solvers.condensed_newton import CondensedNewton
-from ropeway.systems.solvers.newton import Buffered
+from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.studies.control.scheduling import nonlinear_program
 from ropeway.systems.studies.skyline.station_solver import Stations
 from support.fmus import corridor

@@ -12,7 +12,7 @@ import pytest
 
 import ropeway as rw
 from ropeway.fmu.cosimulation.cosimulation import CoSimulation
-from ropeway.systems.solvers.newton import Buffered
+from ropeway.systems.solvers.model_functions import Buffered
 from support.fmus import corridor
 from support.schedule_lines import line
 

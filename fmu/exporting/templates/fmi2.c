@@ -161,7 +161,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
     info->newDiscreteStatesNeeded = fmi2False;
     info->terminateSimulation = fmi2False;
     info->nominalsOfContinuousStatesChanged = fmi2False;
-    info->valuesOfContinuousStatesChanged = fmi2False;
+    info->valuesOfContinuousStatesChanged = fmi2True; /* rates jump, and some importers restart their solver only then */
     info->nextEventTimeDefined = status <= fmi2Warning && isfinite(info->nextEventTime) ? fmi2True : fmi2False;
     return status;
 }

@@ -227,7 +227,8 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *needUpdate, fmi
     fmi3Status status;
     NEEDS(MODE == RW_EVENT && needUpdate && terminate && nominals && values && timeDefined && time, "UpdateDiscreteStates");
     status = update(c, time);
-    *needUpdate = *terminate = *nominals = *values = fmi3False;
+    *needUpdate = *terminate = *nominals = fmi3False;
+    *values = fmi3True; /* rates jump, and some importers restart their solver only then */
     *timeDefined = status <= fmi3Warning && isfinite(*time);
     return status;
 }

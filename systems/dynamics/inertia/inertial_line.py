@@ -11,7 +11,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import OSCILLATING, Idas
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.line_state import LineState
 
 

@@ -18,7 +18,8 @@ from ropeway.systems.dynamics.inertia.inertial_system import (
 from ropeway.systems.modelling.assembly import assembled
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Loads, Run
-from ropeway.systems.solvers.newton import VECTORS, Point, newton_of, outputs_of
+from ropeway.systems.solvers.newton import newton_of, outputs_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.line_state import LineState, declared_point
 from ropeway.systems.statics.load_positions import unpin
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError, SimulationError
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
-from ropeway.systems.dynamics.event_stepper import EventStepper
 from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_state import tieable
@@ -32,11 +31,12 @@ class InertialStepper:
 
     disturbed = False
     """It is solved again at once after each change."""
+    line_kind: type[InertialLine] = InertialLine
 
     def __init__(
         self, state: LineState, signals: Sequence[Signal], tolerance: float, recorder: Recorder | None = None
     ) -> None:
-        self.line = InertialLine(state, signals, tolerance)
+        self.line = self.line_kind(state, signals, tolerance)
         self.recorder = Recorder() if recorder is None else recorder
         self.guard = ChatterGuard(sum(len(run.nodes) for run in state.runs))
         self._ties = any(tieable(state.model, r).any() and len(run.loads.place) > 0 for r, run in enumerate(state.runs))
@@ -149,17 +149,3 @@ def _share(before: float | None, after: float) -> float:
     if before is None or before <= 0.0:
         return 0.5
     return float(np.clip((before + 2e-4) / (before - after), 0.05, 0.95))
-
-
-def stepper_of(
-    state: LineState,
-    signals: Sequence[Signal],
-    tolerance: float,
-    recorder: Recorder | None = None,
-    *,
-    compiled: bool = False,
-) -> EventStepper | InertialStepper:
-    """The stepper of a line, with or without inertia; compiled: sections are solved in the compiled core."""
-    if state.model.inertia is not None:
-        return InertialStepper(state, signals, tolerance, recorder)
-    return EventStepper(state, signals, tolerance, recorder, compiled=compiled)

@@ -52,53 +52,65 @@ class _Standing:
     tied: np.ndarray
 
 
-def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
-    """All events towards which loads move, at `rates` of travel of each run [m/s]; a negative gap is overdue."""
-    found: list[ZoneEvent] = []
+class Threshold(NamedTuple):
+    """Where the loads of run r come to one kind of event as the rope runs over their supports k: forwards, with side
+    1, or backwards, -1. `gap` [m] is the travel until then, negative where it is overdue; `on`: whether it applies.
+    Arrays over the loads."""
+
+    what: str
+    r: int
+    k: np.ndarray
+    side: float
+    gap: np.ndarray
+    on: np.ndarray
+    load: np.ndarray
+    forward: bool
+
+
+def thresholds(state: LineState) -> list[Threshold]:
+    """All events that loads can come to."""
+    found: list[Threshold] = []
     zone = state.model.inertia.zone if state.model.inertia is not None else 0.0
-    for r, rate in enumerate(rates):
+    for r in range(len(state.runs)):
         ties = tieable(state.model, r)
         if not ties.any() or not len(state.runs[r].loads.place):
             continue
         take_more(state, r)
         loads, rope, last = _standing(state, r), state.rope(r), len(ties) - 1
+        number = loads.index + state.runs[r].loads.first
+        inside = (loads.span >= 0) & (loads.span < last)
+        free = (loads.tied < 0) & inside
         for end, side in ((0, 1.0), (1, -1.0)):  # free loads towards the ends a and b of their spans
-            on = (loads.tied < 0) & (loads.span >= 0) & (loads.span < last)
-            k = np.where(on, loads.span + end, 0)
+            k = np.where(free, loads.span + end, 0)
             gap = side * (loads.place - rope[k]) - zone
-            closing = -side * rate[k]
-            found += _events(state, r, TIE, k, loads, gap, closing, on & ties[k] & (closing > 0.0), forward=end == 1)
-        k = np.maximum(loads.tied, 0)
-        past, speed, on = loads.place - rope[k], rate[k], loads.tied >= 0
-        before = on & (loads.span < k)
-        behind = on & (loads.span >= k)
-        up, down = speed > 0.0, speed < 0.0
-        found += _events(state, r, CROSS, k, loads, PAST - past, speed, before & up, forward=True)
-        found += _events(state, r, CROSS, k, loads, past + PAST, -speed, behind & down, forward=False)
-        away = (loads.span >= 0) & (loads.span < last)
+            found.append(Threshold(TIE, r, k, -side, gap, free & ties[k], number, end == 1))
+        k, tied = np.maximum(loads.tied, 0), loads.tied >= 0
+        past, before, behind = loads.place - rope[k], tied & (loads.span < k), tied & (loads.span >= k)
         reach = BEYOND * zone
-        found += _events(state, r, LEAVE, k, loads, reach + past, -speed, before & down & away, forward=False)
-        found += _events(state, r, LEAVE, k, loads, reach - past, speed, behind & up & away, forward=True)
+        found += [
+            Threshold(CROSS, r, k, 1.0, PAST - past, before, number, True),
+            Threshold(CROSS, r, k, -1.0, past + PAST, behind, number, False),
+            Threshold(LEAVE, r, k, -1.0, reach + past, before & inside, number, False),
+            Threshold(LEAVE, r, k, 1.0, reach - past, behind & inside, number, True),
+        ]
     return found
 
 
-def _events(
-    state: LineState,
-    r: int,
-    what: str,
-    k: np.ndarray,
-    loads: _Standing,
-    gap: np.ndarray,
-    speed: np.ndarray,
-    which: np.ndarray,
-    *,
-    forward: bool,
-) -> list[ZoneEvent]:
-    first = state.runs[r].loads.first
-    return [
-        ZoneEvent(what, r, int(k[i]), int(loads.index[i]) + first, float(gap[i]), float(speed[i]), forward)
-        for i in np.flatnonzero(which & (speed > 1e-9))
-    ]
+def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
+    """The events towards which loads move, at `rates` of travel of each run [m/s]."""
+    events = list[ZoneEvent]()
+    for t in found:
+        speed = t.side * rates[t.r][t.k]
+        events += [
+            ZoneEvent(t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), t.forward)
+            for i in np.flatnonzero(t.on & (speed > 1e-9))
+        ]
+    return events
+
+
+def coming(state: LineState, rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
+    """All events towards which loads move, at `rates` of travel of each run [m/s]; a negative gap is overdue."""
+    return approached(thresholds(state), rates)
 
 
 def _standing(state: LineState, r: int) -> _Standing:

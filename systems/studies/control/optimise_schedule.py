@@ -40,6 +40,7 @@ def optimise_schedule(
     trim: ProportionalResponse | None = None,
     warm_start: SchedulePlan | Mapping[str, Schedule] | None = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> SchedulePlan:
     """Optimise the speeds of a mono-cable line's control sheaves over time, within limits.
 
@@ -75,6 +76,8 @@ def optimise_schedule(
         Schedules to begin with, by control sheave. The plan keeps their first speeds, by default the line's own.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether the runs are in compiled code, as in `simulate`.
 
     Returns
     -------
@@ -88,6 +91,8 @@ def optimise_schedule(
         Where no schedule satisfies all limits; it names them, with the smallest sufficient relaxation.
     ScheduleError
         Where plan and simulation do not converge, with the last plan.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`, as in `simulate`.
 
     Examples
     --------
@@ -108,7 +113,7 @@ def optimise_schedule(
     check.not_negative(settled, "optimise_schedule", "settle", "s")
     if settled >= until:
         raise InputError(f"settle is {settled:g} s, until {until:g} s", "Let the line settle before the end")
-    request = ScheduleRequest(line, until, intervals, bounds, settled, target, lead, start, trim)
+    request = ScheduleRequest(line, until, intervals, bounds, settled, target, lead, start, trim, compiled)
     plans: list[SchedulePlan] = []
     with bar("optimise", 1.0, progress) as advance, keeping(lambda: plans[-1] if plans else None):
         study = ScheduleStudy.of(request)

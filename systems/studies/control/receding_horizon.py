@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 import pandas as pd
 
@@ -85,6 +86,7 @@ def receding_horizon(
     lead: str | None = None,
     start: Equilibrium | None = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> RecedingHorizon:
     """Plan ahead, drive the beginning of the plan, plan again from there, and so on.
 
@@ -116,6 +118,8 @@ def receding_horizon(
         Where the line starts; by default its equilibrium.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether the runs are in compiled code, as in `simulate`.
 
     Returns
     -------
@@ -124,6 +128,8 @@ def receding_horizon(
     Raises
     ------
     InputError, ScheduleError
+    CompiledError, CompilerError, WriteError
+        Of `compiled`, as in `simulate`.
 
     Examples
     --------
@@ -142,11 +148,12 @@ def receding_horizon(
         )
     names = scheduled_sheaves(line)
     bare = with_responses(line, dict.fromkeys(names))
-    first = carried_over(equilibrium(bare) if start is None else start, bare)
+    first = carried_over(equilibrium(bare, compiled=compiled) if start is None else start, bare)
     for own in first.model.signals:
         if isinstance(own, Schedule):
             own.require(until)
-    plan = partial(optimise_schedule, minimise=minimise, intervals=intervals, lead=lead, progress=False)
+    how: dict[str, Any] = {"progress": False, "compiled": compiled}
+    plan = partial(optimise_schedule, minimise=minimise, intervals=intervals, lead=lead, **how)
     bounds = ScheduleLimits() if limits is None else limits
     horizons = _Horizons(bare, names, first, partial(plan, settle=settle, target=target, limits=bounds))
     with bar("receding horizon", until, progress) as advance, keeping(horizons.driven):
@@ -161,7 +168,7 @@ def receding_horizon(
             )
             advance(horizons.begin)
         inputs = {f"{name}.speed": schedule for name, schedule in horizons.schedules.items()}
-        result = simulate(first.model, until, every=step / 4.0, inputs=inputs, start=first, progress=False)
+        result = simulate(first.model, until, every=step / 4.0, inputs=inputs, start=first, **how)
     return RecedingHorizon(tuple(horizons.plans), tuple(horizons.begins), horizons.schedules, result)
 
 

@@ -13,7 +13,7 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, support_tensions, tension_for_total
 from ropeway.systems.modelling.system import System
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium, still
 from ropeway.systems.statics.line_state import LineState

@@ -10,7 +10,7 @@ import numpy as np
 from ropeway.components import check
 from ropeway.components.errors import EquilibriumError, InputError, UnknownNameError
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.fitting.measured import GIVEN, MEASURED
 from ropeway.systems.studies.fitting.rope_points import RETURN_TIME, ROPE_X, ROPE_Y, ROPE_Z, return_time, rope_points
 from ropeway.systems.studies.fitting.sources import Source, States

@@ -20,7 +20,8 @@ from ropeway.components.weather import drag_variables
 from ropeway.systems.dynamics.inertia.inertial_system import rope_nodes
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model, component_of
-from ropeway.systems.solvers.newton import VECTORS, Point, newton_of
+from ropeway.systems.solvers.newton import newton_of, residuals_of
+from ropeway.systems.solvers.points import VECTORS, Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import load_force, span_rope
 from ropeway.systems.statics.resting import same_values
@@ -207,10 +208,9 @@ def _point(line: Equilibrium, model: Model, cut: Sequence[CutSpan]) -> Point:
             for value in _OF_ROPE:
                 if f"{name}.{value}" in model.p.index:
                     point.p[model.p.index[f"{name}.{value}"]] = line.point.p[line.model.p.index[f"{span.name}.{value}"]]
-    newton = newton_of(model)
     if model.weather:  # each piece faces the wind by its own chord
-        newton.solve(point)
-    missed = np.abs(newton.functions.residual(*newton.arguments(point)).full().ravel())
+        newton_of(model).solve(point)
+    missed = np.abs(residuals_of(model)(*point.arguments)[0] / model.r.nominals)
     if not missed.max(initial=0.0) < _EXACT:
         name = component_of(model.r.names[int(missed.argmax())])
         raise InputError(

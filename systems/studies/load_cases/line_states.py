@@ -16,7 +16,7 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.array_outputs import outputs_of_columns
 from ropeway.systems.solvers.condensed_newton import Cases
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.line_state import LineState, declared_point

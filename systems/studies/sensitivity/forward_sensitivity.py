@@ -17,9 +17,10 @@ from ropeway.components.errors import SimulationError, UnknownNameError
 from ropeway.systems.dynamics.line_stepper import rates_of
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import update_of
-from ropeway.systems.modelling.dae_model import component_of
+from ropeway.systems.modelling.dae_model import component_of, in_code
 from ropeway.systems.solvers.drive_trajectories import drives_of
-from ropeway.systems.solvers.newton import Point, Slot, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point, Slot
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import find
 from ropeway.systems.studies.sensitivity.linearisation import (
@@ -35,12 +36,12 @@ _ACCURACY = 1e-9
 
 
 class ForwardSensitivity:
-    """Derivatives along a simulation, from record to record."""
+    """Derivatives along a simulation, from record to record, in compiled code or not."""
 
-    def __init__(self, result: Result, varied: Varied) -> None:
+    def __init__(self, result: Result, varied: Varied, *, compiled: bool = False) -> None:
         self.result = result
-        self.model = result.model
-        self.tangent = tangent_of(result.model)
+        self.model = in_code(result.model, compiled=compiled)
+        self.tangent = tangent_of(self.model)
         self.varied = varied
         self.x = varied.x
         """Directions of the states now, (nx, k)."""

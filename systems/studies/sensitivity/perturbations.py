@@ -13,7 +13,7 @@ from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.empty_rope import pretension, tension_for_total
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import find
 

@@ -23,7 +23,7 @@ from ropeway.systems.modelling.empty_rope import pretension
 from ropeway.systems.rigs.bare_skyline import bare_equilibrium, bare_tension
 from ropeway.systems.rigs.rig_builder import length_for
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.sensitivity.linearisation import Exchange, LinearState, tangent_of
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 

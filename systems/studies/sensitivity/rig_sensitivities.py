@@ -25,12 +25,15 @@ def rig_sensitivities(
     payload: float,
     stations: Sequence[float] | np.ndarray | None,
     height: float | None,
+    *,
+    compiled: bool,
 ) -> pd.DataFrame:
     """A row for each station, columns (of, to). Raises UnknownNameError, InputError, EquilibriumError."""
     check.not_negative(payload, rig.name, "payload", "kg")
     if height is not None and not rig.kind.sets_height:
         raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
-    solver, places = Stations(rig, by_height=height is not None), stations_of(rig, stations)
+    solver = Stations(rig, by_height=height is not None, compiled=compiled)
+    places = stations_of(rig, stations)
     heights = [None if height is None else carriage_height(rig, float(x), height) for x in places]
     solved = certified([solver.solve(float(x), payload, z) for x, z in zip(places, heights, strict=True)])
     rows = []

@@ -6,6 +6,7 @@ simulation from the linearised equations (`forward_sensitivity`)."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -14,10 +15,10 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.interrupts import interruptible
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, in_code
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Slot
+from ropeway.systems.solvers.points import Slot
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import still
 from ropeway.systems.statics.line_state import find
@@ -37,6 +38,7 @@ def sensitivities(
     payload: float | None = None,
     stations: Sequence[float] | np.ndarray | None = None,
     height: float | None = None,
+    compiled: bool = False,
 ) -> pd.DataFrame:
     """Exact derivatives of results by parameters.
 
@@ -63,6 +65,8 @@ def sensitivities(
         Of a rig, as for `load_path`.
     height : float, optional
         Of a rig, as for `load_path`; to="height" is then the height z of the carriage.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -80,6 +84,8 @@ def sensitivities(
         without a rig.
     EquilibriumError
         A rig has no equilibrium at a station.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this system, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -92,20 +98,22 @@ def sensitivities(
         raise InputError("sensitivities has nothing to derive", "Name at least one result and one parameter")
     if isinstance(solution, SkylineRig):
         load = solution.carriage.payload if payload is None else payload
-        return rig_sensitivities(solution, wanted, varied, load, stations, height)
+        return rig_sensitivities(solution, wanted, varied, load, stations, height, compiled=compiled)
     if (payload, stations, height) != (None, None, None):
         raise InputError("payload, stations and height are those of a rig", "Leave them out, or give a rig")
-    frame = (
-        _at_rest(solution, wanted, varied) if isinstance(solution, Equilibrium) else _in_time(solution, wanted, varied)
-    )
+    if isinstance(solution, Equilibrium):
+        frame = _at_rest(solution, wanted, varied, compiled=compiled)
+    else:
+        frame = _in_time(solution, wanted, varied, compiled=compiled)
     model = solution.model
     frame.attrs["units"] = Labels({name: unit_of(model, name) for name in wanted})
     frame.attrs["per"] = Labels({name: unit_of(model, name) for name in varied})
     return frame
 
 
-def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
+def _at_rest(line: Equilibrium, wanted: Sequence[str], varied: Sequence[str], *, compiled: bool) -> pd.DataFrame:
     line = still(line)
+    line = replace(line, model=in_code(line.model, compiled=compiled))
     state = linearised(line, Varied.of(line, varied))
     rows = [state.rates(name) for name in wanted]
     return pd.DataFrame(rows, index=pd.Index(wanted, name="of"), columns=pd.Index(varied, name="to"))
@@ -122,11 +130,11 @@ def linearised(line: Equilibrium, varied: Varied) -> LinearState:
     return LinearState(line.__getitem__, slot, tangent.outputs(line.point, found), found)
 
 
-def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str]) -> pd.DataFrame:
+def _in_time(result: Result, wanted: Sequence[str], varied: Sequence[str], *, compiled: bool) -> pd.DataFrame:
     happened = {event.event for event in result.noted}
     if found := happened & {"load held", "emergency stop"}:
         raise InputError(f"The run has the event {' and '.join(sorted(found))}", "End the run before it")
-    forward = ForwardSensitivity(result, Varied.of(result.record(0), varied))
+    forward = ForwardSensitivity(result, Varied.of(result.record(0), varied), compiled=compiled)
     rows = []
     for i in range(len(result.records)):
         line = forward.step(i)

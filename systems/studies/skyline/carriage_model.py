@@ -14,11 +14,12 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import in_code
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.rigs.turn import GROUND, LEAST_MASS
-from ropeway.systems.solvers.newton import Newton, Point, Slot, newton_of, outputs_of
+from ropeway.systems.solvers.newton import Newton, newton_of, outputs_of
+from ropeway.systems.solvers.points import Point, Slot
 from ropeway.systems.statics.certificate import Certificate, certify_records
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
@@ -43,13 +44,14 @@ class StationCase(NamedTuple):
 
 
 class SpanModel:
-    """A rig's model with the carriage at a place. `by_height`: the yarder also sets the carriage's height. `check`
-    rejects non-physical roots."""
+    """A rig's model with the carriage at a place. `by_height`: the yarder also sets the carriage's height;
+    `compiled`: it is solved in compiled code. `check` rejects non-physical roots."""
 
-    def __init__(self, rig: SkylineRig, place: Place, *, by_height: bool = False) -> None:
+    def __init__(self, rig: SkylineRig, place: Place, *, by_height: bool = False, compiled: bool = False) -> None:
         self.rig, self.place, self.by_height = rig, place, by_height
         self.span, self.on = place.span, place.on
-        self.model: Model = assembled(rig.system(place.span, on=place.on, rollers=place.rollers))
+        system = rig.system(place.span, on=place.on, rollers=place.rollers)
+        self.compiled, self.model = compiled, in_code(assembled(system), compiled=compiled)
         m, name = self.model, rig.carriage.name
         self.log = None if rig.turn is None else rig.turn.log.name
         self.payload = m.p.index[f"{name}.payload" if self.log is None else f"{self.log}.mass"]
@@ -213,14 +215,16 @@ class Solved:
         return self.at.model.runs[r].end(k, self.__getitem__)
 
 
-def span_model(rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False) -> SpanModel:
-    """The model of a rig at a place, or of its clamped twin; assembled once."""
-    return _span_model(rig, place, by_height, clamped)
+def span_model(
+    rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False, *, compiled: bool = False
+) -> SpanModel:
+    """The model of a rig at a place, or of its clamped twin, for compiled code or not; assembled once."""
+    return _span_model(rig, place, by_height, clamped, compiled)
 
 
 @lru_cache(maxsize=256)
-def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool) -> SpanModel:
-    return SpanModel(clamped_twin(rig) if clamped else rig, place, by_height=by_height)
+def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool, compiled: bool) -> SpanModel:
+    return SpanModel(clamped_twin(rig) if clamped else rig, place, by_height=by_height, compiled=compiled)
 
 
 @lru_cache(maxsize=64)

@@ -10,7 +10,7 @@ from scipy.optimize import brentq, newton
 
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, StationCase, span_model
 from ropeway.systems.studies.skyline.root_selection import physical_state
 from ropeway.systems.studies.skyline.starting_points import off_shoe
@@ -26,10 +26,15 @@ not alternate."""
 
 @dataclass(frozen=True)
 class Places:
-    """The places of a rig's carriage with a payload [kg]."""
+    """The places of a rig's carriage with a payload [kg], solved in compiled code or not."""
 
     rig: SkylineRig
     payload: float
+    compiled: bool = False
+
+    def model(self, place: Place) -> SpanModel:
+        """The model of a place."""
+        return span_model(self.rig, place, compiled=self.compiled)
 
     def rolls(self, k: int) -> bool:
         """Whether the carriage rolls over the shoe of support k as the mainline's drum turns. It jumps over the shoe if
@@ -47,7 +52,7 @@ class Places:
 
     def placed(self, x: float) -> Solved:
         """The carriage at a station. Raises EquilibriumError where the mainline would have to push."""
-        found = Stations(self.rig).solve(x, self.payload)
+        found = Stations(self.rig, compiled=self.compiled).solve(x, self.payload)
         if found.held_by != "mainline":
             raise EquilibriumError(
                 f"At station {x:g} m the mainline of {self.rig.name!r} would have to push",
@@ -57,7 +62,7 @@ class Places:
 
     def on_shoe(self, k: int, x: float) -> Solved:
         """The carriage held on the shoe of support k."""
-        at = span_model(self.rig, Place(k, k))
+        at = self.model(Place(k, k))
         point = physical_state(at, StationCase(x, self.payload))
         return Solved(at, point, at.outputs(point), "mainline")
 
@@ -144,7 +149,7 @@ class Places:
 
 @lru_cache(maxsize=64)
 def _rolls(places: Places, k: int) -> bool:
-    at = span_model(places.rig, Place(k, k))
+    at = places.model(Place(k, k))
     steps = np.linspace(places.edge(k, -1), places.edge(k, 1), 13)
     return bool(
         np.all(

@@ -33,7 +33,8 @@ def certified(solution: Sequence[Solved]) -> list[Solved]:
 def _solved_again(failed: Solved) -> Solved:
     solution = failed
     if failed.case is not None:
-        solution = Stations(failed.at.rig, by_height=failed.at.by_height).solve(*failed.case)
+        at = failed.at
+        solution = Stations(at.rig, by_height=at.by_height, compiled=at.compiled).solve(*failed.case)
     try:
         solution.at.certificate([solution.point]).require(solution.at.model)
     except EquilibriumError as error:

@@ -28,6 +28,7 @@ def load_path(
     *,
     height: float | None = None,
     environment: Environment | None = None,
+    compiled: bool = False,
 ) -> pd.DataFrame:
     """The path of the loaded carriage along all spans, with the tensions of all ropes.
 
@@ -45,6 +46,8 @@ def load_path(
         the carriage.
     environment : Environment, optional
         Weather, instead of that of the rig.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same results.
 
     Returns
     -------
@@ -72,6 +75,8 @@ def load_path(
         A station is outside the skyline, or the height cannot be set.
     EquilibriumError
         There is no equilibrium at a station.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -88,7 +93,7 @@ def load_path(
     if height is not None and not rig.kind.sets_height:
         raise InputError(f"{rig.name} cannot be lowered or raised", "Remove height, or use a live skyline")
     rig = studied_in(rig, environment)
-    solver = Stations(rig, by_height=height is not None)
+    solver = Stations(rig, by_height=height is not None, compiled=compiled)
     positions, solved = stations_of(rig, stations), list[Solved]()
 
     def frame() -> pd.DataFrame:

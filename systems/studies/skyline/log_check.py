@@ -9,7 +9,7 @@ from ropeway.components.errors import EquilibriumError
 from ropeway.components.terrain import Profile
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.rigs.turn import Turn
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 
 _BEHIND = 1e-6
 """Tolerance on the rear ahead of the front, relative to the log's length."""

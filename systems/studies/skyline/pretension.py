@@ -69,6 +69,7 @@ def set_up(
     tension: float | None = None,
     deflection: float | None = None,
     environment: Environment | None = None,
+    compiled: bool = False,
 ) -> SetUp:
     """Solve for the unstretched length of a skyline that gives a desired loaded state.
 
@@ -86,6 +87,8 @@ def set_up(
         Desired sag below the chord [% of the span].
     environment : Environment, optional
         Weather of the loaded state, instead of that of the rig. The tension of the bare rope is that of stringing.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -98,6 +101,8 @@ def set_up(
         Both or neither of tension and deflection are given, or the rig is a running skyline.
     EquilibriumError
         No length gives the desired state.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -110,7 +115,7 @@ def set_up(
     """
     _require_one_target(rig, payload, tension, deflection)
     rig = studied_in(rig, environment)
-    state = partial(at, rig, station=station, payload=payload)
+    state = partial(at, rig, station=station, payload=payload, compiled=compiled)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
 
@@ -166,9 +171,9 @@ def _deflection(solved: Solved) -> float:
     return sag_columns(solved)["deflection"]
 
 
-def at(rig: SkylineRig, length: float, station: float, payload: float) -> Solved:
+def at(rig: SkylineRig, length: float, station: float, payload: float, *, compiled: bool = False) -> Solved:
     """A solved state of a rig with another length of the skyline."""
-    return Stations(replace(rig, length=length, tension=None)).solve(station, payload)
+    return Stations(replace(rig, length=length, tension=None), compiled=compiled).solve(station, payload)
 
 
 @checked

@@ -10,7 +10,8 @@ from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Newton, Point, outputs_of
+from ropeway.systems.solvers.newton import Newton, outputs_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness, places_of
 from ropeway.systems.studies.skyline.log_check import LogCheck
 

@@ -14,7 +14,7 @@ from enum import IntEnum
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import SpanModel, StationCase
 from ropeway.systems.studies.skyline.starting_points import from_geometry
 

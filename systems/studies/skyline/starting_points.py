@@ -11,7 +11,7 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.rigs import carriage_guess
 from ropeway.systems.rigs.turn import Turn
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
 from ropeway.systems.studies.skyline.root_selection import Effort, physical_state
 from ropeway.systems.studies.skyline.starting_points import off_shoe, on_mainline
@@ -35,8 +35,8 @@ class Stations:
     along the bisector.
     """
 
-    def __init__(self, rig: SkylineRig, *, by_height: bool = False) -> None:
-        self.rig, self.by_height = rig, by_height
+    def __init__(self, rig: SkylineRig, *, by_height: bool = False, compiled: bool = False) -> None:
+        self.rig, self.by_height, self.compiled = rig, by_height, compiled
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
@@ -217,7 +217,7 @@ class Stations:
     ) -> Solved:
         """The solution of a case at a place. `start` is a solution of another model, on a nearby shoe or clamped at the
         same place; `failure` is the error of an attempt from nearby points and geometry."""
-        at = span_model(self.rig, place, self.by_height, clamp)
+        at = span_model(self.rig, place, self.by_height, clamp, compiled=self.compiled)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:

@@ -167,6 +167,7 @@ def optimise_supports(
     safety_factor: float = 3.0,
     stations: Sequence[float] | np.ndarray | None = None,
     most: int = 3,
+    compiled: bool = False,
 ) -> SupportPlan:
     """Find the least number of supports, then the least sum of their heights, with which a payload passes.
 
@@ -192,6 +193,8 @@ def optimise_supports(
         Stations that the payload must pass [m]; by default about every 5 m.
     most : int, default 3
         Largest number of supports to examine.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -202,6 +205,8 @@ def optimise_supports(
     ------
     InputError
         The rig is not a standing skyline given by its tension, or has no terrain; or a candidate is outside its spars.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -220,7 +225,7 @@ def optimise_supports(
     check.number(rope_clearance, rig.name, "rope_clearance", "m")
     ordered = sorted(candidates, key=lambda c: c.station)
     limits = LoadLimits(safety_factor, safety_factor, clearance, rope_clearance)
-    search = _Search(rig, payload, limits, stations_of(rig, stations))
+    search = _Search(rig, payload, limits, stations_of(rig, stations), compiled=compiled)
     for count in range(min(most, len(ordered)) + 1):
         best: tuple[float, tuple[IntermediateSupport, ...]] | None = None
         for chosen in combinations(ordered, count):
@@ -278,8 +283,10 @@ class _Stop(NamedTuple):
 class _Search:
     """Test of supports for a payload. Stations that stopped most earlier trials are solved first."""
 
-    def __init__(self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray) -> None:
-        self.rig, self.payload, self.limits = rig, payload, limits
+    def __init__(
+        self, rig: SkylineRig, payload: float, limits: LoadLimits, stations: np.ndarray, *, compiled: bool
+    ) -> None:
+        self.rig, self.payload, self.limits, self.compiled = rig, payload, limits, compiled
         self.failures = dict.fromkeys((float(x) for x in stations), 0)
         self.tried = 0
         self.best: tuple[int, SkylineRig, tuple[IntermediateSupport, ...], _Stop] | None = None
@@ -291,7 +298,8 @@ class _Search:
             rig = with_supports(self.rig, supports)
         except (SlackRopeError, EquilibriumError):
             return False
-        margins, solver, states = margins_of(rig, self.limits), Stations(rig), dict[float, Solved]()
+        solver, states = Stations(rig, compiled=self.compiled), dict[float, Solved]()
+        margins = margins_of(rig, self.limits)
         stop: _Stop | None = None
         for x in sorted(self.failures, key=lambda x: (-self.failures[x], x)):
             try:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from support.fmus import example_line, short_line
+from support.fmus import HYDRAULIC, RESPONSE, Opener, example_line, short_line
 
 pytestmark = pytest.mark.importers
 EVERY, STEPS = 0.73, 822  # no load crosses at one of its multiples
@@ -89,6 +89,27 @@ def test_ecos_runs_a_system_structure(tmp_path: Path) -> None:
             simulation.step()
             rows.append([simulation.get_real(name.replace(".", "::", 1)) for name in names])
     assert np.array(rows) == pytest.approx(master.run(3.0)[names].to_numpy()[1:], rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["line2", "line3", "driven"])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-8])
+def test_a_second_strict_importer(
+    name: str, tolerance: float, open_fmu: Opener, request: pytest.FixtureRequest
+) -> None:
+    from support.cvode_importer import Importer
+
+    one, until = open_fmu(request.getfixturevalue(name), kind="ModelExchange"), 60.0
+    one.initialize()
+    importer = Importer(one, tolerance)
+    importer.run(until)
+    assert importer.failures == []
+    assert one.log == []
+    assert importer.events > 20
+    assert importer.calls < 40_000
+    line = short_line(drive=HYDRAULIC, response=RESPONSE) if name == "driven" else example_line()
+    last = rw.simulate(line, until, every=until).frame.iloc[-1]
+    tension = [n for n in last.index if n.endswith((".tension_in", ".travel"))]
+    assert one.get(*tension) == pytest.approx(last[tension].to_numpy(), rel=30.0 * tolerance)
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])

@@ -316,7 +316,10 @@ class _Constant:
 def test_a_strict_importer(
     name: str, tolerance: float, open_fmu: Opener, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """CVODE without a limit on its steps: it tries states far beyond a crossing, and no call may fail there."""
+    """CVODE without a limit on its steps: it tries states far beyond a crossing, and no call may fail there.
+
+    It restarts after an event only if the FMU reports changed states, as some importers do.
+    """
     from fmpy.sundials import CVodeSolver
 
     one = open_fmu(request.getfixturevalue(name), kind="ModelExchange")
@@ -350,9 +353,10 @@ def test_a_strict_importer(
         fmu.completedIntegratorStep()
         if found or time >= (coming if defined else until):
             fmu.enterEventMode()
-            _, _, _, _, defined, coming = update()
+            _, _, _, changed, defined, coming = update()
             fmu.enterContinuousTimeMode()
-            solver.reset(time)
+            if changed:
+                solver.reset(time)
             events += 1
     assert failures == []
     assert events > 20

@@ -62,6 +62,30 @@ def test_values_of_all_kinds(kinds3: Path, tmp_path: Path) -> None:
         master.to_ssp(tmp_path / "large.ssp")
 
 
+def test_mapped_connections(kinds3: Path, tmp_path: Path) -> None:
+    """Booleans, items of an enumeration by name, integers, and an enumeration to an integer by number."""
+    master = CoSimulation(0.1)
+    master.add("one", kinds3, start={"brake": True, "gear": "high", "count": 2})
+    master.add("two", kinds3)
+    master.connect("one.brake_out", "two.brake", mapping={True: False, False: True})
+    master.connect("one.gear_out", "two.gear", mapping={"low": "high", "high": "low"})
+    master.connect("one.count_out", "two.count", mapping={2: -5, 3: 0})
+    master.connect("one.gear_out", "two.int16", mapping={1: 10, 2: 20})
+    path = tmp_path / "mapped.ssp"
+    before, after = again(master, path, 0.3)
+    pd.testing.assert_frame_equal(before, after, check_exact=True)
+    last = after.iloc[-1]
+    assert [last[f"two.{n}_out"] for n in ("brake", "gear", "count", "int16")] == [False, 1, -5, 20]
+    with zipfile.ZipFile(path) as archive:
+        written = archive.read("SystemStructure.ssd")
+    documents.require_valid(written, "it", documents.STRUCTURE)
+    kinds = [e.tag.partition("}")[2] for e in ElementTree.fromstring(written).iter() if "Mapping" in e.tag]
+    assert kinds == [f"{kind}MappingTransformation" for kind in ("Boolean", "Enumeration", "Integer", "Integer")]
+    master.connect("one.brake_out", "two.uint8", mapping={True: 7, False: 8})
+    with pytest.raises(rw.InputError, match=r"The mapping of one\.brake_out to two\.uint8 is between different kinds"):
+        master.to_ssp(path)
+
+
 def test_scaled_connections(mass: Path, tmp_path: Path) -> None:
     """A connection may be scaled; both ends of another have no unit."""
     master = pair(mass, 0.05)

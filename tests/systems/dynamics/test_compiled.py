@@ -80,13 +80,6 @@ def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
     require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
 
 
-def test_unsupported_features_are_rejected_before_the_run() -> None:
-    spring = rw.System("spring")
-    spring.string(ROPE, rw.Drum("a", at=(0, 0)), rw.SpringAnchor("b", at=(100, 3), stiffness=1e6), length=101.0)
-    with pytest.raises(rw.CompiledError, match="'b'"):
-        rw.simulate(spring, 5.0, compiled=True)
-
-
 def test_threads_on_one_model_give_identical_results() -> None:
     model = rw.assemble(line())
     start = rw.equilibrium(model)

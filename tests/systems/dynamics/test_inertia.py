@@ -246,8 +246,6 @@ def test_what_is_not_there_cannot_be_lost() -> None:
     lost = [rw.Intervention(1.0, "load lost", "part7")]
     with pytest.raises(rw.UnknownNameError, match="part7"):
         rw.simulate(level_span([900.0]), 5.0, inertia=rw.Inertia(), interventions=lost)
-    with pytest.raises(rw.CompiledError, match="inertia"):
-        rw.simulate(level_span([900.0]), 5.0, inertia=rw.Inertia(), compiled=True)
 
 
 def test_a_model_with_inertia_is_not_used_where_it_does_not_fit(tmp_path: Path) -> None:

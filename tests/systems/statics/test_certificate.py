@@ -11,7 +11,8 @@ import pytest
 
 import ropeway as rw
 from ropeway.components.laws import Law, ratio, wrap
-from ropeway.systems.solvers.newton import Point, newton_of
+from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics import certificate as checks
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.line_state import LineState

@@ -122,9 +122,14 @@ def test_an_equilibrium_in_the_compiled_core() -> None:
     assert one.certificate["holds"].all()
 
 
-def test_variants_that_the_compiled_core_does_not_solve() -> None:
-    with pytest.raises(rw.CompiledError, match="given"):
-        rw.equilibrium(line(), given={"e.rope_tension": 46e3}, solve_for="e.tension", compiled=True)
+def test_an_equilibrium_with_a_given_value_in_the_compiled_core() -> None:
+    model, wanted = assemble(line()), {"given": {"e.rope_tension": 46e3}, "solve_for": "e.tension"}
+    one, other = (rw.equilibrium(model, **wanted, compiled=compiled) for compiled in (True, False))
+    np.testing.assert_allclose(one.outputs, other.outputs, rtol=1e-10, atol=1e-7)
+    assert one.model is other.model
+
+
+def test_a_sweep_that_the_compiled_core_does_not_solve() -> None:
     with pytest.raises(rw.CompiledError, match="function"):
         rw.sweep(lambda x: x, {"x": [1.0]}, compiled=True)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -45,18 +46,20 @@ class ScheduleRequest:
     lead: str | None = None
     start: Equilibrium | None = None
     trim: ProportionalResponse | None = None
+    compiled: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class LineRuns:
     """The line, its control sheaves by `names`, the `lead` that keeps the line's speed, the `start` without responses,
-    and the times of the `grid` [s]."""
+    the times of the `grid` [s], and whether runs are in `compiled` code."""
 
     line: System
     names: list[str]
     lead: str
     start: Equilibrium
     grid: np.ndarray
+    compiled: bool = False
 
     @classmethod
     def of(cls, request: ScheduleRequest) -> LineRuns:
@@ -66,7 +69,8 @@ class LineRuns:
         for name in request.limits.sheaves:
             require_sheave(name, names)
         bare = with_responses(line, dict.fromkeys(names))
-        start = equilibrium(bare) if request.start is None else carried_over(request.start, bare)
+        rest = equilibrium(bare, compiled=request.compiled) if request.start is None else request.start
+        start = carried_over(rest, bare)
         driven = [component_of(name) for name in start.model.u.names]
         drums = [name for name in driven if name not in names]
         if request.lead is not None:
@@ -76,7 +80,8 @@ class LineRuns:
                 f"{line.name!r} has nothing to optimise", "A schedule needs a second driven support on the rope"
             )
         lead = request.lead or (drums or names)[0]
-        return cls(line, names, lead, start, np.linspace(0.0, request.until, request.intervals + 1))
+        grid = np.linspace(0.0, request.until, request.intervals + 1)
+        return cls(line, names, lead, start, grid, request.compiled)
 
     @property
     def until(self) -> float:
@@ -110,7 +115,8 @@ class LineRuns:
         line = with_responses(self.line, {**dict.fromkeys(self.names), **responses})
         start = carried_over(self.start, line)
         inputs = {f"{name}.speed": schedule for name, schedule in schedules.items()}
-        return simulate(start.model, self.until, every=self.record_step, inputs=inputs, start=start, progress=False)
+        how: dict[str, Any] = {"every": self.record_step, "inputs": inputs, "start": start, "compiled": self.compiled}
+        return simulate(start.model, self.until, progress=False, **how)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.systems.dynamics.result import Result
-from ropeway.systems.solvers.newton import Point
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.control.scheduling.nonlinear_program import Linear, Solution, Term, Uses, solve
 from ropeway.systems.studies.control.scheduling.sample_times import SampleTime, shares
 from ropeway.systems.studies.control.scheduling.section_equations import FORCE, LineEquations, SectionTerm

@@ -13,10 +13,11 @@ from ropeway.components.errors import EquilibriumError, Interrupted, RopewayErro
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import Point, newton_of, outputs_of
+from ropeway.systems.solvers.newton import newton_of, outputs_of
+from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import span_rope
-from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, span_model
+from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel
 from ropeway.systems.studies.skyline.carriage_route import Places
 from ropeway.systems.studies.skyline.limits import LoadLimits, margins_of
 from ropeway.systems.studies.skyline.station_row import StationRow, station_row, units_of
@@ -35,9 +36,17 @@ class CarriageRun:
     """One run of the carriage, place by place; rows and events are appended."""
 
     def __init__(
-        self, rig: SkylineRig, payload: float, every: float, changes: list[tuple[float, float]], tolerance: float
+        self,
+        rig: SkylineRig,
+        payload: float,
+        every: float,
+        changes: list[tuple[float, float]],
+        tolerance: float,
+        *,
+        compiled: bool,
     ) -> None:
         self.rig, self.payload, self.every, self.changes, self.tolerance = rig, payload, every, changes, tolerance
+        self.compiled = compiled
         self.time = 0.0
         self.rows: list[StationRow] = []
         self.events: list[CarriageEvent] = []
@@ -81,17 +90,17 @@ class CarriageRun:
     @property
     def places(self) -> Places:
         """The places of the carriage with its present payload."""
-        return Places(self.rig, self.payload)
+        return Places(self.rig, self.payload, self.compiled)
 
     def next(self, at: SpanModel, last: Place, direction: int) -> SpanModel:
         """The next place on the carriage's route."""
         places = self.places
         order = places.in_order()
-        following = span_model(self.rig, order[order.index(at.place) + direction])
+        following = places.model(order[order.index(at.place) + direction])
         while following.place != last and not (
             places.laid(following) and (following.on is None or self.rolls(following.on))
         ):
-            following = span_model(self.rig, order[order.index(following.place) + direction])
+            following = places.model(order[order.index(following.place) + direction])
         return following
 
     def rolls(self, k: int) -> bool:

@@ -94,6 +94,7 @@ def inhaul(
     every: float = 1.0,
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
+    compiled: bool = False,
 ) -> Inhaul:
     """Pull the carriage from one station to another with the mainline's drum.
 
@@ -118,6 +119,8 @@ def inhaul(
         Times [s] and payloads from then on [kg]: turns picked up or lost.
     tolerance : float, default 1e-8
         Relative tolerance of the integration.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -130,6 +133,8 @@ def inhaul(
         The rig has no mainline, or a value is out of range.
     SimulationError
         The carriage stops before `end`; `result` holds the run up to this point.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -145,7 +150,7 @@ def inhaul(
     check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     _require_run(rig, start, end, changes)
-    run = CarriageRun(rig, float(payload), every, list(changes), tolerance)
+    run = CarriageRun(rig, float(payload), every, list(changes), tolerance, compiled=compiled)
 
     def result() -> Inhaul:
         return Inhaul(rig, run.frame(), run.event_frame())

@@ -31,7 +31,7 @@ class CorridorRequest:
     `tail` are stations of the spars [m], by default the ends of the profile; heights are in m. Each support is
     "STATION:HEIGHT" [m]. `carriage_mass` is in kg. `load_depth` is the distance from the skyline to the lowest point of
     the load [m]. `clearance` of the load and `spacing` of the stations are in m. `kind` is standing, live, gravity or
-    running; `environment` its weather.
+    running; `environment` its weather; `compiled`: in compiled code.
     """
 
     corridor: str | Path
@@ -52,6 +52,7 @@ class CorridorRequest:
     start: str | None = None
     end: str | None = None
     environment: Environment | None = None
+    compiled: bool = False
 
     def ground(self) -> Profile:
         """The ground. Raises InputError."""
@@ -98,6 +99,7 @@ def payload_command(request: CorridorRequest, out: str | Path) -> tuple[PayloadS
         clearance=request.clearance,
         stations=stations,
         environment=request.environment,
+        compiled=request.compiled,
     )
     return study, write_payload(study, out)
 

@@ -64,12 +64,13 @@ class Trial(NamedTuple):
 
 class PayloadSearch:
     """The largest payload at each station within limits, independent of other stations. `strict`: each tried state is
-    certified."""
+    certified; `compiled`: in compiled code."""
 
-    def __init__(self, rig: SkylineRig, limits: LoadLimits, *, strict: bool = False) -> None:
+    def __init__(self, rig: SkylineRig, limits: LoadLimits, *, strict: bool = False, compiled: bool = False) -> None:
         self.rig, self.limits, self.margins, self.strict = rig, limits, margins_of(rig, limits), strict
         self.lowered = limits.clearance is not None and is_lowered(rig)
-        self.solver = Stations(rig, by_height=self.lowered)
+        self.solver = Stations(rig, by_height=self.lowered, compiled=compiled)
+        self.compiled = compiled
 
     def at(self, station: float) -> StationRow:
         """The row of a station. If the final state fails its certificate, the search is repeated with each tried state
@@ -77,7 +78,7 @@ class PayloadSearch:
         try:
             return self._largest_row(station)
         except EquilibriumError:
-            return PayloadSearch(self.rig, self.limits, strict=True)._largest_row(station)
+            return PayloadSearch(self.rig, self.limits, strict=True, compiled=self.compiled)._largest_row(station)
 
     def _largest_row(self, station: float) -> StationRow:
         if self.limits.clearance is None or not self.lowered:
@@ -118,7 +119,8 @@ class PayloadSearch:
         lowered further next to a support, or where the rope paid out sags in other spans. Returns `height` if no
         equilibrium is found."""
         depth = self._room(station, height)
-        search = PayloadSearch(self.rig, self.limits, strict=self.strict)  # independent of other stations
+        # Independent of other stations.
+        search = PayloadSearch(self.rig, self.limits, strict=self.strict, compiled=self.compiled)
         last = Trial(NO_EQUILIBRIUM)
 
         def hangs(gap: float, effort: Effort) -> bool:

@@ -116,6 +116,7 @@ def payload(
     roller_force: float | None = None,
     rollers: Mapping[str, int] | None = None,
     environment: Environment | None = None,
+    compiled: bool = False,
 ) -> PayloadStudy:
     """Find the largest payload at stations along a corridor within all limits.
 
@@ -150,6 +151,8 @@ def payload(
         Number of rollers under the skyline at supports, for `roller_force`; 1 by default.
     environment : Environment, optional
         Weather, instead of that of the rig.
+    compiled : bool, default False
+        Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
     Returns
     -------
@@ -160,6 +163,8 @@ def payload(
     ------
     InputError
         A station is outside the skyline, or a clearance is given without a terrain.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core does not support this rig, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -185,7 +190,8 @@ def payload(
     where = stations_of(rig, stations)
     _require_saddle_limits(rig, saddle_angle, roller_force, rollers)
     saddles = (saddle_angle, roller_force, rollers or {})
-    search = PayloadSearch(rig, LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles))
+    bounds = LoadLimits(safety_factor, others, clearance, rope_clearance, lift_off, *saddles)
+    search = PayloadSearch(rig, bounds, compiled=compiled)
     rows: list[StationRow] = []
 
     def study() -> PayloadStudy:

@@ -1,0 +1,291 @@
+/* Loads that cross supports: a load at place c on the rope stands on support k exactly when the rope there is c. A
+ * crossing that takes more than to pass, as one of a load that is pushed back, is left to the caller. */
+#include <math.h>
+#include <string.h>
+#include "moving.h"
+
+#define NEAR 1e-9 /* part of a mean span within which a load is on a support */
+
+double rs_rope(const rs_line *l, const rs_point *q, const rs_motion *m, int k)
+{
+    return m->rope[k] - rs_travel(l, q, k);
+}
+
+static double rate_at(const rs_line *l, const rs_point *q, int k)
+{
+    return l->state[k] >= 0 ? q->x_rate[l->state[k]] : l->travel[k] >= 0 ? q->z_rate[l->travel[k]] : 0.0;
+}
+
+static int is_last(const rs_line *l, int k)
+{
+    return k + 1 == l->run_first[l->run_of[k] + 1];
+}
+
+/* How far the rope over a support is from the next load forward and backward. */
+static void gaps(const rs_line *l, const rs_point *q, const rs_motion *m, int k, double *ahead, double *behind)
+{
+    int run = l->run_of[k];
+    const double *place = m->place + m->load_first[run];
+    long long count = m->load_first[run + 1] - m->load_first[run], beyond = m->passed[k];
+    double rope = rs_rope(l, q, m, k);
+    *ahead = beyond < count ? rope - place[beyond] : INFINITY;
+    *behind = beyond > 0 ? place[beyond - 1] - rope : INFINITY;
+    if (l->around[run] && is_last(l, k)) *ahead = *behind = INFINITY;
+}
+
+/* The load that crosses first at the present rates. */
+int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *found)
+{
+    found->time = INFINITY;
+    for (int k = 0; k < l->supports; k++) {
+        double ahead, behind, rate = rate_at(l, q, k), time;
+        if (fabs(rate) <= 1e-12) continue;
+        gaps(l, q, m, k, &ahead, &behind);
+        time = rate > 0.0 ? ahead / rate : behind / -rate;
+        if (time < found->time) {
+            found->time = time;
+            found->gap = rate > 0.0 ? ahead : behind;
+            found->k = k;
+            found->forward = rate > 0.0;
+        }
+    }
+    return isfinite(found->time);
+}
+
+/* The same load from here. */
+void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load)
+{
+    double ahead, behind, rate = rate_at(l, q, load->k);
+    gaps(l, q, m, load->k, &ahead, &behind);
+    load->gap = load->forward ? ahead : behind;
+    if (!load->forward) rate = -rate;
+    load->time = rate > 1e-12 ? load->gap / rate : INFINITY;
+}
+
+/* The sections on both sides of a support, among `sections`. */
+int rs_beside(const rs_line *l, int k, int *sections, int count)
+{
+    int run = l->run_of[k], ends[3] = {-1, -1, -1};
+    if (k > l->run_first[run]) ends[0] = l->section_of[k - run - 1];
+    if (!is_last(l, k)) ends[1] = l->section_of[k - run];
+    if (k == l->run_first[run] && l->around[run]) ends[2] = l->section_of[l->run_first[run + 1] - run - 2];
+    for (int e = 0; e < 3; e++) {
+        int known = ends[e] < 0;
+        for (int i = 0; i < count && !known; i++) known = sections[i] == ends[e];
+        if (!known && count < RS_MOST) sections[count++] = ends[e];
+    }
+    return count;
+}
+
+/* Tension of a rope with `share` of a load added to its tension vector. */
+static double length_of(const double *v, const double *load, double share)
+{
+    double x = v[0] + share * load[0], y = v[1] + share * load[1], z = v[2] + share * load[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* What a load adds to the tension vector of a rope: its weight, and the wind on it. */
+static void pull_of(const rs_point *q, const rs_motion *m, long long load, double *pull)
+{
+    pull[0] = m->drag[load] * m->wind[0];
+    pull[1] = m->drag[load] * m->wind[1];
+    pull[2] = m->mass[load] * q->p[0];
+}
+
+/* Tension vector of a span at its end b. */
+static void tension_at_end(const rs_line *l, const rs_point *q, const rs_motion *m, int span, double *tension)
+{
+    int k = l->start[span];
+    long long first = m->load_first[l->run_of[k]];
+    double length = rs_rope(l, q, m, k + 1) - rs_rope(l, q, m, k), one[3];
+    for (int i = 0; i < 3; i++) tension[i] = q->z[l->force[span] + i] + length * m->pull[3 * span + i];
+    for (long long n = first + m->passed[k + 1]; n < first + m->passed[k]; n++) {
+        pull_of(q, m, n, one);
+        for (int i = 0; i < 3; i++) tension[i] += one[i];
+    }
+}
+
+/* Force of a span on what its end a (0) or b (1) sits at. */
+void rs_end_force(const rs_line *l, const rs_point *q, const rs_motion *m, int span, int end, double *force)
+{
+    if (end == 0) {
+        memcpy(force, q->z + l->force[span], 3 * sizeof(double));
+        return;
+    }
+    tension_at_end(l, q, m, span, force);
+    for (int i = 0; i < 3; i++) force[i] = -force[i];
+}
+
+/* Whether the load that stands on a support goes on beyond it (see load_crossings.py). */
+static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k, int forward)
+{
+    int run = l->run_of[k], span = k - run;
+    long long load = m->load_first[run] + m->passed[k] - (forward ? 0 : 1);
+    const double *going;
+    double coming[3], one[3], ratio;
+    if (l->held[k] < 0 || k == l->run_first[run] || is_last(l, k)) return 1;
+    going = q->z + l->force[span];
+    tension_at_end(l, q, m, span - 1, coming);
+    pull_of(q, m, load, one);
+    ratio = length_of(going, one, 0.0) / length_of(coming, one, 0.0);
+    if (forward) /* it hangs at the end of the span before */
+        return length_of(going, one, -1.0) >= (1.0 - 1e-9) * ratio * length_of(coming, one, -1.0);
+    return ratio * length_of(coming, one, 1.0) >= (1.0 - 1e-9) * length_of(going, one, 1.0);
+}
+
+/* Slots of a span from the loads passed; 0 where there are too few. */
+static int write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span)
+{
+    int k = l->start[span], run = l->run_of[k];
+    long long used = m->passed[k] - m->passed[k + 1];
+    const double *place = m->place + m->load_first[run], *mass = m->mass + m->load_first[run];
+    const double *drag = m->drag + m->load_first[run];
+    if (used < 0 || used > l->count[span] || used > l->slots) return 0;
+    for (int slot = 0; slot < l->count[span]; slot++) {
+        long long load = m->passed[k] - 1 - slot;
+        int full = slot < used;
+        q->d[l->mass[span] + slot] = full ? mass[load] : 0.0;
+        q->d[l->at[span] + slot] = full ? place[load] - m->rope[k] : 0.0;
+        q->d[l->ride[span] + slot] = full;
+        q->d[l->empty[span] + slot] = !full;
+        if (l->drag[span] >= 0) q->d[l->drag[span] + slot] = full ? drag[load] : 0.0;
+    }
+    q->used[span] = used;
+    return 1;
+}
+
+static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k)
+{
+    int run = l->run_of[k];
+    if (k > l->run_first[run] && !write_slots(l, q, m, k - run - 1)) return 0;
+    return is_last(l, k) || write_slots(l, q, m, k - run);
+}
+
+/* Moves a load past a support, or back; 0 where a span has too few slots. */
+static int put_beyond(const rs_line *l, rs_point *q, rs_motion *m, int k, int loads)
+{
+    int run = l->run_of[k], room, last = l->run_first[run + 1] - 1;
+    m->passed[k] += loads;
+    room = write_beside(l, q, m, k);
+    if (!l->around[run] || k != l->run_first[run]) return room;
+    m->passed[last] += loads;
+    return write_beside(l, q, m, last) && room;
+}
+
+/* Writes the present point down; on the grid all sections are solved. */
+void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid)
+{
+    int n = m->records++;
+    m->record_time[n] = m->time;
+    m->record_grid[n] = grid;
+    m->record_epoch[n] = m->epoch;
+    memcpy(m->record_x + n * l->nx, q->x, l->nx * sizeof(double));
+    memcpy(m->record_z + n * l->nz, q->z, l->nz * sizeof(double));
+    if (m->record_u) memcpy(m->record_u + n * l->nu, q->u, l->nu * sizeof(double));
+    memcpy(m->record_passed + n * l->supports, m->passed, l->supports * sizeof(long long));
+}
+
+/* Whether a jump has moved a load of the touched sections past a support; at the ends of a run that have just been
+ * crossed loads may lie beyond, unless a drum draws the load back that has just been put on. */
+static int overrun(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_coming *due, int crossings,
+                   const int *sections, int count)
+{
+    for (int i = 0; i < count; i++)
+        for (int k = l->first[sections[i]]; k <= l->last[sections[i]]; k++) {
+            int run = l->run_of[k], first = k == l->run_first[run], just = 0;
+            double ahead, behind, near = NEAR * m->scale[run];
+            gaps(l, q, m, k, &ahead, &behind);
+            for (int j = 0; j < crossings; j++)
+                if (due[j].k == k) just = due[j].forward ? 1 : -1;
+            if (just && (first || is_last(l, k))) {
+                if (!l->free_end[k] || l->around[run] || (just > 0) != first) continue;
+                if (just > 0 ? -behind > near : -ahead > near) return 1;
+                continue;
+            }
+            if (ahead < -near || behind < -near) return 1;
+        }
+    return 0;
+}
+
+/* Whether no load lies beyond the support that it comes to next. */
+int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m)
+{
+    for (int k = 0; k < l->supports; k++) {
+        double ahead, behind, near = NEAR * m->scale[l->run_of[k]];
+        gaps(l, q, m, k, &ahead, &behind);
+        if (ahead < -near || behind < -near) return 0;
+    }
+    return 1;
+}
+
+/* All that cross now, the first one among them. */
+static int due_now(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_coming *first, rs_coming *due)
+{
+    int count = 1;
+    due[0] = *first;
+    for (int k = 0; k < l->supports && count < RS_MOST; k++) {
+        double ahead, behind, rate = rate_at(l, q, k), near = NEAR * m->scale[l->run_of[k]];
+        if (k == first->k) continue;
+        gaps(l, q, m, k, &ahead, &behind);
+        if ((fabs(ahead) <= near && rate > 0.0) || (fabs(behind) <= near && rate < 0.0)) {
+            due[count].k = k;
+            due[count++].forward = rate > 0.0;
+        }
+    }
+    return count;
+}
+
+static void leave(const rs_line *l, rs_motion *m, const rs_coming *load)
+{
+    m->coming.run = l->run_of[load->k];
+    m->coming.support = load->k - l->run_first[m->coming.run];
+    m->coming.forward = load->forward;
+    m->coming.load = (int)(m->passed[load->k] - (load->forward ? 0 : 1));
+}
+
+/* Loads cross; both sides are recorded. RS_CROSSING, and nothing done, where the caller must see to it. */
+int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first)
+{
+    rs_coming due[RS_MOST];
+    int sections[RS_MOST], count = 0, crossings = due_now(l, q, m, first, due);
+    int records = m->records, events = m->events, room = 1;
+    double *z = m->room, *rate = z + l->nz;
+    leave(l, m, first);
+    for (int i = 0; i < crossings; i++) {
+        if (!passes(l, q, m, due[i].k, due[i].forward)) return RS_CROSSING;
+        count = rs_beside(l, due[i].k, sections, count);
+    }
+    if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;
+    rs_record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
+    memcpy(z, q->z, l->nz * sizeof(double));
+    memcpy(rate, q->z_rate, l->nz * sizeof(double));
+    for (int i = 0; i < crossings; i++) {
+        leave(l, m, due + i);
+        m->coming.record = m->records;
+        m->event[m->events++] = m->coming;
+        room = put_beyond(l, q, m, due[i].k, due[i].forward ? 1 : -1) && room;
+    }
+    for (int i = 0; room && i < count; i++)
+        if (rs_solve(l, q, sections[i], 1) != RS_OK) room = 0;
+    if (!room || overrun(l, q, m, due, crossings, sections, count)) {
+        memcpy(q->z, z, l->nz * sizeof(double));
+        memcpy(q->z_rate, rate, l->nz * sizeof(double));
+        for (int i = crossings - 1; i >= 0; i--) put_beyond(l, q, m, due[i].k, due[i].forward ? -1 : 1);
+        m->records = records;
+        m->events = events;
+        leave(l, m, first);
+        return RS_CROSSING;
+    }
+    rs_record(l, q, m, 0);
+    return RS_REACHED;
+}
+
+int rs_short_of_loads(const rs_line *l, const rs_motion *m)
+{
+    for (int run = 0; run < l->runs; run++) {
+        int a = l->run_first[run], b = l->run_first[run + 1] - 1;
+        if (l->fed[run] && m->passed[a] >= m->load_first[run + 1] - m->load_first[run] - 1) return 1;
+        if (l->around[run] && m->passed[b] < 1) return 1;
+    }
+    return 0;
+}

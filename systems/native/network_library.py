@@ -1,0 +1,78 @@
+"""The core of networks as Python calls it: its structures, as in network.h, and its functions."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import lru_cache
+from pathlib import Path
+
+from ropeway.systems.native.binary_cache import library
+
+_FOLDER = Path(__file__).parent
+FILES = ("network.h", "network.c", "sparse_lu.c")
+
+NETWORK_SIZES = ("calls", "values", "sums", "drifts", "entries", "balances")
+NETWORK_INTEGERS = (
+    *("result", "inputs_end", "input"),
+    *("sum", "terms_end", "factor", "other"),
+    *("unknown", "residual", "drift"),
+    "entry",
+    *("balance_residual", "balance_unknown", "balance_entry"),
+)
+
+
+class MatrixPattern(ctypes.Structure):
+    """rn_pattern."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("n", "inner")),
+        *((name, ctypes.c_void_p) for name in ("column_end", "row", "order", "diagonal")),
+    )
+
+
+class NetworkTables(ctypes.Structure):
+    """rn_network."""
+
+    _fields_ = (
+        ("pattern", MatrixPattern),
+        *((name, ctypes.c_int) for name in NETWORK_SIZES),
+        *((name, ctypes.c_void_p) for name in (*NETWORK_INTEGERS, "sign", "kernels")),
+    )
+
+
+class NetworkProblem(ctypes.Structure):
+    """rn_problem."""
+
+    _fields_ = (
+        *((name, ctypes.c_void_p) for name in ("values", "scale", "weight", "target", "anchor")),
+        *((name, ctypes.c_double) for name in ("damping", "shortest")),
+        *((name, ctypes.c_int) for name in ("iterations", "rates")),
+    )
+
+
+FAILURES = {
+    1: "The equations are singular",
+    2: "Newton's method makes no progress",
+    3: "Newton's method has not converged in {iterations} iterations",
+    4: "The memory is too small",
+}
+
+
+@lru_cache(maxsize=1)
+def _source() -> tuple[tuple[str, str], ...]:
+    return tuple((name, (_FOLDER / name).read_text()) for name in FILES)
+
+
+def network_library() -> ctypes.CDLL:
+    """The compiled core. Raises CompilerError, WriteError."""
+    found = library(dict(_source()))
+    pointer = ctypes.c_void_p
+    for name, types, result in (
+        ("rn_evaluate", (pointer, pointer), None),
+        ("rn_matrix", (pointer, pointer, pointer, pointer), None),
+        ("rn_pivots", (pointer, pointer, pointer, pointer), ctypes.c_int),
+        ("rn_solve", (pointer, pointer, pointer, pointer, pointer), ctypes.c_int),
+    ):
+        function = getattr(found, name)
+        function.argtypes, function.restype = list(types), result
+    return found

@@ -1,0 +1,1 @@
+"""Any system in compiled code: kernels of kinds of components, joined by tables."""

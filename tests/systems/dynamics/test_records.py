@@ -1,0 +1,47 @@
+"""Records of long lines hold only what has changed, and give the states that whole records give."""
+
+import numpy as np
+import pytest
+
+import ropeway as rw
+from ropeway.systems.dynamics import recorder
+from ropeway.systems.statics.line_records import PartRecord, Record
+from support import schedule_lines
+
+
+@pytest.fixture(scope="module")
+def model() -> rw.Model:
+    return rw.assemble(schedule_lines.line(9, 4))
+
+
+def run(model: rw.Model) -> rw.Result:
+    return rw.simulate(model, until=40.0, every=10.0, progress=False)
+
+
+def test_parts_of_records_give_the_states_of_whole_ones(model: rw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = run(model)
+    monkeypatch.setattr(recorder, "_LARGE", 1)
+    monkeypatch.setattr(recorder, "_PARTS", 3)
+    parts = run(model)
+    kinds = [type(record) for record in parts.records]
+    assert PartRecord in kinds[1:4]
+    assert all(kind is Record for kind, exact in zip(kinds, parts.exact, strict=True) if exact)
+    assert len(parts.records) == len(whole.records) > 10
+    for one, other in zip(parts.records, whole.records, strict=True):
+        assert (one.time, one.pending) == (other.time, other.pending)
+        for name in ("x", "u", "kept"):
+            assert np.array_equal(getattr(one, name), getattr(other, name))
+        assert all(np.array_equal(p, q) for p, q in zip(one.passed, other.passed, strict=True))
+    np.testing.assert_allclose(parts.outputs, whole.outputs, rtol=1e-9, atol=1e-6)
+    assert parts.events.drop(columns="value").equals(whole.events.drop(columns="value"))
+    middle = parts.records[5].time
+    assert parts.at(middle)["l3.z"] == pytest.approx(whole.at(middle)["l3.z"], abs=1e-9)
+
+
+def test_events_are_found_in_parts(model: rw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, parts = run(model), run(model)
+    monkeypatch.setattr("ropeway.systems.results.run_data._KEPT", 0)
+    monkeypatch.setattr("ropeway.systems.results.run_data._BATCH", 7)
+    found, known = ([event._replace(value=0.0) for event in run.limits_reached] for run in (parts, whole))
+    assert found == known
+    assert "_solved" not in parts.__dict__
