@@ -13,8 +13,8 @@ from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_NUMBERS
 from ropeway.systems.solvers.compiled_line import line_tables, slots_of_kernel
-from ropeway.systems.solvers.line_sections import LineSections
 from ropeway.systems.solvers.equations import expanded, scalar
+from ropeway.systems.solvers.line_sections import LineSections
 
 
 class SectionSolution:

@@ -104,10 +104,10 @@ static int is_driven(int k)
     return rw_travel[k] < RW_NX;
 }
 
-/* The run of a step: time since which each section has been followed; sections in hand; crossings so far. */
+/* The run of a step: its end; time since which each section has been followed; sections in hand; crossings so far. */
 typedef struct {
     const trajectory *c;
-    double since[RW_NSEC + 1];
+    double end, since[RW_NSEC + 1];
     int sections[RW_NSEC + 1], count;
     rw_crossing done[MOST];
     double time[MOST];
@@ -124,10 +124,10 @@ static int reach(rw_instance *m, passage *w, rw_crossing *found)
     for (int trial = 0; trial < TRIALS; trial++) {
         double time = m->s.now.t + found->time;
         int close = trial > 0 && fabs(found->time) <= SHORT;
-        if (!(time <= w->c->to.t + LEAST_STEP)) return LATER;
+        if (!(time <= w->end + LEAST_STEP)) return LATER;
         for (int i = 0; i < w->count; i++)
             if (time < w->since[w->sections[i]] - LEAST_STEP) return BLOCKED;
-        follow(m, w->c, fmin(time, w->c->to.t));
+        follow(m, w->c, fmin(time, w->end));
         if (!close && !is_driven(found->k) && rw_solve_sections(m, w->sections, w->count) != RW_OK) return BLOCKED;
         look_again(m, found);
         if (fabs(found->gap) <= near(found->k)) return REACHED;
@@ -206,17 +206,26 @@ static int solve_all(rw_instance *m)
     return rw_drives_alone(m);
 }
 
-/* Moves the line along its drives; 0 where that takes more than loads that pass. */
+/* The run ends at the last crossing so far. */
+static void end_early(passage *w)
+{
+    w->end = w->c->from.t;
+    for (int i = 0; i < rw_line.sections; i++) w->end = fmax(w->end, w->since[i]);
+}
+
+/* Moves the line along its drives, or to where a load is held or many have crossed; 0 where that takes more than loads
+ * that pass. */
 static int run(rw_instance *m, passage *w)
 {
-    int solved = 0; /* at the end of the step */
+    int solved = 0; /* at the end */
+    w->end = w->c->to.t;
     for (int i = 0; i < rw_line.sections; i++) w->since[i] = w->c->from.t;
-    for (int trial = 0; trial < 2 * MOST; trial++) {
+    for (int trial = 0; trial < 4 * MOST; trial++) {
         rw_crossing next;
         int result;
-        if (!rw_next_crossing(m, &next) || m->s.now.t + next.time > w->c->to.t) {
+        if (!rw_next_crossing(m, &next) || m->s.now.t + next.time > w->end) {
             if (solved) return 1;
-            follow(m, w->c, w->c->to.t);
+            follow(m, w->c, w->end);
             if (!solve_all(m)) return 0;
             solved = 1;
             continue;
@@ -232,7 +241,7 @@ static int run(rw_instance *m, passage *w)
             continue;
         }
         if (!cross(m, w, &next)) return 0;
-        if (rw_standing(m)) return solve_all(m);
+        if (rw_standing(m) || w->crossings > MOST / 2) end_early(w);
     }
     return 0;
 }

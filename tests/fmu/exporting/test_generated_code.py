@@ -1,4 +1,4 @@
-"""The C of an FMU: what depends on kinds of components is the same for all lines, and without a Jacobian of the whole."""
+"""The C of an FMU: functions of components are the same for all lines; a line by sections needs no Jacobian."""
 
 import ropeway as rw
 from ropeway.fmu.exporting.equations import ModelEquations
