@@ -165,9 +165,10 @@ def line_tables(model: Model, sections: LineSections) -> tuple[dict[str, int], d
     """The sizes of a line and its tables of integers, as rs_line has them."""
     counts = np.concatenate([layout.slots.count for layout in model.layouts])
     numbers = {**_by_span(sections, counts), **_by_support(model, sections), **_by_section(sections)}
+    vectors = (len(table) for table in (model.x, model.z, model.u, model.p))
     spans, supports = len(sections.form), len(sections.travel)
-    sizes = (spans, supports, len(numbers["first"]), int(counts.max(initial=0)))
-    sizes += (*(len(t) for t in (model.x, model.z, model.u, model.p)), len(sections.shared), len(model.runs))
+    own = (spans, supports, len(numbers["first"]), int(counts.max(initial=0)))
+    sizes = (*own, *vectors, len(sections.shared), len(model.runs))
     return dict(zip(LINE_SIZES, sizes, strict=True)), numbers
 
 
