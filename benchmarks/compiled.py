@@ -1,12 +1,12 @@
-"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, and a bare
-loop over the spans' kernels, which is the limit.
+"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, and the work
+of the spans in C written by hand, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
 
 Processor times of this process, the least of several tries. A simulation counts from the assembled model and its
-equilibrium to the result's frame; `loop` is the time of as many kernels in C, one after the other, as the spans had
-residuals in the run: every section at each record and stop, twice.
+equilibrium to the result's frame. The limit (`span_limit.c`) is the time of as many iterations of Newton's method as
+the spans had in the run, two for each span at each record, with nothing between them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,6 @@ import typer
 
 import ropeway as rw
 from ropeway.systems.native.binary_cache import library
-from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.solvers.line_sections import line_sections
 
 CASES = 10_000
@@ -40,23 +39,29 @@ def least(run: Callable[[], object], tries: int = 3) -> float:
     return found
 
 
-def bare_loop(model: rw.Model, kernels: int) -> float:
-    """Time [s] of so many kernels of a span with two loads, in C alone."""
-    sections = line_sections(model)
+def limit(kernels: int) -> float:
+    """Time [s] of the work of so many spans with two loads in one iteration each, in C written by hand. Its results are
+    those of the kernel of such spans."""
+    line = lines.driven(5)
+    sections = line_sections(rw.assemble(line))
     if isinstance(sections, str):
         raise TypeError(sections)
-    kernel = sections.forms[0].kernel(2)
-    loop = (
-        'void kernel(const double *v, double *r);\n__attribute__((visibility("default"))) '
-        "void loop(double *v, double *r, int n) { for (int i = 0; i < n; i++) { v[1] += 1e-6; kernel(v, r); } }\n"
-    )
-    found = library({"kernel.c": kernel_source(kernel, "kernel"), "loop.c": loop})
-    own = model.p.values[sections.parameters[0] : sections.parameters[0] + sections.forms[0].parameters]
-    place = [0.0, 0.0, 0.0, 0.0, 99.0, 5.0, 3.0, 0.0]
-    v, r = np.array([9.81, 4e4, 100.0, -800.0, *own, 300.0, 350.0, 30.0, 70.0, 1.0, 1.0, *place]), np.zeros(24)
-    call = found.loop
-    call.argtypes, call.restype = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int], None
-    return least(lambda: call(v.ctypes.data, r.ctypes.data, kernels))
+    rope, (kernel, form) = lines.ROPE, (sections.forms[0].kernel(2), sections.forms[0])
+    gravity, force, length, at, masses = line.gravity, [4e4, 100.0, -800.0], 101.0, [30.0, 70.0], [300.0, 350.0]
+    way = [99.0, 5.0, 3.0]
+    own = [length, rope.mass_per_length, rope.strain.c1, rope.breaking_load][: form.parameters]
+    v = np.array([gravity, *force, *own, *masses, *at, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, *way, 0.0])
+    given = [*force, rope.mass_per_length * gravity, rope.strain.c1, length, *at, *(m * gravity for m in masses), *way]
+    found = library({"limit.c": (Path(__file__).parent / "span_limit.c").read_text()})
+    for call in (found.once, found.loop):
+        call.argtypes, call.restype = (
+            [ctypes.c_void_p, ctypes.c_void_p, *([ctypes.c_int] if call is found.loop else [])],
+            None,
+        )
+    q, r = np.array(given), np.zeros(24)
+    found.once(q.ctypes.data, r.ctypes.data)
+    np.testing.assert_allclose(r, np.array(kernel(v)).ravel(), rtol=1e-9, atol=1e-9)
+    return least(lambda: found.loop(q.ctypes.data, r.ctypes.data, kernels))
 
 
 def fmu_time(line: rw.System, until: float) -> float:
@@ -89,11 +94,11 @@ def simulations(spans: int, until: float, fmu: bool) -> None:
         run[compiled] = least(simulate)
         whole[compiled] = least(lambda simulate=simulate: simulate().frame)
     result = rw.simulate(model, until, start=start, compiled=True, progress=False)
-    loop = bare_loop(model, 2 * spans * len(result.records))
+    bare = limit(2 * spans * len(result.records))
     print(
         f"driven({spans}), {until:g} s: {whole[False] / whole[True]:.1f} times faster with the frame "
         f"({1e3 * whole[False]:.0f} and {1e3 * whole[True]:.0f} ms), {run[False] / run[True]:.1f} times without "
-        f"({1e3 * run[False]:.0f} and {1e3 * run[True]:.0f} ms); bare loop {1e3 * loop:.0f} ms; "
+        f"({1e3 * run[False]:.0f} and {1e3 * run[True]:.0f} ms); the limit {1e3 * bare:.1f} ms; "
         f"first use {1e3 * first:.0f} ms"
     )
     if fmu:

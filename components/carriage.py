@@ -13,7 +13,7 @@ from ropeway.components import check, laws
 from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, namespace, norm
-from ropeway.components.check import NOT_NEGATIVE
+from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, Seat, remade
 from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
@@ -28,7 +28,7 @@ from ropeway.components.moving_node import (
     motion_variables,
 )
 from ropeway.components.node import Node
-from ropeway.components.smooth import size
+from ropeway.components.smooth import sign, size
 from ropeway.components.variable import Equations, Kind, Limit, MovingMass, Site, Variable
 from ropeway.components.weather import drag_variables
 
@@ -68,11 +68,15 @@ class Carriage(Node):
     swing : float, default inf
         Angle of the dropline from the vertical beyond which a simulation with inertia reports the event "swing beyond
         limit" [rad].
+    grip : float, default inf
+        Largest difference of the skyline's tensions that the clamp of a clamped carriage holds [N]. Beyond it "clamp
+        slips" is reported; with inertia the skyline then slips through the clamp against this force.
 
     Raises
     ------
     InputError
-        A negative mass, payload, depth or area, or a clamped carriage with a holding force.
+        A negative mass, payload, depth or area, a grip that is not positive, a grip without a clamp, or a clamped
+        carriage with a holding force.
 
     Examples
     --------
@@ -90,6 +94,7 @@ class Carriage(Node):
     depth: float = 0.0
     drag_area: float = 0.0
     swing: Unbounded = math.inf
+    grip: Unbounded = math.inf
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -98,6 +103,9 @@ class Carriage(Node):
         check.not_negative(self.depth, self.described, "depth", "m")
         check.not_negative(self.drag_area, self.described, "drag_area", "m2")
         check.positive(self.swing, self.described, "swing", "rad", infinite=True)
+        check.positive(self.grip, self.described, "grip", "N", infinite=True)
+        if self.slips and not self.clamped:
+            raise InputError(f"{self.described} has a grip of {self.grip:g} N without a clamp", "Give clamped=True")
         if self.holding not in (None, "bisector", "horizontal"):
             raise InputError(
                 f"{self.described}: holding is {self.holding!r}", 'Choose "bisector", "horizontal" or None'
@@ -107,6 +115,14 @@ class Carriage(Node):
 
     def with_inertia(self, inertia: Inertia) -> Component:
         return remade(self, MovingCarriage) if type(self) is Carriage else self
+
+    @property
+    def slips(self) -> bool:
+        """Whether its clamp holds a limited force."""
+        return math.isfinite(self.grip)
+
+    def limits(self) -> tuple[Limit, ...]:
+        return (Limit("clamp_force", "clamp slips", -self.grip, self.grip),) if self.slips else ()
 
     @property
     def a(self) -> Seat:
@@ -153,7 +169,7 @@ class Carriage(Node):
         return tuple(MovingMass(axis, read("mass") + read("payload"), {f"balance_{axis}": 1.0}) for axis in "xyz")
 
     def structure(self, site: Site) -> Hashable:
-        return (self.clamped, self.holding)
+        return (self.clamped, self.holding, self.slips)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, alg, res, out = Kind.PARAMETER, Kind.ALGEBRAIC, Kind.RESIDUAL, Kind.OUTPUT
@@ -176,6 +192,7 @@ class Carriage(Node):
             Variable("mainline_pull", out, "N", "tension of the mainline at the carriage", nominal=force),
             Variable("haulback_pull", out, "N", "tension of the haulback at the carriage", nominal=force),
             Variable("dropline_pull", out, "N", "tension of the dropline at the carriage", nominal=force),
+            *((Variable("clamp_force", out, "N", "skyline tension b minus a", nominal=force),) if self.slips else ()),
         )
 
     def total(self, v: Any, a: Vector, b: Vector, lines: tuple[Vector, ...]) -> list[Any]:
@@ -201,9 +218,11 @@ class Carriage(Node):
     def line_outputs(self, v: Any) -> dict[str, Any]:
         """Tensions of the ropes at the carriage."""
         lines = {"mainline": v.mainline.force, "haulback": v.haulback.force, "dropline": v.dropline.force}
+        tension_a, tension_b = norm(v.a.force), norm(v.b.force)
         return {
-            "tension_a": norm(v.a.force),
-            "tension_b": norm(v.b.force),
+            "tension_a": tension_a,
+            "tension_b": tension_b,
+            **({"clamp_force": tension_b - tension_a} if self.slips else {}),
             **{f"{line}_pull": size(pull) for line, pull in lines.items()},
         }
 
@@ -239,18 +258,25 @@ class MovingCarriage(Carriage):
     """A carriage with the inertia of itself, its payload and its ropes; arguments as of a `Carriage`.
 
     It rolls on the skyline: the ends of the rope there move with it across the skyline's direction `along`, the chord
-    from the support before to the one after at the start, and not along it.
+    from the support before to the one after at the start, and not along it. In a clamp with a `grip` the skyline slips
+    where its inertia and the difference of its tensions exceed the grip; below it creeps.
     """
 
     inertial: ClassVar[bool] = True
 
     @property
     def a(self) -> Seat:
-        return super().a if self.clamped else replace(super().a, rates="skyline_")
+        return self._moving(super().a)
 
     @property
     def b(self) -> Seat:
-        return super().b if self.clamped else replace(super().b, rates="skyline_")
+        return self._moving(super().b)
+
+    def _moving(self, seat: Seat) -> Seat:
+        """A seat of the skyline, with the motion of the rope there."""
+        if self.slips:
+            return replace(seat, speed="slip_speed", acceleration="slip_acceleration")
+        return seat if self.clamped else replace(seat, rates="skyline_")
 
     @property
     def free(self) -> tuple[tuple[str, str], ...]:
@@ -269,6 +295,8 @@ class MovingCarriage(Carriage):
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         own = super().variables(site)
+        if self.slips:
+            own = (*(v for v in own if v.name != "travel"), *_slip_variables(site, self.grip))
         places = {v.name: v for v in own if v.name in self._axes}
         dropped = Variable("dropped", Kind.DISCRETE, "1", "1: the payload has been dropped")
         rolling = () if self.clamped else across_variables("skyline")
@@ -296,13 +324,38 @@ class MovingCarriage(Carriage):
             for axis in "xyz"
         }
         rolling = {} if self.clamped else across_residuals(v, "skyline", self._axes)
+        slip_rates, slip = _slip(v) if self.slips else ({}, {})
         return replace(
             found,
-            rates=motion_rates(v, self._axes),
-            residuals={**found.residuals, **balances, **rolling},
+            rates={**motion_rates(v, self._axes), **slip_rates},
+            residuals={**found.residuals, **balances, **rolling, **slip},
             outputs={
                 **found.outputs,
                 **energies(v, mass, self._axes),
                 "dropline_angle": namespace(down).atan2(size((v.dropline.force[0], v.dropline.force[1], 0.0)), down),
             },
         )
+
+
+_CREEP = 1e-4
+"""Speed at which a clamp holds three quarters of its grip [m/s]: its force is smooth through zero speed."""
+
+
+def _slip_variables(site: Site, grip: float) -> tuple[Variable, ...]:
+    """Motion of the skyline through a clamp that slips."""
+    state = Kind.STATE
+    return (
+        Variable("travel", state, "m", "unstretched length of skyline that has slipped through", kept_at_rest=True),
+        Variable("slip_speed", state, "m/s", "speed of the skyline in the clamp", kept_at_rest=True, rate_of="travel"),
+        Variable("slip_acceleration", Kind.ALGEBRAIC, "m/s2", "acceleration of the skyline in the clamp"),
+        Variable("slip", Kind.RESIDUAL, "N", "forces on the skyline in the clamp", nominal=0.01 * site.force),
+        Variable("grip", Kind.PARAMETER, "N", "force that the clamp holds", grip, site.force, range=POSITIVE),
+        Variable("lost", state, "J", "energy lost in the clamp", nominal=1e3),
+    )
+
+
+def _slip(v: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Rates and residual of `_slip_variables`."""
+    held = v.grip * sign(v.slip_speed, _CREEP)
+    rates = {"travel": v.slip_speed, "slip_speed": v.slip_acceleration, "lost": held * v.slip_speed}
+    return rates, {"slip": v.a.along + v.b.along + held - (v.b.carried - v.a.carried)}

@@ -106,7 +106,7 @@ class CarriageOnShoe(Carriage):
         return (Limit("shoe_force", "carriage off its shoe", low=0.0), *self.support.limits())
 
     def structure(self, site: Site) -> Hashable:
-        return (self.clamped, self.holding, self.mainline_on_roller)
+        return (self.clamped, self.holding, self.slips, self.mainline_on_roller)
 
     def variables(self, site: Site) -> tuple[Variable, ...]:
         par, res, out, force = Kind.PARAMETER, Kind.RESIDUAL, Kind.OUTPUT, site.force

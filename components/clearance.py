@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ropeway.components.catenary import Uniform, end_of, segment
+from ropeway.components.catenary import Uniform, segment
 from ropeway.components.rope_piece import Piece
 
 
@@ -68,24 +68,34 @@ def least_height(ground: GroundLine, piece: Piece) -> Clearance:
     return Clearance(float(height[k]), float(x[k]))
 
 
-def above_tangents(ground: GroundLine, piece: Piece, end: tuple[float, float]) -> float:
-    """Smallest height above the ground of the tangents at a piece's start and `end` (x, z) [m].
+class Spanned(NamedTuple):
+    """Load-free pieces of rope in a corridor, towards increasing x: their starts and ends (x, z), shapes (n, 2) [m],
+    and the tension vectors there (n, 3) [N]."""
 
-    The rope is above both tangents. inf if there is no ground below; -inf where wind along the rope bends it upwards.
+    start: np.ndarray
+    end: np.ndarray
+    force: np.ndarray
+    force_at_end: np.ndarray
+
+
+def above_tangents(ground: GroundLine, ropes: Spanned) -> np.ndarray:
+    """Smallest heights (n,) above the ground of the tangents at the start and the end of each piece [m].
+
+    A rope is above both tangents. inf if there is no ground below; -inf where wind along the rope bends it upwards.
     """
-    (x0, z0), (x1, z1), force = piece.start, end, piece.force
-    low, high = max(x0, ground.station[0]), min(x1, ground.station[-1])
-    if not low <= high:
-        return math.inf
-    last = end_of(force, piece.weight, piece.length)
-    a, b = force[2] / force[0], last[2] / last[0]
-    if not (b > a and last[0] > 0.0):
-        return -math.inf
-    crossing = (z0 - z1 + b * x1 - a * x0) / (b - a)
-    inside = ground.station[(ground.station > low) & (ground.station < high)]
-    x = np.array([low, min(max(crossing, low), high), high, *inside])
-    line = np.maximum(z0 + a * (x - x0), z1 + b * (x - x1))
-    return float((line - np.interp(x, ground.station, ground.elevation)).min())
+    station, elevation = ground.station, ground.elevation
+    (x0, z0), (x1, z1) = ropes.start.T[:, :, None], ropes.end.T[:, :, None]
+    low, high = np.maximum(x0, station[0]), np.minimum(x1, station[-1])
+    with np.errstate(all="ignore"):
+        a, b = ropes.force[:, 2:] / ropes.force[:, :1], ropes.force_at_end[:, 2:] / ropes.force_at_end[:, :1]
+        crossing = np.minimum(np.maximum((z0 - z1 + b * x1 - a * x0) / (b - a), low), high)
+        ends = np.concatenate([low, crossing, high], axis=1)
+        at_ends, over = (np.maximum(z0 + a * (x - x0), z1 + b * (x - x1)) for x in (ends, station))
+    over -= elevation
+    over[(station < low) | (station > high)] = math.inf
+    least = np.minimum((at_ends - np.interp(ends, station, elevation)).min(axis=1), over.min(axis=1))
+    hangs = (b > a) & (ropes.force_at_end[:, :1] > 0.0)
+    return np.asarray(np.where((low <= high)[:, 0], np.where(hangs[:, 0], least, -math.inf), math.inf))
 
 
 def deflection(sag: float, span: float) -> float:

@@ -86,12 +86,12 @@ class IntermediateSupport(Standing, Wheel):
     @property
     def a(self) -> Seat:
         """Where the skyline arrives."""
-        return replace(super().a, offset="a" if self.radius > 0.0 else None)
+        return replace(super().a, offset="a") if self.radius > 0.0 else super().a
 
     @property
     def b(self) -> Seat:
         """Where the skyline leaves."""
-        return replace(super().b, offset="b" if self.radius > 0.0 else None)
+        return replace(super().b, offset="b") if self.radius > 0.0 else super().b
 
     @property
     def centre(self) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import cached_property
 from typing import Protocol, overload
 
 from ropeway.components import check, table
@@ -184,7 +185,7 @@ class Rope:
         meant = f"; did you mean {', '.join(map(repr, near))}?" if near else ""
         raise RefusedError(value, f"a Rope, or the name of one of rw.ropes(){meant}")
 
-    @property
+    @cached_property
     def strain(self) -> Strain:
         """Coefficients of the rope's strain over tension."""
         return self.stretch.strain(self.axial_stiffness, self.breaking_load)

@@ -80,8 +80,8 @@ class Standing(Node):
             raise InputError(
                 f"{self.described} is placed by station and height", "Give a terrain, or place it with at="
             )
-        elevation = ground.elevation_at(self.station)
-        return replace(self, at=(self.station, 0.0, elevation + self.height))
+        at = (self.station, 0.0, ground.elevation_at(self.station) + self.height)
+        return self if self.at == at else replace(self, at=at)
 
     def require_above(self, ground: Profile | None) -> None:
         """Raises InputError if its position is below a terrain."""

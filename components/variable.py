@@ -29,6 +29,8 @@ class Kind(Enum):
     RESIDUAL = "residual"
     OUTPUT = "output"
 
+    __hash__ = object.__hash__  # members are single objects; every vector and table is found by one
+
 
 @dataclass(frozen=True, slots=True)
 class Variable:

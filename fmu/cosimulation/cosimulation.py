@@ -249,11 +249,7 @@ class CoSimulation:
         >>> master.to_ssp("yard.ssp", until=5.0).name
         'yard.ssp'
         """
-        target = Path(path)
-        if target.suffix != ".ssp":
-            raise InputError(f"{str(path)!r} does not end in .ssp", f"Rename it to {target.stem or 'yard'}.ssp")
-        if not target.parent.is_dir():
-            raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
+        target = ssp_exchange.new_file(path)
         if not self._participants:
             raise InputError("There is no slave", "Add FMUs or systems")
         for name, value in (("until", until), ("start_time", start_time)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
+from pathlib import Path
 from typing import Any
 
 from ropeway.components.errors import InputError
@@ -18,6 +19,16 @@ from ropeway.fmu.importing.variable_types import Mapped
 from ropeway.fmu.ssp.reading import SspConnection, SspSlave, SspSystem
 
 _MASTER, _CONTROL = "CoSimulation", "StepControl"
+
+
+def new_file(path: str | Path) -> Path:
+    """The file to write. Raises InputError."""
+    target = Path(path)
+    if target.suffix != ".ssp":
+        raise InputError(f"{str(path)!r} does not end in .ssp", f"Rename it to {target.stem or 'yard'}.ssp")
+    if not target.parent.is_dir():
+        raise InputError(f"There is no folder {target.parent}", "Create it, or choose another")
+    return target
 
 
 def settings_of(step: float, scheme: Scheme, control: StepControl | None) -> dict[str, dict[str, str]]:

@@ -19,6 +19,7 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native import section_library as core
 from ropeway.systems.solvers.compiled_line import CompiledLine, PointSolver
 from ropeway.systems.solvers.compiled_nodes import Filled, compiled_clocks, compiled_drives, no_clocks
+from ropeway.systems.solvers.compiled_rows import load_tables
 from ropeway.systems.solvers.drive_trajectories import NODES, WEIGHTS, Window
 from ropeway.systems.statics.line_records import Record
 from ropeway.systems.statics.line_state import LineState, load_force, read_value, span_rope
@@ -64,17 +65,16 @@ class CoreMotion:
         fixed = {
             "nodes": NODES,
             "weights": WEIGHTS,
-            "load_first": np.cumsum([0, *(len(own.place) for own in self._loads)], dtype=np.int64),
-            "place": np.concatenate([own.place for own in self._loads]),
-            "mass": np.concatenate([own.mass for own in self._loads]),
-            "drag": np.concatenate([own.drag for own in self._loads]),
-            "rope": np.concatenate([layout.start(state.point.p) for layout in model.layouts]),
+            **load_tables(model, state.runs, state.point.p),
             "scale": np.array(state.span_scale),
             "pull": pull,
             "wind": wind,
             "sign": _signs(model, line),
             "kept": model.kept.astype(np.int32),
             "room": np.zeros(2 * tables.nz + 2 * tables.supports),
+            "touched": np.zeros(tables.sections, np.int32),
+            "old_rate": np.zeros(tables.nz),
+            "curve": np.zeros(tables.nz),
         }
         written = {
             "passed": self._passed,
@@ -137,7 +137,7 @@ class CoreMotion:
         values, rates = np.ascontiguousarray(window.values), np.ascontiguousarray(window.rates)
         m.window, m.window_rates = values.ctypes.data, rates.ctypes.data
         m.begin, m.h, m.crossed = window.start, window.h, crossed
-        m.strict, m.single, m.short_step = int(strict), int(self.drives is None), short
+        m.strict, m.single, m.short_step, m.curved = int(strict), int(self.drives is None), short, 0
         drives = None if self.drives is None else self.drives.address
         return self._call("rs_move", ctypes.c_double(stop), drives)
 
@@ -225,8 +225,11 @@ def _signs(model: Model, line: CompiledLine) -> np.ndarray:
 def _forces(state: LineState) -> tuple[np.ndarray, np.ndarray]:
     """What each metre of rope adds to its tension vector (spans, 3) [N/m], and each square metre of a load's drag area
     (2,) [N/m2]; weather does not change in the core."""
+    pull, p = np.zeros((sum(len(run.spans) for run in state.runs), 3)), state.point.p
+    if not state.model.weather:
+        pull[:, 2] = p[0] * np.concatenate([p[layout.mass_per_length] for layout in state.model.layouts])
+        return pull, np.zeros(2)
     read = partial(read_value, state.model, state.point, state.outputs())
-    pull = np.zeros((sum(len(run.spans) for run in state.runs), 3))
     places = [(run, k) for run in state.runs for k in range(len(run.spans))]
     for i, (run, k) in enumerate(places):
         weight = span_rope(state.model, run, k, read).weight

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,8 +30,7 @@ NEAR = 1e-9
 """A load is on a support within this part of the neighbouring span."""
 
 
-@dataclass(frozen=True)
-class Crossing:
+class Crossing(NamedTuple):
     """The load of number `load` at support `k` of run `r`; forward: from a to b. `time` [s] from now, at present
     speed, and `gap` [m] of travel until then; both negative when overdue. Where an endless rope begins and ends, at
     k = 0, one crossing is that of both ends."""
@@ -101,7 +101,7 @@ def gap_of(state: LineState, crossing: Crossing, rates: list[np.ndarray]) -> Cro
     gap, rate = gaps(state, crossing.r), float(rates[crossing.r][crossing.k])
     value = float((gap.ahead if crossing.forward else gap.behind)[crossing.k])
     way = rate if crossing.forward else -rate
-    return replace(crossing, gap=value, time=value / way if way > 1e-12 else np.inf)
+    return crossing._replace(gap=value, time=value / way if way > 1e-12 else np.inf)
 
 
 def _at(state: LineState, r: int, k: int, *, forward: bool) -> Crossing:

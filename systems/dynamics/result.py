@@ -54,6 +54,8 @@ class Result(RunData, Reported):
         Crossings, responses and interventions; `events` has the limits reached too.
     tolerance : float
         Of the integration.
+    compiled : bool
+        Whether the run was compiled: then its quantities are too.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from ropeway.systems.dynamics.inertia.inertial_state import inertial_state
 from ropeway.systems.dynamics.inertia.inertial_system import with_inertia
 from ropeway.systems.dynamics.line_stepper import LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, component_of, nearest
-from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
+from ropeway.systems.modelling.intervention import EMERGENCY_STOP, LOAD_LOST, STOP, SWITCHED, Intervention
 from ropeway.systems.modelling.system import System
 from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.kernels.compiled_newton import require_kernels
@@ -97,21 +97,26 @@ def check_interventions(model: Model, interventions: Sequence[Intervention], ine
     interventions = [i for i in interventions if not i.inertial]
     driven = [target for target in model.system.links if is_speed(model.system, *target)]
     for intervention in interventions:
-        if intervention.action == "emergency stop" and driven:
+        if intervention.action == EMERGENCY_STOP and driven:
             raise InputError(
                 f"An emergency stop cannot ramp down {'.'.join(driven[0])!r}, which another component drives",
                 "Brake that sheave",
             )
-        if intervention.component is not None and intervention.entry[0] not in model.d.index:
-            known = [
-                component_of(n)
-                for n in model.d.names
-                if n.rpartition(".")[2] == intervention.entry[0].rpartition(".")[2]
-            ]
+        if intervention.component is None:
+            continue
+        known = _known(model, intervention.action)
+        if intervention.component not in known:
             raise UnknownNameError(
                 f"{intervention.action!r} does not apply to {intervention.component!r}",
                 f"It applies to {', '.join(known) or 'nothing in this system'}",
             )
+
+
+def _known(model: Model, action: str) -> list[str]:
+    """Names of the components to which an action without inertia applies."""
+    if action == STOP:
+        return [component_of(n) for n in model.u.names if is_speed(model.system, *n.rpartition(".")[::2])]
+    return [component_of(n) for n in model.d.names if n.rpartition(".")[2] == SWITCHED[action][0]]
 
 
 def _check_inertial(model: Model, intervention: Intervention, inertia: Inertia | None) -> None:

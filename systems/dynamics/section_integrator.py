@@ -15,6 +15,9 @@ from ropeway.systems.dynamics.load_events import LoadEvents
 from ropeway.systems.dynamics.recorder import Recorder
 from ropeway.systems.solvers.drive_trajectories import Window, drives_of
 
+_SHORT_WINDOW = 1e-3
+"""Window [s] of the drives' motion that is not shortened where a polynomial does not follow it."""
+
 
 class UnforeseenError(Exception):
     """A load has crossed a support before the time that rates predict."""
@@ -39,6 +42,9 @@ class SectionIntegrator:
         slope = line.slope(stop)
         end = min(stop, line.time + LONGEST_STEP) if drives.ties else stop
         window = drives.window(line.state.point, end - line.time, motion.x, slope)
+        while np.any(window.unresolved > line.tolerance * line.state.model.x.nominals) and window.h > _SHORT_WINDOW:
+            window = drives.window(line.state.point, window.h / 2.0, motion.x, slope)
+        end = window.start + window.h
         if not drives.alone(window, line.state.point, slope):
             return None
         return self.attempt(window, end, motion, stop)

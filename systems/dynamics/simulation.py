@@ -33,7 +33,7 @@ from ropeway.systems.dynamics.steppers import stepper_of
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.assembly import in_weather
 from ropeway.systems.modelling.dae_model import Model, component_of, in_code, kept_with_model
-from ropeway.systems.modelling.intervention import LOAD_LOST, Intervention
+from ropeway.systems.modelling.intervention import EMERGENCY_STOP, LOAD_LOST, STOP, Intervention
 from ropeway.systems.modelling.sampled_control import Clock
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
@@ -144,7 +144,7 @@ def simulate(
     rest = equilibrium(model, compiled=at_once) if start is None else start_of(start, model, inertia)
     stopping = {name: s for name, s in (rest.pending.stopping or {}).items() if name not in (inputs or {})}
     signals = tuple(stopping.get(name, signal) for name, signal in zip(model.u.names, signals, strict=True))
-    pending = replace(rest.pending, stopping=stopping or None)
+    pending = replace(rest.pending, stopping=stopping or None, emergency=rest.pending.emergency and bool(stopping))
     settings = _Settings(model.u.names, signals, interventions, tolerance, stops, moved_in_core, inertia)
     solved_on = in_code(rest.model, compiled=model.compiled or (compiled and not moved_in_core))
     run = _Simulation(replace(rest, model=solved_on, pending=pending), settings, compiled=model.compiled)
@@ -216,6 +216,7 @@ class _Simulation:
             recorder.exact,
             tuple(recorder.events),
             self.line.tolerance,
+            self.settings.compiled,
         )
 
     def result_so_far(self) -> Result | None:
@@ -266,11 +267,11 @@ class _Simulation:
             return None
         if isinstance(self.stepper, InertialStepper):
             return self.stepper.run_along(_grid(count, every, until, quiet)) or None
-        if not self.settings.compiled:
-            return None
         pending, begin = self.recorder.pending, self.line.time
+        if not self.settings.compiled or (pending.stopping and not pending.emergency):
+            return None  # the response of a drive that stops alone does not tick on
         last = self.interventions[0].time if self.interventions else np.inf
-        ticking = pending.stopping is None
+        ticking = not pending.emergency
         grid = _grid(count, every, until, last)
         agenda = Agenda(
             grid,
@@ -288,8 +289,7 @@ class _Simulation:
         """What is pending, with the time of each clock's next tick [s], by default after those so far; clocks do not
         tick after an emergency stop."""
         clocks = zip(self.state.model.clocks, self.first_tick, ticks or self.ticks, strict=True)
-        responding = pending.stopping is None
-        coming = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if responding}
+        coming = {(c.period, c.phase): first + n * c.period for c, first, n in clocks if not pending.emergency}
         return replace(pending, ticks=coming)
 
     def next_act(self) -> float:
@@ -307,10 +307,11 @@ class _Simulation:
         while self.interventions and self.interventions[0].time <= point.t + 1e-9:
             intervention = self.interventions.pop(0)
             events.append(Event(point.t, intervention.component or self.state.model.name, intervention.action, np.nan))
-            if intervention.action == "emergency stop":
-                ended, stopping = self.emergency_stop(intervention.deceleration)
+            if intervention.action in (STOP, EMERGENCY_STOP):
+                ended, stopping = self.stop(intervention)
                 changes.update(ended)
-                pending = replace(pending, stopping=stopping)
+                emergency = pending.emergency or intervention.action == EMERGENCY_STOP
+                pending = replace(pending, stopping={**(pending.stopping or {}), **stopping}, emergency=emergency)
             elif intervention.action == LOAD_LOST:
                 lost.append(str(intervention.component))
             else:
@@ -339,28 +340,31 @@ class _Simulation:
         their entry, and as events."""
         point = self.state.point
         d, changes, events = point.d.copy(), dict[int, float](), list[Event]()
+        stopped = {component_of(name) for name in self.recorder.pending.stopping or {}}
         for clock in due:
             new = update_of(self.state.model, clock)(*replace(point, d=d).arguments)[0]
             for entry, name in clock.corrections.items():
                 value = float(new[int(np.flatnonzero(clock.entries == entry)[0])])
-                if value != d[entry]:
+                if value != d[entry] and name not in stopped:
                     changes[entry] = value
                     events.append(Event(point.t, name, "response", value))
             others = np.array([entry not in clock.corrections for entry in clock.entries])
             d[clock.entries[others]] = new[others]
         return d, changes, events
 
-    def emergency_stop(self, deceleration: float) -> tuple[dict[int, float], dict[str, Schedule]]:
-        """Ramps all drives down to rest; returns the corrections that this ends, and the signals of inputs."""
+    def stop(self, stop: Intervention) -> tuple[dict[int, float], dict[str, Schedule]]:
+        """Ramps one drive or all of them down to rest; returns the corrections that this ends, and the signals of
+        inputs."""
         model, t = self.state.model, self.line.time
         signals, ended, stopping = list(self.line.signals), dict[int, float](), dict[str, Schedule]()
         for i, (name, speed) in enumerate(zip(model.u.names, self.state.point.u, strict=True)):
-            if not is_speed(model.system, *name.rpartition(".")[::2]):
+            owner, _, quantity = name.rpartition(".")
+            if not is_speed(model.system, owner, quantity) or stop.component not in (None, owner):
                 continue
-            entry = model.d.index.get(f"{component_of(name)}.correction")
+            entry = model.d.index.get(f"{owner}.correction")
             if entry is not None:
                 speed, ended[entry] = speed + self.state.point.d[entry], 0.0
-            down = t + max(abs(speed) / deceleration, 1e-6)
+            down = t + max(abs(speed) / stop.deceleration, 1e-6)
             signals[i] = stopping[name] = Schedule((t, down), (speed, 0.0))
         self.line.drive(signals)
         return ended, stopping
@@ -382,13 +386,10 @@ class _Simulation:
 
 def _grid(count: int, every: float, until: float, before: float) -> list[float]:
     """Some times of the grid [s] from its number `count` on, all earlier than `before`."""
-    found = list[float]()
-    while len(found) < _TOGETHER and (not found or found[-1] < until):
-        time = min((count + len(found)) * every, until)
-        if time >= before - 1e-9:
-            break
-        found.append(time)
-    return found
+    numbers = np.arange(count, min(count + _TOGETHER, round(until / every) + 2))
+    times = np.minimum(numbers * every, until)
+    last = int(np.searchsorted(times, until)) + 1
+    return [t for t in times[:last].tolist() if t < before - 1e-9]
 
 
 @kept_with_model

@@ -84,13 +84,16 @@ def _pending(pending: Pending) -> Json:
     stopping = pending.stopping
     if stopping is None:
         return {"ticks": ticks}
-    return {"ticks": ticks, "stopping": {name: [list(s.times), list(s.speeds)] for name, s in stopping.items()}}
+    signals = {name: [list(s.times), list(s.speeds)] for name, s in stopping.items()}
+    return {"ticks": ticks, "stopping": signals, "emergency": pending.emergency}
 
 
 def _read_pending(data: Mapping[str, Json]) -> Pending:
     ticks = {(period, phase): time for period, phase, time in data["ticks"]}
     stopping = data.get("stopping")
-    return Pending(ticks, None if stopping is None else {n: Schedule(t, s) for n, (t, s) in stopping.items()})
+    if stopping is None:
+        return Pending(ticks)
+    return Pending(ticks, {n: Schedule(t, s) for n, (t, s) in stopping.items()}, data.get("emergency", True))
 
 
 def _write_equilibrium(encoder: Encoder, line: Equilibrium) -> dict[str, Json]:

@@ -29,6 +29,23 @@ class Roots(NamedTuple):
         return np.asarray(self.steps <= CONVERGED)
 
 
+def jacobians_of(residual: Callable[[Any], Any], unknowns: np.ndarray) -> np.ndarray:
+    """The Jacobians (n, k, k) of n problems at unknowns (n, k)."""
+    probe = 1j * _STEP * np.eye(unknowns.shape[-1])[:, None, :]
+    return np.asarray((residual(unknowns + probe).imag / _STEP).transpose(1, 2, 0))
+
+
+def solved_side_by_side(jacobians: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    """Solutions (n, k) of n linear systems; NaN for those that are singular or not finite."""
+    right = residuals[:, :, None]
+    try:
+        return np.asarray(np.linalg.solve(jacobians, right)[:, :, 0])
+    except np.linalg.LinAlgError:  # one of them is singular
+        singular = ~np.isfinite(jacobians).all(axis=(1, 2)) | (np.linalg.det(jacobians) == 0.0)
+        solvable = np.where(singular[:, None, None], np.eye(jacobians.shape[-1]), jacobians)
+        return np.asarray(np.where(singular[:, None], np.nan, np.linalg.solve(solvable, right)[:, :, 0]))
+
+
 def solve_side_by_side(
     residual: Callable[[Any], Any],
     start: np.ndarray,
@@ -42,14 +59,10 @@ def solve_side_by_side(
     steps are shortened.
     """
     unknowns = before = start
-    probe = 1j * _STEP * np.eye(start.shape[-1])[:, None, :]
     with np.errstate(all="ignore"):
         for _ in range(_ITERATIONS):
-            jacobians = np.moveaxis(residual(unknowns + probe).imag / _STEP, 0, -1)
-            singular = ~np.isfinite(jacobians).all(axis=(1, 2)) | (np.linalg.det(jacobians) == 0.0)
-            jacobians[singular] = np.eye(start.shape[-1])
-            moves = -np.linalg.solve(jacobians, residual(unknowns)[:, :, None])[:, :, 0]
-            moves[singular] = np.nan
+            jacobians = jacobians_of(residual, unknowns)
+            moves = -solved_side_by_side(jacobians, residual(unknowns))
             steps = relative_step(unknowns, moves)
             last, before = before, unknowns
             unknowns = unknowns + moves * np.minimum(1.0, longest / np.maximum(steps, 1e-300))[:, None]

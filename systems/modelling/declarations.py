@@ -122,7 +122,7 @@ def require_weather(system: Declarations) -> None:
     thin = thin_ropes(system)
     if thin and environment.needs_diameter:
         raise InputError(
-            f"Environment {environment.name!r} has wind or ice, but rope {thin[0]!r} of {system.name!r} has no diameter",
+            f"Environment {environment.name!r} has wind or ice; rope {thin[0]!r} of {system.name!r} has no diameter",
             "Give the rope a diameter",
         )
     shoe = next((c for c in system.components.values() if _has_shoe(c)), None)

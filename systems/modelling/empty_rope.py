@@ -8,6 +8,7 @@ small independent problem; all are solved in parallel.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,14 @@ import numpy as np
 from ropeway.components import parabola
 from ropeway.components.catenary import Strain, norm, segment
 from ropeway.components.errors import InputError, SlackRopeError
-from ropeway.systems.modelling.complex_newton import solve_side_by_side
+from ropeway.systems.modelling.complex_newton import jacobians_of, solve_side_by_side, solved_side_by_side
+
+_LINEAR = 1e-7
+"""Relative change of a rope's tension within which the lengths of its spans are linear in it, to rounding errors."""
+
+
+_CLOSE = 1e-4
+"""Relative step of a guess of the tension after which Newton's method on the spans alone is as fast."""
 
 
 class _Taut(NamedTuple):
@@ -64,6 +72,20 @@ def lengths_for_total(
     except SlackRopeError:
         lengths = guess
     return lengths * (total / lengths.sum())
+
+
+def lengths_between(
+    starts: np.ndarray, ends: np.ndarray, weight: float, strain: Strain, tension: float, height: float
+) -> np.ndarray:
+    """Unstretched lengths [m], shape (n,), of spans of empty ropes from `starts` to `ends` (n, 3). Each rope has a
+    `tension` [N] at a point of z = `height` [m]. NaN without a taut branch."""
+    both = np.stack([starts, ends], axis=1)
+    chords = parabola.Chords(*(values[::2] for values in parabola.Chords.between(both.reshape(-1, 3))))
+    level = strain.potential(tension) + weight * (both[:, :, 2] - height)
+    taut = level.min(axis=1) > 0.0
+    first, last = _with_potential(strain, np.where(taut[:, None], level, strain.potential(tension))).T
+    found, bad = _span_roots(chords, weight, strain, (first, last))
+    return np.where(taut & ~bad, found.length, np.nan)
 
 
 class Pretension(NamedTuple):
@@ -127,17 +149,58 @@ def _taut_for_total(
 
     Raises SlackRopeError.
     """
-    taut: _Taut | None = None
+    reference, spans = _nearer(at, weight, strain, total, reference)
     for _ in range(20):
-        taut = _solve(at, weight, strain, reference, names, taut)
-        error_of_length = taut.length.sum() - total
-        if abs(error_of_length) <= 1e-13 * total:
-            return reference, taut
-        reference -= error_of_length / taut.slope.sum()
+        taut = _solve(at, weight, strain, reference, names, spans)
+        step = (total - taut.length.sum()) / taut.slope.sum()
+        if abs(step) <= _LINEAR * reference:
+            return reference + step, taut._replace(length=taut.length + taut.slope * step)
+        reference, spans = reference + step, taut.spans
     raise SlackRopeError(
         f"The empty rope {names[0]} ... is too long to hang taut between its supports",
         "Shorten it or raise the tension",
     )
+
+
+def _nearer(
+    at: np.ndarray, weight: float, strain: Strain, total: float, reference: float
+) -> tuple[float, np.ndarray | None]:
+    """A better guess of the tension, and of the spans: a few steps of Newton's method on all of them at once. The given
+    guess and None where they do not converge."""
+    chords, tension = parabola.Chords.between(at), reference
+    spans: np.ndarray | None = None
+    with np.errstate(all="ignore"):
+        for _ in range(6):
+            try:
+                support = support_tensions(at, weight, strain, tension)
+                mean = (support[:-1] + support[1:]) / 2.0
+                spans = _straight(chords, weight, strain, mean) if spans is None else spans
+                residual = partial(_residual, chords, weight, strain, support[:-1])
+                sides = np.zeros((len(spans), 3, 2))
+                sides[:, :, 0] = -residual(spans)
+                sides[:, 2, 1] = _gain(strain, tension, support) / support[:-1]
+                moves = np.linalg.solve(jacobians_of(residual, spans), sides)
+            except (SlackRopeError, np.linalg.LinAlgError):
+                break
+            step = (total - spans[:, 2].sum() - moves[:, 2, 0].sum()) / moves[:, 2, 1].sum()
+            if not abs(step) < 0.1 * tension:
+                break
+            spans, tension = spans + moves[:, :, 0] + moves[:, :, 1] * step, float(tension + step)
+            if abs(step) <= _CLOSE * tension:
+                return tension, spans
+    return reference, None
+
+
+def _gain(strain: Strain, tension: float, support: np.ndarray) -> np.ndarray:
+    """Derivative of the tensions at the spans' starts by that at the first support: the potential increases equally."""
+    return np.asarray((1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1])))
+
+
+def _straight(chords: parabola.Chords, weight: float, strain: Strain, mean: np.ndarray) -> np.ndarray:
+    """Initial guess of the spans' unknowns from their mean tensions [N]."""
+    cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
+    length = chords.length / (1.0 + strain.at(mean))
+    return np.column_stack([mean * cosine, mean * sine - weight * chords.length / 2.0, length])
 
 
 def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: float) -> np.ndarray:
@@ -152,49 +215,66 @@ def support_tensions(at: np.ndarray, weight: float, strain: Strain, tension: flo
             f"{at[0, 2] - at[int(np.argmin(level)), 2]:.6g} m below it",
             "Raise the tension",
         )
+    return _with_potential(strain, level)
+
+
+def _with_potential(strain: Strain, level: np.ndarray) -> np.ndarray:
+    """Tensions of given strain potentials above zero [N]."""
     support = level.copy()
     for _ in range(30):
-        support = support - (strain.potential(support) - level) / (1.0 + strain.at(support))
+        before = support
+        support = before - (strain.potential(before) - level) / (1.0 + strain.at(before))
+        if (support == before).all():
+            break
     return np.asarray(support)
 
 
 def _solve(
-    at: np.ndarray, weight: float, strain: Strain, tension: float, names: Sequence[str], near: _Taut | None = None
+    at: np.ndarray,
+    weight: float,
+    strain: Strain,
+    tension: float,
+    names: Sequence[str],
+    spans: np.ndarray | None = None,
 ) -> _Taut:
-    """All spans by Newton's method on (horizontal tension, vertical component at the start, length).
-
-    `near`: the solution at a similar tension, as the initial guess.
-    """
-    chords = parabola.Chords.between(at)
-    support = support_tensions(at, weight, strain, tension)
-    # Derivative of the tensions by that at the first support: the potential increases equally.
-    gain = (1.0 + strain.at(tension)) / (1.0 + strain.at(support[:-1]))
-    mean = (support[:-1] + support[1:]) / 2.0
-    cosine, sine = chords.horizontal / chords.length, chords.rise / chords.length
-    length = chords.length / (1.0 + strain.at(mean))
-    unknown = np.column_stack([mean * cosine, mean * sine - weight * chords.length / 2.0, length])
-    if near is not None:
-        unknown = near.spans
-
-    def residual(u: np.ndarray) -> np.ndarray:
-        return _residual(chords, weight, strain, support[:-1], u)
-
-    def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
-        return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
-
-    roots = solve_side_by_side(residual, unknown, relative_step, longest=0.3)
-    unknown, error = roots.unknowns, np.abs(residual(roots.unknowns)).max(axis=1)
-    with np.errstate(all="ignore"):
-        by_tension = np.broadcast_to(np.array([[0.0], [0.0], [1.0]]), (len(names), 3, 1)) / support[:-1, None, None]
-        slope = np.linalg.solve(roots.jacobians, by_tension)[:, 2, 0]
-    bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
+    """All spans between points `at` (n + 1, 3), from a guess of their unknowns. Raises SlackRopeError."""
+    chords, support = parabola.Chords.between(at), support_tensions(at, weight, strain, tension)
+    found, bad = _span_roots(chords, weight, strain, (support[:-1], support[1:]), spans)
     if bad.any():
         k = int(np.argmax(bad))
         raise SlackRopeError(
             f"{support[k]:.6g} N at {names[k]!r} is too low for the weight of the rope in that span",
             "Raise the tension or add a support",
         )
-    return _Taut(unknown[:, 2], slope * gain, unknown, roots.jacobians)
+    return found._replace(slope=found.slope * _gain(strain, tension, support))
+
+
+def _span_roots(
+    chords: parabola.Chords,
+    weight: float,
+    strain: Strain,
+    support: tuple[np.ndarray, np.ndarray],
+    spans: np.ndarray | None = None,
+) -> tuple[_Taut, np.ndarray]:
+    """Independent spans by Newton's method on (horizontal tension, vertical component at the start, length), and which
+    have no taut root, (n,). `support`: tensions at their starts and ends, (n,) each; the slopes are by those at the
+    starts; `spans`: a guess of the unknowns."""
+    first, last = support
+    mean = (first + last) / 2.0
+    start = _straight(chords, weight, strain, mean) if spans is None else spans
+    residual = partial(_residual, chords, weight, strain, first)
+
+    def relative_step(u: np.ndarray, move: np.ndarray) -> np.ndarray:
+        return np.maximum(np.abs(move[:, 2]) / u[:, 2], np.abs(move[:, :2]).max(axis=1) / mean)
+
+    roots = solve_side_by_side(residual, start, relative_step, longest=0.3)
+    unknown, error = roots.unknowns, np.abs(residual(roots.unknowns)).max(axis=1)
+    with np.errstate(all="ignore"):
+        by_tension = np.zeros((len(first), 3))
+        by_tension[:, 2] = 1.0 / first
+        slope = solved_side_by_side(roots.jacobians, by_tension)[:, 2]
+    bad = ~(error < 1e-10) | ~(unknown[:, 2] > 0.0) | ~(slope < 0.0)
+    return _Taut(unknown[:, 2], slope, unknown, roots.jacobians), bad
 
 
 def _residual(

@@ -17,8 +17,8 @@ SWITCHED = {
 """Discrete variable of a component that each action sets, and its value."""
 INERTIAL = {"payload dropped": ("dropped", 1.0), "rope breaks": ("broken", 1.0)}
 """As `SWITCHED`, of components with inertia."""
-LOAD_LOST = "load lost"
-ACTIONS = (*SWITCHED, "emergency stop", *INERTIAL, LOAD_LOST)
+LOAD_LOST, STOP, EMERGENCY_STOP = "load lost", "stop", "emergency stop"
+ACTIONS = (*SWITCHED, STOP, EMERGENCY_STOP, *INERTIAL, LOAD_LOST)
 
 
 @checked
@@ -30,21 +30,22 @@ class Intervention:
     ----------
     time : float
         Time [s].
-    action : {"brake", "release", "pressure lost", "pressure back", "emergency stop", "load lost", "payload dropped", \
-"rope breaks"}
+    action : {"brake", "release", "pressure lost", "pressure back", "stop", "emergency stop", "load lost", \
+"payload dropped", "rope breaks"}
         "brake" applies the brake of a control sheave, "release" releases it. "pressure lost" removes the force of its
-        hydraulic drive, "pressure back" restores it. "emergency stop" decelerates all drives of the line to rest and
-        stops all responses. With inertia, "load lost" takes a load off its rope, "payload dropped" takes the payload
-        off a carriage, "rope breaks" cuts the rope of a span.
+        hydraulic drive, "pressure back" restores it. "stop" decelerates the drive of one control sheave or drum to rest
+        and ends its response, "emergency stop" all drives of the line and all responses. With inertia, "load lost"
+        takes a load off its rope, "payload dropped" takes the payload off a carriage, "rope breaks" cuts the rope of a
+        span.
     component : str, optional
-        Name of the control sheave, load, carriage or span; None for an emergency stop.
+        Name of the control sheave, drum, load, carriage or span; None for an emergency stop.
     deceleration : float, default 1
-        Deceleration of an emergency stop [m/s2].
+        Deceleration of a stop or an emergency stop [m/s2].
 
     Raises
     ------
     InputError
-        An unknown action, a negative time, or a missing or superfluous component.
+        An unknown action, a negative time, a deceleration that is not positive, or a missing or superfluous component.
 
     Examples
     --------
@@ -63,7 +64,7 @@ class Intervention:
         check.positive(self.deceleration, f"Intervention {self.action!r}", "deceleration", "m/s2")
         if self.action not in ACTIONS:
             raise InputError(f"action is {self.action!r}", f"Choose from {', '.join(map(repr, ACTIONS))}")
-        if (self.component is None) != (self.action == "emergency stop"):
+        if (self.component is None) != (self.action == EMERGENCY_STOP):
             raise InputError(
                 f"Intervention {self.action!r} on {self.component!r}",
                 "An emergency stop applies to the whole line, any other action to one component or load",

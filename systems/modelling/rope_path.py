@@ -92,9 +92,13 @@ class Run:
         """Positions of the supports, shape (n + 1, 3) [m]."""
         return np.array([node.at for node in self.nodes])
 
+    def leaving(self, k: int) -> Seat:
+        """The seat from which span k leaves its node."""
+        return self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k]
+
     def start(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
         """Start of span k, (x, y, z) [m]. `read` returns the value of a variable."""
-        return _place(self.seats[0] if k == 0 else self.nodes[k].through(self.seats[k]) or self.seats[k], read)
+        return _place(self.leaving(k), read)
 
     def end(self, k: int, read: Callable[[str], Numbers]) -> np.ndarray:
         """End of span k, as `start`. On a shoe it differs from the start of the next span."""

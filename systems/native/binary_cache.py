@@ -1,7 +1,8 @@
 """Compiled libraries and objects, kept for the next time: in the user's cache folder, or the one that ROPEWAY_CACHE
 names.
 
-A library's name is a hash of its sources, the compiler with its version and flags, and the processor. It is moved into
+A library's name is a hash of its sources or of what determines them, the compiler with its version and flags, and the
+processor. It is moved into
 place when it is complete, with a digest of its content in its name, which is checked before it is loaded: another
 process that compiles the same, or a file that was cut off, does no harm.
 """
@@ -14,7 +15,7 @@ import platform
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
@@ -71,13 +72,34 @@ def _libraries() -> list[Path]:
 def library(files: Mapping[str, str]) -> ctypes.CDLL:
     """The shared library of C files, by name, compiled where it is not kept yet. Raises CompilerError, WriteError,
     Interrupted."""
-    return _loaded(tuple(sorted(files.items())), str(cache_folder()), _compiler_mark())
+    return named_library(repr(tuple(sorted(files.items()))), lambda: files)
+
+
+def named_library(mark: str, files: Callable[[], Mapping[str, str]]) -> ctypes.CDLL:
+    """As `library`, of files that `mark` determines: they are made only where the library is not kept yet."""
+    name, folder = sha256(repr((mark, _compiler_mark())).encode()).hexdigest()[:32], cache_folder()
+    try:
+        return _loaded(name, str(folder))
+    except _NotKeptError:
+        _built(dict(files()), folder, name)
+    try:
+        return _loaded(name, str(folder))
+    except _NotKeptError:
+        raise CompilerError(
+            f"The library that was just compiled is no longer in {folder}",
+            "Call it again, while nothing empties the cache",
+        ) from None
+
+
+class _NotKeptError(Exception):
+    """A library is not in the cache."""
 
 
 @lru_cache(maxsize=256)
-def _loaded(files: tuple[tuple[str, str], ...], folder: str, mark: str) -> ctypes.CDLL:
-    name = sha256(repr((files, mark)).encode()).hexdigest()[:32]
-    path = _kept(Path(folder), name) or _built(dict(files), Path(folder), name)
+def _loaded(name: str, folder: str) -> ctypes.CDLL:
+    path = _kept(Path(folder), name)
+    if path is None:
+        raise _NotKeptError
     try:
         return ctypes.CDLL(str(path))
     except OSError as error:
@@ -99,7 +121,7 @@ def _kept(folder: Path, name: str) -> Path | None:
     return None
 
 
-def _built(files: dict[str, str], kept: Path, name: str) -> Path:
+def _built(files: dict[str, str], kept: Path, name: str) -> None:
     """Compiles files to a library. Raises CompilerError, WriteError, Interrupted."""
     with tempfile.TemporaryDirectory(prefix="ropeway-") as folder:
         for own, text in files.items():
@@ -144,7 +166,6 @@ def _put(kept: Path, name: str, content: bytes, suffix: str) -> Path:
             Path(part).unlink(missing_ok=True)
     except OSError as error:
         raise _not_writable(error) from error
-    return path
 
 
 def _not_writable(error: OSError) -> WriteError:

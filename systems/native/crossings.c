@@ -134,7 +134,7 @@ static int passes(const rs_line *l, const rs_point *q, const rs_motion *m, int k
 }
 
 /* Slots of a span from the loads passed; 0 where there are too few. */
-static int write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span)
+int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span)
 {
     int k = l->start[span], run = l->run_of[k];
     long long used = m->passed[k] - m->passed[k + 1];
@@ -157,8 +157,8 @@ static int write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int sp
 static int write_beside(const rs_line *l, rs_point *q, const rs_motion *m, int k)
 {
     int run = l->run_of[k];
-    if (k > l->run_first[run] && !write_slots(l, q, m, k - run - 1)) return 0;
-    return is_last(l, k) || write_slots(l, q, m, k - run);
+    if (k > l->run_first[run] && !rs_write_slots(l, q, m, k - run - 1)) return 0;
+    return is_last(l, k) || rs_write_slots(l, q, m, k - run);
 }
 
 /* Moves a load past a support, or back; 0 where a span has too few slots. */
@@ -255,6 +255,7 @@ int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first
         if (!passes(l, q, m, due[i].k, due[i].forward)) return RS_CROSSING;
         count = rs_beside(l, due[i].k, sections, count);
     }
+    for (int i = 0; i < count; i++) m->touched[sections[i]] = 1;
     if (crossings == RS_MOST || count == RS_MOST) return RS_CROSSING;
     rs_record(l, q, m, 0); /* the sections of the crossing are solved on both sides, others are where rates lead them */
     memcpy(z, q->z, l->nz * sizeof(double));

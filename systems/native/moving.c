@@ -46,6 +46,7 @@ static int correct(const rs_line *l, rs_point *q, rs_motion *m, const int *secti
 {
     double *led = m->room;
     memcpy(led, q->z, l->nz * sizeof(double));
+    for (int i = 0; sections && i < count; i++) m->touched[sections[i]] = 1;
     for (int i = 0; i < count; i++)
         if ((m->failure = rs_solve(l, q, sections ? sections[i] : i, 1)) != RS_OK) return RS_FAILED;
     for (int i = 0; i < count; i++) {
@@ -59,6 +60,38 @@ static int correct(const rs_line *l, rs_point *q, rs_motion *m, const int *secti
         }
     }
     return RS_REACHED;
+}
+
+/* Adds the second order to the guess of sections that have not been solved since the last stop. */
+static void bend(const rs_line *l, rs_point *q, const rs_motion *m)
+{
+    double half = 0.5 * (m->time - m->stopped) * (m->time - m->stopped);
+    for (int s = 0; s < l->sections; s++) {
+        if (m->touched[s]) continue;
+        for (int k = l->first[s], span = l->first_span[s]; k <= l->last[s]; k++, span++) {
+            int force = l->force[k < l->last[s] ? span : span - 1], travel = l->travel[k];
+            for (int i = force; k < l->last[s] && i < force + 3; i++) q->z[i] += half * m->curve[i];
+            if (travel >= 0) q->z[travel] += half * m->curve[travel];
+        }
+    }
+}
+
+/* Notes the change of rates since the last stop, for the next one. */
+void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m)
+{
+    double h = m->time - m->stopped;
+    for (int i = 0; i < l->nz; i++) m->curve[i] = m->curved && h > 0.0 ? (q->z_rate[i] - m->old_rate[i]) / h : 0.0;
+    for (int s = 0; s < l->sections; s++) {
+        if (!m->touched[s]) continue;
+        m->touched[s] = 0;
+        for (int k = l->first[s], span = l->first_span[s]; k <= l->last[s]; k++, span++) {
+            if (k < l->last[s]) memset(m->curve + l->force[span], 0, 3 * sizeof(double));
+            if (l->travel[k] >= 0) m->curve[l->travel[k]] = 0.0;
+        }
+    }
+    memcpy(m->old_rate, q->z_rate, l->nz * sizeof(double));
+    m->stopped = m->time;
+    m->curved = 1;
 }
 
 /* Moves a line along its window to a stop, where all sections are solved. With `drives`, none of them may come to a limit
@@ -91,6 +124,7 @@ int rs_move(const rs_line *l, rs_point *q, rs_motion *m, double stop, const rs_d
         if (m->single) return RS_PASSED;
     }
     rs_follow(l, q, m, stop);
+    if (m->curved) bend(l, q, m);
     if ((failed = correct(l, q, m, 0, l->sections))) return failed;
     return m->strict && !rs_in_order(l, q, m) ? RS_UNFORESEEN : RS_REACHED;
 }

@@ -65,6 +65,12 @@ typedef struct {
     double *epoch_kept;     /* (epochs, keeps) */
     long long *epoch_ticks; /* (epochs, clocks) */
     double *room;           /* 2 nz + 2 supports doubles */
+    /* for the guess at a stop: time of the last one, 0 in `curved` where there is none; (nz,) rates there, and their
+     * change since the one before [per s2]; (sections,) whether a section has been solved since */
+    double stopped;
+    int curved;
+    int *touched;
+    double *old_rate, *curve;
 } rs_motion;
 
 /* Times at which inputs bend, their values there, and their rates before each of them and after the last. */
@@ -75,6 +81,19 @@ typedef struct {
     double *saved; /* rs_saved_size doubles */
 } rs_agenda;
 
+/* Kernels of components one after the other. Places count in one array: the vectors of a state and the zero behind them,
+ * `values`, the time, then what the calls give, in the end the outputs. Each call has the ends of its inputs and of its
+ * results in lists of places. */
+typedef struct {
+    int calls, values, size, outputs, most; /* most: inputs of a kernel */
+    const int *input_end, *input, *output_end, *output;
+    const rs_kernel *kernels;
+} rs_calls;
+
+RS_API int rs_write_rows(const rs_line *line, rs_point *q, rs_motion *m, double *d, long long stride, long long *passed,
+                         int states);
+RS_API int rs_outputs(const rs_calls *calls, const double *rows, long long stride, const double *time, int states,
+                      double *work, double *outputs, long long outputs_stride);
 RS_API int rs_move(const rs_line *line, rs_point *q, rs_motion *m, double stop, const rs_drives *drives);
 RS_API int rs_run(const rs_line *line, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *drives, rs_clocks *clocks);
 RS_API int rs_window(const rs_line *line, rs_point *q, rs_motion *m, rs_drives *s, double end);
@@ -96,12 +115,14 @@ int rs_next(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *
 void rs_look_again(const rs_line *l, const rs_point *q, const rs_motion *m, rs_coming *load);
 int rs_beside(const rs_line *l, int k, int *sections, int count);
 int rs_cross(const rs_line *l, rs_point *q, rs_motion *m, const rs_coming *first);
+int rs_write_slots(const rs_line *l, rs_point *q, const rs_motion *m, int span);
 void rs_record(const rs_line *l, const rs_point *q, rs_motion *m, int grid);
 int rs_in_order(const rs_line *l, const rs_point *q, const rs_motion *m);
 int rs_short_of_loads(const rs_line *l, const rs_motion *m);
 
 /* moving.c */
 void rs_follow(const rs_line *l, rs_point *q, rs_motion *m, double time);
+void rs_note_stop(const rs_line *l, const rs_point *q, rs_motion *m);
 
 /* clocks.c */
 int rs_sample(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_clocks *c, double time);

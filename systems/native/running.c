@@ -94,6 +94,7 @@ static int arrive(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, con
     if (disturbed) {
         rs_rates(l, q, m, s);
         if ((m->failure = rs_solve_all(l, q, 1)) != RS_OK) return RS_FAILED;
+        m->curved = 0;
     }
     if (changes > 0 || (changes == 0 && !on_grid)) rs_record(l, q, m, 0);
     if (on_grid) rs_record(l, q, m, 1);
@@ -102,11 +103,11 @@ static int arrive(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, con
 }
 
 /* One step, at most to a stop. */
-static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c, double most)
+static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c, int tied,
+                   double most)
 {
     stop_at at = next_stop(m, a, c);
-    int tied = 0, code, whole = at.time - m->time <= most;
-    for (int i = 0; i < s->drives; i++) tied |= s->tied[s->form[i]];
+    int code, whole = at.time - m->time <= most;
     if (m->epoch + 2 > m->epochs || m->responses + (c->clocks ? c->first[c->clocks] : 0) > 4 * m->most) return RS_FULL;
     if (at.time > m->time) {
         m->crossed = -INFINITY;
@@ -115,6 +116,7 @@ static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs
         if ((code = rs_move(l, q, m, whole ? at.time : m->begin + m->h, tied ? s : 0))) return code;
         if (tied && rs_coupled(l, q, m, s, 0, 0)) return RS_COUPLED;
         if (!holds(l, q, m)) return RS_SLACK;
+        rs_note_stop(l, q, m);
     }
     return whole ? arrive(l, q, m, a, s, c, &at) : RS_REACHED;
 }
@@ -122,7 +124,12 @@ static int advance(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs
 /* Through the stops of the grid, as far as records have room. */
 int rs_run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives *s, rs_clocks *c)
 {
-    double most = m->longest_step;
+    double longest = INFINITY, most;
+    for (int i = 0; i < s->drives; i++)
+        if (s->tied[s->form[i]]) longest = m->longest_step;
+    most = longest;
+    m->curved = 0;
+    memset(m->touched, 0, l->sections * sizeof(int));
     keep(l, q, m, a, 0);
     rs_rates(l, q, m, s);
     if ((m->failure = rs_solve_all(l, q, 1)) != RS_OK) {
@@ -132,13 +139,15 @@ int rs_run(const rs_line *l, rs_point *q, rs_motion *m, rs_agenda *a, rs_drives 
     while (m->reached < m->stops) {
         mark before = {m->time, m->crossed, m->records, m->events, m->responses, m->epoch, a->bent};
         keep(l, q, m, a, 0);
-        int code = advance(l, q, m, a, s, c, most);
+        int code = advance(l, q, m, a, s, c, isfinite(longest), most);
         if (code == RS_REACHED) {
-            most = 2.0 * most < m->longest_step ? 2.0 * most : m->longest_step;
+            most = 2.0 * most < longest ? 2.0 * most : longest;
             continue;
         }
         double tried = m->h < most ? m->h : most;
         keep(l, q, m, a, 1);
+        m->curved = 0;
+        memset(m->touched, 0, l->sections * sizeof(int));
         memcpy(c->ticks, m->epoch_ticks + before.epoch * c->clocks, c->clocks * sizeof(long long));
         m->time = before.time, m->crossed = before.crossed, m->epoch = before.epoch, a->bent = before.bent;
         m->records = before.records, m->events = before.events, m->responses = before.responses;

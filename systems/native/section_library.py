@@ -12,7 +12,7 @@ from ropeway.systems.native.binary_cache import library
 _FOLDER = Path(__file__).parent
 FILES = (
     *("sections.h", "clocks.h", "drives.h", "moving.h"),
-    *("sections.c", "crossings.c", "moving.c", "drives.c", "clocks.c", "running.c"),
+    *("sections.c", "crossings.c", "moving.c", "drives.c", "clocks.c", "running.c", "rows.c"),
 )
 
 LINE_SIZES = ("spans", "supports", "sections", "slots", "nx", "nz", "nu", "np", "ns", "runs")
@@ -97,6 +97,9 @@ class Motion(ctypes.Structure):
         (ctypes.c_void_p, "kept"),
         (ctypes.c_int, "keeps epochs"),
         (ctypes.c_void_p, "epoch_kept epoch_ticks room"),
+        (ctypes.c_double, "stopped"),
+        (ctypes.c_int, "curved"),
+        (ctypes.c_void_p, "touched old_rate curve"),
     )
 
 
@@ -132,6 +135,14 @@ class ClockTables(ctypes.Structure):
     )
 
 
+class OutputCalls(ctypes.Structure):
+    """rs_calls."""
+
+    _fields_ = _fields(
+        (ctypes.c_int, "calls values size outputs most"), (ctypes.c_void_p, "input_end input output_end output kernels")
+    )
+
+
 REACHED, CROSSING, UNFORESEEN, LOADS, FULL, FAILED, SLACK, PASSED, COUPLED, ASTRAY = range(10)
 """Why `rs_move` and `rs_run` return."""
 
@@ -159,6 +170,8 @@ def section_library() -> ctypes.CDLL:
         "rs_solve_many": (pointer, pointer, ctypes.c_int, pointer, pointer),
         "rs_move": (pointer, pointer, pointer, ctypes.c_double, pointer),
         "rs_run": (pointer,) * 6,
+        "rs_write_rows": (*(pointer,) * 4, ctypes.c_longlong, pointer, ctypes.c_int),
+        "rs_outputs": (pointer, pointer, ctypes.c_longlong, pointer, ctypes.c_int, pointer, pointer, ctypes.c_longlong),
         "rs_window": (*(pointer,) * 4, ctypes.c_double),
         "rs_coupled": (*(pointer,) * 5, ctypes.c_int),
         "rs_rates": (pointer,) * 4,

@@ -12,24 +12,25 @@ import pandas as pd
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import EquilibriumError, SimulationError
+from ropeway.components.errors import CompilerError, EquilibriumError, SimulationError, WriteError
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
-from ropeway.systems.solvers.array_outputs import outputs_at
+from ropeway.systems.solvers.array_outputs import outputs_of_rows
+from ropeway.systems.solvers.compiled_rows import compiled_outputs
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
-from ropeway.systems.solvers.points import Point
-from ropeway.systems.statics.certificate import Certificate, certify_records
+from ropeway.systems.solvers.state_rows import StateRows
+from ropeway.systems.statics.certificate import Certificate, certify_records, certify_rows
 from ropeway.systems.statics.equilibrium import Equilibrium
-from ropeway.systems.statics.line_records import AnyRecord, restored, restored_points
+from ropeway.systems.statics.line_records import AnyRecord, restored, restored_rows
 from ropeway.systems.statics.line_state import LineState
 
 _SLACK = "slack rope"
-_BATCH = 64
+_BATCH = 192
 """Number of records that are restored together."""
 _KEPT = 50_000_000
 """Most numbers of outputs at all records that events are found from at once; the frames keep theirs."""
@@ -59,6 +60,7 @@ class RunData(Tabular):
     exact: np.ndarray
     noted: tuple[Event, ...]
     tolerance: float
+    compiled: bool = False
 
     @property
     def times(self) -> np.ndarray:
@@ -73,33 +75,44 @@ class RunData(Tabular):
         self.__dict__["checks"] = self._exact_checks.and_also(others)
         return y, z
 
-    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
-        """Outputs and algebraic variables at records `which`, and the certificate of those that the run has not solved
-        itself. Raises SimulationError for a record that fails."""
-        y, z = np.empty((len(which), len(self.model.y))), np.empty((len(which), len(self.model.z)))
+    def _evaluate(self, which: np.ndarray, outputs: np.ndarray, y: np.ndarray, z: np.ndarray) -> Certificate:
+        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays; returns the
+        certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
+        of_core = compiled_outputs(self.model, outputs.tobytes()) if self._in_core else None
 
-        def inexact() -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
+        def inexact() -> Iterator[StateRows]:
             done = 0
-            for points, passed in self._batches(which.tolist()):
-                block = slice(done, done + len(points))
-                y[block], z[block] = outputs_at(self.model, points), [point.z for point in points]
-                states, done = zip(points, passed, self.exact[which[block]], strict=True), block.stop
-                yield from ((point, counts) for point, counts, known in states if not known)
+            for rows in self._batches(which):
+                block = slice(done, done + len(rows))
+                if of_core is None:
+                    y[block] = outputs_of_rows(self.model, rows, outputs)
+                else:
+                    of_core.write(rows, y[block])
+                z[block] = rows.z
+                others, done = ~self.exact[which[block]], block.stop
+                if others.any():
+                    yield rows.some(others)
 
-        return y, z, self._certified(which[~self.exact[which]], inexact())
+        return self._certified(which[~self.exact[which]], inexact())
+
+    def _evaluated(self, which: np.ndarray) -> tuple[np.ndarray, np.ndarray, Certificate]:
+        """All outputs and the algebraic variables at records `which`, and the certificate of those that the run has not
+        solved itself. Raises SimulationError for a record that fails."""
+        y, z = (np.empty((len(which), len(table))) for table in (self.model.y, self.model.z))
+        return y, z, self._evaluate(which, np.arange(len(self.model.y)), y, z)
 
     @cached_property
     def checks(self) -> Certificate:
         """The certificate of all records, with the worst of each check. Raises SimulationError for a record that
         fails."""
         others = np.flatnonzero(~self.exact)
-        return self._exact_checks.and_also(self._certified(others, self._points(others.tolist())))
+        return self._exact_checks.and_also(self._certified(others, self._batches(others)))
 
     @cached_property
     def _exact_checks(self) -> Certificate:
         """The certificate of the records that the run has solved itself."""
         solved = np.flatnonzero(self.exact)
-        return self._certified(solved, self._points(solved.tolist()))
+        return self._certified(solved, self._batches(solved))
 
     @property
     def certificate(self) -> pd.DataFrame:
@@ -112,23 +125,30 @@ class RunData(Tabular):
         record that fails."""
         _ = self._exact_checks
 
-    def _points(self, which: Sequence[int]) -> Iterator[tuple[Point, Sequence[np.ndarray]]]:
-        """The solved points of records `which`, and the numbers of loads passed."""
-        for points, passed in self._batches(which):
-            yield from zip(points, passed, strict=True)
-
-    def _batches(self, which: Sequence[int]) -> Iterator[tuple[list[Point], list[list[np.ndarray]]]]:
-        """As `_points`, in batches of records."""
+    def _batches(self, which: np.ndarray) -> Iterator[StateRows]:
+        """The solved states of records `which`, in batches."""
         for first in range(0, len(which), _BATCH):
             part = which[first : first + _BATCH]
-            records = [self.records[i] for i in part]
-            points, passed = restored_points(self.model, self.runs, self.parameters, records)
-            solve_points(self.model, [point for i, point in zip(part, points, strict=True) if not self.exact[i]])
-            yield points, passed
+            records = [self.records[i] for i in part.tolist()]
+            rows = restored_rows(self.model, self.runs, self.parameters, records, compiled=self._in_core)
+            solve_points(self.model, [rows[i] for i in np.flatnonzero(~self.exact[part]).tolist()])
+            yield rows
 
-    def _certified(self, which: np.ndarray, states: Iterable[tuple[Point, Sequence[np.ndarray]]]) -> Certificate:
-        """The certificate of records `which`, with their points and numbers of loads passed. Raises SimulationError."""
-        found = certify_records(self.model, self.runs, states).numbered(which.tolist())
+    @cached_property
+    def _in_core(self) -> bool:
+        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled. The
+        numbers are the same without a compiler."""
+        if not self.compiled:
+            return False
+        try:
+            compiled_outputs(self.model, np.array(self.model.y.shown, dtype=int).tobytes())
+        except (CompilerError, WriteError):
+            return False
+        return True
+
+    def _certified(self, which: np.ndarray, batches: Iterable[StateRows]) -> Certificate:
+        """The certificate of records `which`. Raises SimulationError."""
+        found = certify_rows(self.model, self.runs, batches).numbered(which.tolist())
         self._require(found, found.failed.record if found.failed else 0)
         return found
 
@@ -166,34 +186,24 @@ class RunData(Tabular):
     @cached_property
     def full_frame(self) -> pd.DataFrame:
         """As `frame`, but at all records, including both sides of each event."""
-        return self._table(np.arange(len(self.records)), *self._solved)
+        y, z = self._solved
+        table, shown = _Table(self.model, len(self.records)), np.array(self.model.y.shown, dtype=int)
+        table.outputs[:] = y[:, shown]
+        return table.frame(self.records, z)
 
     @cached_property
     @interruptible
     def frame(self) -> pd.DataFrame:
         """Outputs, travels and inputs over time [s], one row per interval; units in `attrs["units"]`."""
-        which = np.flatnonzero(self.on_grid)
+        which, shown = np.flatnonzero(self.on_grid), np.array(self.model.y.shown, dtype=int)
+        table, records = _Table(self.model, len(which)), [self.records[i] for i in which.tolist()]
         if "_solved" in self.__dict__:
-            return self._table(which, *(values[which] for values in self._solved))
-        y, z, _ = self._evaluated(which)
-        return self._table(which, y, z)
-
-    def _table(self, which: np.ndarray, y: np.ndarray, z: np.ndarray) -> pd.DataFrame:
-        """Records `which` with their outputs and algebraic variables."""
-        m, records = self.model, [self.records[i] for i in which.tolist()]
-        keep = list(m.y.shown)
-        moves = [i for i in m.z.shown if ".force_" not in m.z.names[i]]
-        states = list(m.x.shown)
-        blocks = [y[:, keep], z[:, moves], [r.x[states] for r in records], [r.u for r in records]]
-        tables = [(m.y, keep), (m.z, moves), (m.x, states), (m.u, range(len(m.u)))]
-        names = [table.names[i] for table, chosen in tables for i in chosen]
-        values = np.hstack([np.asarray(block, dtype=float).reshape(len(records), -1) for block in blocks])
-        frame = pd.DataFrame(values, index=pd.Index([r.time for r in records], name="time"), columns=names)
-        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, chosen in tables for i in chosen})
-        frame.attrs["descriptions"] = Labels(
-            {table.names[i]: table.descriptions[i] for table, chosen in tables for i in chosen}
-        )
-        return frame
+            y, z = (values[which] for values in self._solved)
+            table.outputs[:] = y[:, shown]
+        else:
+            z = np.empty((len(which), len(self.model.z)))
+            self._evaluate(which, shown, table.outputs, z)
+        return table.frame(records, z)
 
     @cached_property
     @interruptible
@@ -299,6 +309,34 @@ class RunData(Tabular):
         self._require(certify_records(state.model, state.runs, [(state.point, state.passed)]), i)
         pending = self.records[i].pending.after(state.point.t)
         return Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), state.held, pending)
+
+
+class _Table:
+    """A frame of records; `outputs` (records, outputs) is the part of its values that the outputs that are shown
+    take."""
+
+    def __init__(self, model: Model, count: int) -> None:
+        self._model = model
+        self._moves = [i for i in model.z.shown if ".force_" not in model.z.names[i]]
+        tables = [(model.y, model.y.shown), (model.z, self._moves), (model.x, model.x.shown)]
+        self._columns = [(table, i) for table, chosen in (*tables, (model.u, range(len(model.u)))) for i in chosen]
+        self._values = np.empty((count, len(self._columns)))
+        self.outputs = self._values[:, : len(model.y.shown)]
+
+    def frame(self, records: Sequence[AnyRecord], z: np.ndarray) -> pd.DataFrame:
+        """The frame, with the algebraic variables `z` (records, nz) and the records' states and inputs."""
+        states, first = list(self._model.x.shown), self.outputs.shape[1]
+        for rows, chosen in ((z, self._moves), ([r.x for r in records], states), ([r.u for r in records], None)):
+            block = np.array(rows, dtype=float).reshape(len(records), -1)
+            block = block if chosen is None else block[:, chosen]
+            self._values[:, first : first + block.shape[1]] = block
+            first += block.shape[1]
+        names = [table.names[i] for table, i in self._columns]
+        index = pd.Index([r.time for r in records], name="time")
+        frame = pd.DataFrame(self._values, index=index, columns=names, copy=False)
+        frame.attrs["units"] = Labels({table.names[i]: table.units[i] for table, i in self._columns})
+        frame.attrs["descriptions"] = Labels({table.names[i]: table.descriptions[i] for table, i in self._columns})
+        return frame
 
 
 def _onsets(exceeded: np.ndarray, before: np.ndarray | None = None) -> np.ndarray:

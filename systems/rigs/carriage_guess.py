@@ -6,6 +6,7 @@ then lies on an ellipse, and the tension is (Q + w L / 2) / (sin + sin).
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -41,7 +42,7 @@ class _Span(NamedTuple):
 
     def reach(self, z: float) -> tuple[float, float]:
         """Straight distances from the carriage at height z to both ends."""
-        return float(np.hypot(self.left, self.za - z)), float(np.hypot(self.right, self.zb - z))
+        return math.hypot(self.left, self.za - z), math.hypot(self.right, self.zb - z)
 
     def tension(self, z: float, weight: float, load: float) -> float:
         """Equal tension on both sides that supports a load and half of the rope; inf at or above the chord."""
@@ -54,7 +55,7 @@ class _Span(NamedTuple):
         a, b = self.reach(z)
         x = -self.left / a - self.right / b
         up = (self.za - z) / a - (self.zb - z) / b
-        return load * up / float(np.hypot(x, up))
+        return load * up / math.hypot(x, up)
 
     @property
     def chord(self) -> float:
@@ -84,17 +85,17 @@ def ellipse(
     d = np.diff(points, axis=0)
     chord, horizontal = np.linalg.norm(d, axis=1), np.hypot(d[:, 0], d[:, 1])
     others = np.arange(len(chord)) != k
-    excess = (weight * horizontal[others]) ** 2 * chord[others] / 24.0
+    excess = float(((weight * horizontal[others]) ** 2 * chord[others] / 24.0).sum())
     straight = float(chord[others].sum())
     own_excess = weight**2 * (span.left**3 + span.right**3) / 24.0
 
     def height(tension: float) -> float:
         """Height of the carriage on the rope that remains for its span; the chord where that rope is too short."""
-        rope = total * (1.0 + strain.at(tension)) - straight - (float(excess.sum()) + own_excess) / tension**2
+        rope = total * (1.0 + strain.at(tension)) - straight - (excess + own_excess) / tension**2
         return _lower_branch(span, rope)
 
     low, high = 1.0, 1e9
-    for _ in range(60):
+    for _ in range(30):  # to a relative error of 1e-8
         tension = (low * high) ** 0.5
         if span.tension(height(tension), weight, load) > tension:
             low = tension
@@ -138,7 +139,7 @@ def running(ends: np.ndarray, station: float, weight: float, load: float, tensio
         needed = min(needed, 1e7)
         return Start(z, needed, ratio * needed)
     low, high = span.chord - 2.0 * (span.left + span.right), max(span.za, span.zb)
-    for _ in range(80):
+    for _ in range(45):  # to less than a micrometre
         middle = 0.5 * (low + high)
         low, high = (middle, high) if balance(middle)[0] < tension else (low, middle)
     z = 0.5 * (low + high)

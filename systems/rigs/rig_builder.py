@@ -42,11 +42,12 @@ def build_rig(kind: RigKind, parts: RigParts, holding: Holding = "bisector") -> 
     return _with_length(rig) if kind.keeps_length else rig
 
 
-def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport]) -> SkylineRig:
-    """The same rig over other supports, with the same tension of its bare rope. Raises InputError, SlackRopeError,
-    EquilibriumError."""
+def with_supports(rig: SkylineRig, supports: Sequence[IntermediateSupport], length: float | None = None) -> SkylineRig:
+    """The same rig over other supports, with the same tension of its bare rope; `length`: that of its skyline [m], if
+    it is known. Raises InputError, SlackRopeError, EquilibriumError."""
     placed = [support.placed(rig.terrain) for support in supports]
-    return _with_length(replace(rig, supports=_with_shoes([rig.headspar, *placed, rig.tailspar]), length=None))
+    over = replace(rig, supports=_with_shoes([rig.headspar, *placed, rig.tailspar]), length=length)
+    return _with_length(over) if length is None else _long_enough(over)
 
 
 def _placed(parts: RigParts) -> RigParts:
@@ -110,7 +111,12 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
     """The rig with the skyline's length for its tension, checked against its strength."""
     if (rig.length is None) == (rig.tension is None):
         raise InputError(f"{rig.name} needs either length or tension", "Give one of them")
-    length = rig.length if rig.tension is None else length_for(rig, rig.tension)
+    return _long_enough(rig if rig.tension is None else replace(rig, length=length_for(rig, rig.tension)))
+
+
+def _long_enough(rig: SkylineRig) -> SkylineRig:
+    """The rig, its skyline's length checked against its strength. Raises InputError."""
+    length = rig.length
     check.positive(length or 0.0, rig.name, "length", "m")
     with np.errstate(over="ignore"):  # ground of 1e300 m: infinite chords are longer than any rope
         chords = float(np.linalg.norm(np.diff(rig.points, axis=0), axis=1).sum())
@@ -121,7 +127,7 @@ def _with_length(rig: SkylineRig) -> SkylineRig:
             f"{shortest:.6g} m to reach from {rig.headspar.name!r} to {rig.ends[-1].name!r}",
             "Give a longer skyline or a lower tension",
         )
-    return replace(rig, length=length)
+    return rig
 
 
 def length_for(rig: SkylineRig, tension: float) -> float:

@@ -110,7 +110,11 @@ def _string(system: System, rope: Rope, over: Sequence[Any], tension: float, nam
 
 def _roller(support: IntermediateSupport) -> Node:
     """Roller of the mainline at a support: a sheave, or an arc like that of its shoe."""
-    name = f"{support.name}_mainline"
     if support.radius == 0.0:
-        return Sheave(name, at=support.at)
-    return IntermediateSupport(name, at=support.at, radius=support.radius, slope=support.slope)
+        return Sheave(roller_name(support), at=support.at)
+    return IntermediateSupport(roller_name(support), at=support.at, radius=support.radius, slope=support.slope)
+
+
+def roller_name(support: IntermediateSupport) -> str:
+    """Name of the mainline's roller at a support."""
+    return f"{support.name}_mainline"

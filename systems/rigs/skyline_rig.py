@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -182,7 +181,7 @@ class SkylineRig(RigParts):
                 f"Station {station:g} m is outside the skyline",
                 f"Choose one between {x[0]:g} m and {x[-1]:g} m",
             )
-        return int(np.searchsorted(x, station, side="left")) - 1
+        return bisect_left(x, station) - 1
 
     def chord(self, span: int, station: float) -> float:
         """Height z of the chord of a span.

@@ -20,18 +20,19 @@ from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_p
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.newton import outputs_of
-from ropeway.systems.solvers.points import VECTORS, Point, Vectors
+from ropeway.systems.solvers.points import VECTORS, Vectors
+from ropeway.systems.solvers.state_rows import StateRows
 
 _BATCH = 12_000
 """Entries of one array, about: they stay in the processor's cache."""
 _FEW = 8
 """Points that are not worth an evaluation of their own kind."""
-_FORCE = 4
+FORCE = 4
 """Entries of a force at a port: three components and the energy carried; in weather the expansion of the rope too."""
 
 
 @dataclass(frozen=True)
-class _Form:
+class Form:
     """Components of one form: `first` stands for all, with these variables."""
 
     key: Hashable
@@ -41,69 +42,82 @@ class _Form:
 
 
 @dataclass(frozen=True, eq=False)
-class _Group:
-    """Components of one form. `own`: for each kind of vector the places of their variables (variables, components);
-    `outputs` (outputs, components); `ports`: for each port either places of position, travel and what lies aside
-    (7, components), or the numbers of a rope end (components,) and the place of the rope's speed (components,)."""
+class Group:
+    """Components of one form. `own`: places of their variables among all (variables, components); `outputs` (outputs,
+    components); `ports`: for each port either places of position, travel and what lies aside (7, components), or the
+    numbers of a rope end (components,) and the place of the rope's speed (components,)."""
 
-    function: ArrayFunction
+    form: Form
     ropes: bool
-    own: tuple[np.ndarray, ...]
+    own: np.ndarray
     outputs: np.ndarray
     ports: tuple[tuple[np.ndarray, ...], ...]
 
 
-class ArrayOutputs:
-    """The outputs of a model for points as columns."""
+class OutputGroups:
+    """How the outputs of a model are evaluated: groups of components in their order; `shared`: places of what all
+    components read. Rope ends are numbered; the number `ends` is that of none, and the place `none` behind all variables is
+    zero."""
 
     def __init__(self, model: Model) -> None:
-        self._size = len(model.y)
-        self._most = max(len(model.system.components), 1)
         places = _Places(model)
-        by_form: dict[_Form, list[Component]] = defaultdict(list)
+        by_form: dict[Form, list[Component]] = defaultdict(list)
         for c in model.system.components.values():
             site = Site(1.0, 1.0, places.slots.get(c.name, 0), weather=model.weather)
-            by_form[_Form(c.form(site), c, c.variables(site), model.weather)].append(c)
+            by_form[Form(c.form(site), c, c.variables(site), model.weather)].append(c)
         groups = [places.group(form, components) for form, components in by_form.items()]
-        self._groups = sorted(groups, key=lambda group: not group.ropes)  # ropes pull at the seats
-        self._ends, self._force = places.ends, _FORCE + model.weather
-        self._shared = [(list(VECTORS).index(kind), i) for kind, i in shared_places(model.tables)]
+        self.groups = sorted(groups, key=lambda group: not group.ropes)  # ropes pull at the seats
+        self.ends, self.force, self.none = places.ends, FORCE + model.weather, places.none
+        self.shared = [places.first[kind] + i for kind, i in shared_places(model.tables)]
 
-    def __call__(self, points: Vectors, time: np.ndarray | float = 0.0) -> np.ndarray:
-        """Outputs (ny, points)."""
-        count = points.z.shape[1]
+
+class ArrayOutputs:
+    """The outputs of a model at many points, or some of them: those at `which` places."""
+
+    def __init__(self, model: Model, which: np.ndarray) -> None:
+        self._plan, self._weather = output_groups(model), model.weather
+        self._size = len(which) + 1  # the last one takes what is not among them
+        self._most = max(len(model.system.components), 1)
+        place = np.full(len(model.y), -1)
+        place[which] = np.arange(len(which))
+        self._calls = []
+        for group in self._plan.groups:
+            rows = place[group.outputs]
+            chosen = tuple(np.flatnonzero((rows >= 0).any(axis=1)).tolist())
+            self._calls.append((group, _function(group.form, chosen), rows[list(chosen)]))
+
+    def __call__(self, points: np.ndarray, time: np.ndarray) -> np.ndarray:
+        """Outputs (outputs, points) of points as columns, all vectors and a zero behind them (all + 1, points)."""
+        count = points.shape[1]
         y, size = np.empty((self._size, count)), max(1, _BATCH // self._most)
-        times = np.broadcast_to(np.asarray(time, dtype=float), (count,))
         with np.errstate(all="ignore"):
             for i in range(0, count, size):
                 columns = slice(i, i + size)
-                self._evaluate([v[:, columns] for v in points.vectors], times[columns], y[:, columns])
-        return y
+                self._evaluate(np.ascontiguousarray(points[:, columns]), time[columns], y[:, columns])
+        return y[:-1]
 
-    def _evaluate(self, vectors: Sequence[np.ndarray], time: np.ndarray, y: np.ndarray) -> None:
-        count = len(time)
-        every = np.vstack([*vectors, np.zeros((1, count))])
-        pulls = np.zeros((self._ends + 1, self._force, count))
-        pulls[self._ends, _FORCE:] = 1.0
-        gravity, *weather = (vectors[kind][i] for kind, i in self._shared)
-        shared = [gravity, *(Weather.of(weather) if weather else ())]
-        for group in self._groups:
-            own = [[vector[row] for row in rows] for vector, rows in zip(vectors, group.own, strict=True)]
+    def _evaluate(self, every: np.ndarray, time: np.ndarray, y: np.ndarray) -> None:
+        plan = self._plan
+        pulls = np.zeros((plan.ends + 1, plan.force, len(time)))
+        pulls[plan.ends, FORCE:] = 1.0
+        gravity, *weather = (every[i] for i in plan.shared)
+        shared = [gravity, *(Weather.of(weather) if self._weather else ())]
+        for group, function, rows in self._calls:
             ports = []
             for port in group.ports:
                 if group.ropes:
-                    x, y_, z, travel, aside_x, aside_z, aside_rope = (every[row] for row in port[0])
+                    x, y_, z, travel, aside_x, aside_z, aside_rope = every[port[0]]
                     ports.append([x + aside_x, y_, z + aside_z, travel + aside_rope])
                 else:
-                    ports.append([*(pulls[port[0], i] for i in range(self._force)), every[port[1]]])
-            found = group.function([time], shared, *own, *ports)
-            for row, value in zip(group.outputs, found, strict=False):
+                    ports.append([*(pulls[port[0], i] for i in range(plan.force)), every[port[1]]])
+            found = function([time], shared, every[group.own], *ports)
+            for row, value in zip(rows, found, strict=False):
                 y[row] = value
             if group.ropes:
-                rest = found[len(group.outputs) :]
+                rest = found[len(rows) :]
                 for k, port in enumerate(group.ports):
-                    for i in range(self._force):
-                        pulls[port[1], i] = rest[self._force * k + i]
+                    for i in range(plan.force):
+                        pulls[port[1], i] = rest[plan.force * k + i]
 
 
 class _Places:
@@ -112,6 +126,8 @@ class _Places:
     def __init__(self, model: Model) -> None:
         self.model = model
         names = [name for kind in VECTORS for name in model.tables[kind].names]
+        sizes = np.cumsum([0, *(len(model.tables[kind]) for kind in VECTORS)]).tolist()
+        self.first = dict(zip(VECTORS, sizes, strict=False))
         self.index = {name: i for i, name in enumerate(names)}
         self.none = len(names)
         self.slots = {
@@ -128,10 +144,10 @@ class _Places:
         }
         self.speeds = drive_speeds(model.runs)
 
-    def group(self, form: _Form, components: Sequence[Component]) -> _Group:
+    def group(self, form: Form, components: Sequence[Component]) -> Group:
         """Components of a form."""
         ropes = any(isinstance(port, RopeEnd) for port in form.first.ports)
-        own = tuple(self._own(form, components, kind) for kind in VECTORS)
+        own = np.vstack([self.first[kind] + self._own(form, components, kind) for kind in VECTORS])
         outputs = self._own(form, components, Kind.OUTPUT)
         ports = tuple(
             tuple(
@@ -140,9 +156,9 @@ class _Places:
             )
             for k in range(len(form.first.ports))
         )
-        return _Group(_function(form), ropes, own, outputs, ports)
+        return Group(form, ropes, own, outputs, ports)
 
-    def _own(self, form: _Form, components: Sequence[Component], kind: Kind) -> np.ndarray:
+    def _own(self, form: Form, components: Sequence[Component], kind: Kind) -> np.ndarray:
         """Places of the variables of a kind, (variables, components)."""
         table, rows = self.model.tables[kind].index, []
         for v in form.variables:
@@ -171,45 +187,60 @@ class _Places:
         return [*(self.index[f"{node}.{axis}"] for axis in "xyz"), travel, *more]
 
 
-@lru_cache(maxsize=128)
-def _function(form: _Form) -> ArrayFunction:
-    """Outputs, and forces of rope ends, of a component's function."""
+def output_function(form: Form, outputs: tuple[int, ...]) -> ca.Function:
+    """Some outputs of a component, and the forces of its rope ends; a function of time, what all read, the component's
+    variables and its ports."""
     f = component_function(form.first, form.variables, weather=form.weather)
     arguments = [ca.SX.sym(f"a{i}", f.size1_in(i)) for i in range(f.n_in())]
-    signals = 7
+    signals, own = 7, slice(2, 2 + len(VECTORS))
     results = f.call([ca.SX.ones(a.numel()) if i == signals else a for i, a in enumerate(arguments)])
-    result = ca.vertcat(*ca.cse([ca.densify(r) for r in results[2:]]))
-    inputs = [a for i, a in enumerate(arguments) if i != signals]
-    return ArrayFunction(ca.Function("outputs", inputs, [result]))
+    chosen = ca.vertcat(ca.SX(0, 1), *(results[2][i] for i in outputs))
+    result = ca.vertcat(*ca.cse([ca.densify(r) for r in (chosen, *results[3:])]))
+    inputs = [*arguments[:2], ca.vertcat(*arguments[own]), *arguments[signals + 1 :]]
+    return ca.Function("outputs", inputs, [result])
+
+
+@lru_cache(maxsize=128)
+def _function(form: Form, outputs: tuple[int, ...]) -> ArrayFunction:
+    return ArrayFunction(output_function(form, outputs))
 
 
 @kept_with_model
-def array_outputs(model: Model) -> ArrayOutputs | None:
-    """The outputs of a model at many points; None where components read each other's outputs, or call compiled code."""
+def output_groups(model: Model) -> OutputGroups:
+    """How the outputs of a model are evaluated."""
+    return OutputGroups(model)
+
+
+@kept_with_model
+def has_groups(model: Model) -> bool:
+    """Whether the outputs of a model are evaluated in groups: no components read each other's outputs, or call compiled
+    code."""
     system = model.system
-    if (
+    return not (
         model.external
         or model.inertia is not None
         or system.supplies
         or system.links
         or any(c.sums for c in system.components.values())
-    ):
-        return None
-    return ArrayOutputs(model)
+    )
+
+
+@kept_with_model
+def _array_outputs(model: Model, which: bytes) -> ArrayOutputs:
+    return ArrayOutputs(model, np.frombuffer(which, dtype=int))
+
+
+def outputs_of_rows(model: Model, rows: StateRows, which: np.ndarray, few: int = _FEW) -> np.ndarray:
+    """The outputs at `which` places of states (states, outputs); those of fewer than `few` states one by one, which may
+    change their last bits."""
+    if has_groups(model) and len(rows) >= few:
+        return _array_outputs(model, which.tobytes())(rows.values.T, rows.time).T
+    found = [outputs_of(model)(*point.arguments)[0][which] for point in rows]
+    return np.array(found).reshape(len(rows), len(which))
 
 
 def outputs_of_columns(model: Model, columns: Vectors, time: np.ndarray | float = 0.0) -> np.ndarray:
-    """Outputs at points that are columns, (ny, points)."""
-    together, count = array_outputs(model), columns.z.shape[1]
-    if together is not None and count >= _FEW:
-        return together(columns, time)
-    times = np.broadcast_to(np.asarray(time, dtype=float), (count,))
-    rows = [np.ascontiguousarray(vector.T) for vector in columns.vectors]
-    found = [outputs_of(model)(times[i : i + 1].copy(), *(row[i] for row in rows))[0].copy() for i in range(count)]
-    return np.array(found).reshape(count, len(model.y)).T
-
-
-def outputs_at(model: Model, points: Sequence[Point]) -> np.ndarray:
-    """Outputs at many points, (points, ny)."""
-    columns = Vectors(*(np.array(rows).T for rows in zip(*(point.vectors for point in points), strict=True)))
-    return outputs_of_columns(model, columns, np.array([point.t for point in points])).T
+    """All outputs at points that are columns, (ny, points)."""
+    values = np.vstack([*columns.vectors, np.zeros((1, columns.z.shape[1]))]).T
+    times = np.broadcast_to(np.asarray(time, dtype=float), (len(values),))
+    return outputs_of_rows(model, StateRows(model, values, times), np.arange(len(model.y))).T

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -12,7 +12,8 @@ import numpy as np
 
 from ropeway.components.errors import CompiledError, EquilibriumError
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
-from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.binary_cache import library, named_library
+from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.native.section_library import (
     FAILURES,
@@ -247,16 +248,22 @@ def _span_addresses(form: SpanForm, most: int) -> list[int]:
 
 @lru_cache(maxsize=64)
 def _compiled(form: SpanForm, slots: tuple[int, ...]) -> list[int]:
-    return addresses_of([form.kernel(n) for n in slots])
+    mark = kernel_mark("span", form.key, form.weather, slots)
+    return addresses_of(mark, len(slots), lambda: [form.kernel(n) for n in slots])
 
 
 @lru_cache(maxsize=64)
 def _support_address(form: SupportForm) -> int:
-    return addresses_of([form.kernel])[0]
+    return addresses_of(kernel_mark("support", form.key), 1, lambda: [form.kernel])[0]
 
 
-def addresses_of(kernels: Sequence[ca.Function]) -> list[int]:
-    """Where kernels are, compiled to one library."""
-    names = [f"kernel_{i}" for i in range(len(kernels))]
-    found = library({f"{name}.c": kernel_source(k, name) for name, k in zip(names, kernels, strict=True)})
+def addresses_of(mark: str | None, count: int, kernels: Callable[[], Sequence[ca.Function]]) -> list[int]:
+    """Where so many kernels are, compiled to one library; they are made only where `mark` does not find them in the
+    cache."""
+    names = [f"kernel_{i}" for i in range(count)]
+
+    def files() -> dict[str, str]:
+        return {f"{name}.c": kernel_source(kernel, name) for name, kernel in zip(names, kernels(), strict=True)}
+
+    found = library(files()) if mark is None else named_library(mark, files)
     return [int(ctypes.cast(getattr(found, name), ctypes.c_void_p).value or 0) for name in names]

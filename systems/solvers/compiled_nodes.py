@@ -16,6 +16,7 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import discrete_places
+from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import ClockTables, DriveTables
 from ropeway.systems.solvers.compiled_line import addresses_of, compiled_line
 from ropeway.systems.solvers.drive_trajectories import DERIVATIVE, NODES, WEIGHTS
@@ -195,10 +196,10 @@ class _NodeTables:
 def _drive_address(form: NodeForm) -> tuple[int, bool]:
     """Where the kernel of a drive is, and whether forces can change its rates. Raises UnfitError."""
     kernel, tied = drive_kernel(form)
-    return addresses_of([kernel])[0], tied
+    return addresses_of(None, 1, lambda: [kernel])[0], tied
 
 
 @lru_cache(maxsize=64)
 def _response_address(form: NodeForm) -> int:
     """Where the kernel of a response is. Raises UnfitError."""
-    return addresses_of([response_kernel(form).kernel])[0]
+    return addresses_of(kernel_mark("response", form.key, form.weather), 1, lambda: [response_kernel(form).kernel])[0]

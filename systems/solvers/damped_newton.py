@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -35,7 +36,7 @@ def damped(
     for number in range(iterations):
         try:
             now, sides = step(v)
-            after = float(np.linalg.norm(now))
+            after = _norm(now)
             if residual is not None and not (after <= 0.9 * before or (last < 1e-6 and after <= 1e-12)):
                 # After one long step down to the rounding error, the next step is small.
                 if min(last, float(np.abs(sides[:n]).max())) < 1e-6 and _rounded(v, now, value):
@@ -43,7 +44,7 @@ def damped(
                 v = _shortened(v, move, before, value, residual, names, shortest)
                 last = np.inf
                 now, sides = step(v)
-                after = float(np.linalg.norm(now))
+                after = _norm(now)
         except RuntimeError as error:
             raise failure(residual, "The equations are singular", names) from error
         residual, move = now, sides[:n]
@@ -63,6 +64,10 @@ def damped(
                 return v - move, sides
         v, before, last = v - move, after, size
     raise failure(residual, f"Newton's method has not converged in {iterations} iterations", names)
+
+
+def _norm(v: np.ndarray) -> float:
+    return math.sqrt(v.dot(v))
 
 
 def _rounded(v: np.ndarray, residual: np.ndarray, value: Callable[[np.ndarray], np.ndarray]) -> bool:
@@ -87,7 +92,7 @@ def _shortened(
     share = 0.5
     while share > shortest:
         trial = v + (1.0 - share) * move
-        if float(np.linalg.norm(value(trial))) <= (1.0 - 0.1 * share) * before:
+        if _norm(value(trial)) <= (1.0 - 0.1 * share) * before:
             return trial
         share *= 0.5
     raise failure(residual, "Newton's method makes no progress", names)

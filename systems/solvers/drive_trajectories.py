@@ -57,6 +57,13 @@ class Window:
         """Rates of the states at the Chebyshev points [per s]."""
         return np.asarray(DERIVATIVE @ self.values / self.h)
 
+    @property
+    def unresolved(self) -> np.ndarray:
+        """Parts of the two highest polynomials in the states, (nx,): how far a polynomial may be from them."""
+        parts = WEIGHTS[:, None] * (self.values - self.values[0])
+        cosines = np.stack([np.ones(13), 2.0 * (1.0 - 2.0 * NODES)])
+        return np.asarray(np.abs(cosines @ parts).sum(axis=0) / 12.0)
+
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """States and their rates at a time, by the polynomials through all points, shapes (nx,)."""
         distance = (time - self.start) / self.h - NODES

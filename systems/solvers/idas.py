@@ -29,14 +29,17 @@ def strict(tolerance: float, share: float) -> float:
 
 
 class Stretch(NamedTuple):
-    """How a stretch is integrated: `share` of the tolerance that one step may use, and the `first` step, a part of the
-    stretch. A quasi-static line changes slowly, so that its stretches are one step; one with inertia oscillates."""
+    """How a stretch is integrated: `share` of the tolerance that one step may use, the `first` step, a part of the
+    stretch, and by how many times that share Newton's iteration may miss the algebraic variables, which have no part in
+    the error of a step. A quasi-static line changes slowly, so that its stretches are one step; one with inertia
+    oscillates, and its algebraic variables are solved again at the end of a stretch."""
 
     share: float
     first: float
+    slack: float
 
 
-SLOW, OSCILLATING = Stretch(0.005, 1.0), Stretch(0.1, 0.1)
+SLOW, OSCILLATING = Stretch(0.005, 1.0, 1.0), Stretch(1.0, 0.1, 10.0)
 
 
 class Idas:
@@ -59,7 +62,7 @@ class Idas:
         zeta = unknowns[self._places.tolist()]
         passed = tau * h
         x = x0 + passed * x_rate + w * model.x.nominals
-        z = z0 + passed * z_rate + zeta * model.z.nominals
+        z = z0 + passed * z_rate + zeta * (stretch.slack * model.z.nominals)
         ode, alg = dae(start + passed, x, z, u + slope * passed, p, d)
         if stretch is OSCILLATING and not model.external:
             ode, alg = ca.cse([ode, alg])
@@ -95,6 +98,7 @@ class Idas:
         self._f = Buffered(integrator)
         self._commanded = commanded_of(model)
         self._zero = np.zeros(nx), np.zeros(nz)
+        self._scale = stretch.slack * model.z.nominals
 
     def advance(
         self, point: Point, h: float, x_rate: np.ndarray, z_rate: np.ndarray, slope: np.ndarray
@@ -124,4 +128,4 @@ class Idas:
         x = point.x + passed[:, None] * x_rate + end[0].reshape(self.count, -1) * m.x.nominals
         self._commanded.put(x, point, passed, slope)
         z = end[1].reshape(self.count, -1)[:, self._places]
-        return x, point.z + passed[:, None] * z_rate + z * m.z.nominals
+        return x, point.z + passed[:, None] * z_rate + z * self._scale

@@ -7,7 +7,7 @@ no other unknowns: supports that stand, spans, idlers, drums that keep a tension
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -104,7 +104,7 @@ class LineSections:
     speed: np.ndarray
     shared: np.ndarray
 
-    def used(self, passed: list[np.ndarray]) -> np.ndarray:
+    def used(self, passed: Sequence[np.ndarray]) -> np.ndarray:
         """Loads in each span, (spans,), from those passed at the supports of each run."""
         return np.concatenate([beyond[:-1] - beyond[1:] for beyond in passed]).astype(int)
 

@@ -52,6 +52,7 @@ class Newton:
         self.functions = newton_functions(model, self.freed, tuple(given))
         self.scale = np.concatenate([model.z.nominals, [_nominal(model, slot) for slot in freed]])
         self._weight = 1.0 / np.concatenate([model.r.nominals, [_nominal(model, slot) for slot in given]])
+        self._target, self._damping, self._slope = np.zeros(len(given)), np.zeros(1), np.zeros(len(model.u))
 
     def arguments(self, point: Point) -> NewtonInputs:
         """Inputs of the residual and the Jacobian at a point, without target and damping."""
@@ -62,10 +63,10 @@ class Newton:
             u=point.u,
             p=point.p,
             d=point.d,
-            target=np.zeros(len(self._weight) - len(self.model.r)),
-            damping=np.zeros(1),
+            target=self._target,
+            damping=self._damping,
             anchor=point.z / self.model.z.nominals,
-            slope=np.zeros(len(point.u)),
+            slope=self._slope,
             scale=self.scale,
             weight=self._weight,
         )
@@ -77,10 +78,6 @@ class Newton:
     def jacobian_values(self, point: Point) -> np.ndarray:
         """The entries of `matrix` in the order of its pattern."""
         return self.functions.jacobian_values(self.arguments(point))
-
-    def matrix_places(self) -> csc_matrix:
-        """The pattern of `matrix` with the number of each of `jacobian_values`, from 1."""
-        return self.functions.sparse(np.arange(1, self.functions.entries + 1))
 
     def solve(
         self,
@@ -102,7 +99,9 @@ class Newton:
         n = len(self.scale)
         if n == 0:
             return None if slope is None else np.zeros(0)
-        inputs = self.arguments(point)._replace(damping=np.array([damping]))
+        inputs = self.arguments(point)
+        if damping > 0.0:
+            inputs = inputs._replace(damping=np.array([damping]))
         if target is not None:
             inputs = inputs._replace(target=target)
         if slope is not None:

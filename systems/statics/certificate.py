@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, overload
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,7 +19,8 @@ from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import outputs_of, residuals_of
-from ropeway.systems.solvers.points import VECTORS, Point
+from ropeway.systems.solvers.points import Point
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.certificate_layout import CertificateLayout, layout_of
 from ropeway.systems.statics.certificate_spans import (
     LoadsInSpans,
@@ -229,6 +230,21 @@ def certify_records(
     return Certificate.worst(found)
 
 
+def certify_rows(model: Model, runs: Sequence[Run], batches: Iterable[StateRows]) -> Certificate:
+    """As `certify_records`, of states that are rows, in batches."""
+    found, first = list[Check](), 0
+    for rows in batches:
+        size = 256 if model.inertia is not None else _batch_size(layout_of(model))
+        for a in range(0, len(rows), size):
+            part = slice(a, a + size)
+            values, passed = rows.values[part], [beyond[part] for beyond in rows.passed]
+            points = StateRows(model, values, rows.time[part])
+            checks = _checks(model, values, points, runs, passed, (), ())
+            found += [check._replace(record=check.record + first + a) for check in checks]
+        first += len(rows)
+    return Certificate.worst(found)
+
+
 def _batch_size(layout: CertificateLayout) -> int:
     """How many states are checked together."""
     return max(1, _BATCH // max(1, layout.spans.read.size + layout.spans.slots.size))
@@ -237,13 +253,13 @@ def _batch_size(layout: CertificateLayout) -> int:
 def certified_variants(
     model: Model,
     runs: Sequence[Run],
-    values: np.ndarray,
+    states: StateRows,
     passed: Sequence[np.ndarray],
     masses: Sequence[np.ndarray],
 ) -> np.ndarray:
-    """Which of many states of a line, `stacked` as rows (states, all) and each with loads of other `masses` (states,
-    loads) in each run, hold every check, also that of the ropes' breaking load, (states,). `passed` as in `certify`,
-    the same in all states."""
+    """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
+    also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
+    values = states.values
     good, left = np.zeros(len(values), dtype=bool), [np.arange(len(values))] if len(values) else []
     size = _batch_size(layout_of(model))
     while left:
@@ -253,7 +269,7 @@ def certified_variants(
             continue
         beyond = [np.repeat(p[None], len(which), axis=0) for p in passed]
         own, rows = [mass[which] for mass in masses], values if len(which) == len(values) else values[which]
-        checks = _checks(model, rows, _Points(model, rows), runs, beyond, (), (), own)
+        checks = _checks(model, rows, StateRows(model, rows), runs, beyond, (), (), own)
         if all(check.holds for check in checks):
             good[which] = True
         elif len(which) > 1:
@@ -264,26 +280,6 @@ def certified_variants(
 def stacked(point: Point) -> np.ndarray:
     """All vectors of a point, and the zero behind them that a layout counts on."""
     return np.concatenate((*point.vectors, (0.0,)))
-
-
-class _Points(Sequence[Point]):
-    """Points of states that are the rows of an array, each made when it is read."""
-
-    def __init__(self, model: Model, rows: np.ndarray) -> None:
-        self._ends, self._rows = np.cumsum([len(model.tables[kind]) for kind in VECTORS]), rows
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    @overload
-    def __getitem__(self, i: int) -> Point: ...
-    @overload
-    def __getitem__(self, i: slice) -> Sequence[Point]: ...
-    def __getitem__(self, i: int | slice) -> Point | Sequence[Point]:
-        if isinstance(i, slice):
-            return [self[k] for k in range(*i.indices(len(self)))]
-        x, z, u, p, d = np.split(self._rows[i][: self._ends[-1]], self._ends[:-1])
-        return Point(x, z, u, p, d)
 
 
 def _checks(

@@ -140,7 +140,17 @@ class CertificateLayout:
 
 @kept_with_model
 def layout_of(model: Model) -> CertificateLayout:
-    """The places of a model."""
+    """The places of a model. They follow from its structure and its names: the next model of both shares them."""
+    names = (*model.system.components, *(name for table in model.tables.values() for name in table.names))
+    known: tuple[tuple[str, ...], CertificateLayout] | None = model.structure.derived.get(_layout)
+    if known is not None and known[0] == names:
+        return known[1]
+    layout = _layout(model)
+    model.structure.derived[_layout] = (names, layout)
+    return layout
+
+
+def _layout(model: Model) -> CertificateLayout:
     places = _Places(model)
     kinds = _kinds(model, places)
     known = {f"{s.name}.closure_{axis}" for run in model.runs for s in run.spans for axis in "xyz"}

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from ropeway.systems.modelling.dae_model import Balance
+from ropeway.systems.modelling.dae_model import Balance, Model, kept_with_structure
 from ropeway.systems.solvers.kernels.compiled_network import CompiledPivots
-from ropeway.systems.solvers.newton import Newton
+from ropeway.systems.solvers.newton import Functions, Newton
 from ropeway.systems.statics.certificate_layout import layout_of
 
 _SMALL = 128
@@ -28,20 +28,8 @@ class CondensedStiffness:
     def __init__(self, newton: Newton, free: Sequence[Balance], kept: np.ndarray = NONE_KEPT) -> None:
         self.newton, self.balances, self.kept = newton, tuple(free), kept
         self._signs = -np.array([b.sign for b in free])
-        rows, columns = (
-            np.concatenate([np.setdiff1d(np.arange(len(newton.model.z)), np.concatenate([own, still])), own])
-            for own, still in zip(places_of(free), kept, strict=True)
-        )
-        pattern, inner = newton.matrix_places(), len(rows) - len(self.balances)
-        self._pivots_of: CompiledPivots | _Banded | _Dense | _Sparse
-        if newton.model.compiled:
-            self._pivots_of = CompiledPivots(pattern[rows][:, columns], inner)
-        elif layout_of(newton.model).plain:
-            self._pivots_of = _Banded(pattern[rows][:, columns], inner)
-        elif inner <= _SMALL:
-            self._pivots_of = _Dense(pattern[rows][:, columns], inner)
-        else:
-            self._pivots_of = _Sparse(pattern, rows, columns, inner)
+        kept_places = tuple(map(tuple, kept.tolist()))
+        self._pivots_of = _elimination(newton.model, newton.functions, self.balances, kept_places)
 
     def condensed(self, balances: Sequence[Balance]) -> CondensedStiffness:
         """On some of the balances, the others kept in balance."""
@@ -57,6 +45,25 @@ class CondensedStiffness:
 def places_of(balances: Sequence[Balance]) -> np.ndarray:
     """Rows and columns of balances, (2, n)."""
     return np.array([[b.residual for b in balances], [b.travel for b in balances]], int).reshape(2, -1)
+
+
+@kept_with_structure
+def _elimination(
+    model: Model, functions: Functions, free: tuple[Balance, ...], kept: tuple[tuple[int, ...], ...]
+) -> CompiledPivots | _Banded | _Dense | _Sparse:
+    """The elimination of all but some balances in the Jacobians of some functions of a structure."""
+    rows, columns = (
+        np.concatenate([np.setdiff1d(np.arange(len(model.z)), [*own, *still]), own])
+        for own, still in zip(places_of(free), kept, strict=True)
+    )
+    pattern, inner = functions.sparse(np.arange(1, functions.entries + 1)), len(rows) - len(free)
+    if model.compiled:
+        return CompiledPivots(pattern[rows][:, columns], inner)
+    if layout_of(model).plain:
+        return _Banded(pattern[rows][:, columns], inner)
+    if inner <= _SMALL:
+        return _Dense(pattern[rows][:, columns], inner)
+    return _Sparse(pattern, rows, columns, inner)
 
 
 class _Banded:

@@ -7,6 +7,7 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.newton import Newton, newton_of
+from ropeway.systems.solvers.section_newton import solve_line
 from ropeway.systems.statics.line_state import LineState
 
 
@@ -18,7 +19,7 @@ def solve_algebraic(state: LineState, *, by_sections: bool = False) -> None:
         if by_sections:
             compiled_line(state.model).solve_point(state.point, state.passed)
         else:
-            newton_of(state.model).solve(state.point)
+            solve_line(state.model, state.point, state.passed)
         return
     except EquilibriumError as error:
         first = error

@@ -5,18 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.solvers.compiled_rows import write_slots
 from ropeway.systems.solvers.points import Point
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.pending_events import Pending
 
 
-@dataclass(frozen=True)
-class Record:
+class Record(NamedTuple):
     """A state written down: time [s], states, algebraic variables, inputs, for each run the number of the first load
     that has not passed each support, the discrete variables that are `kept` besides, and what is `pending` in the
     run."""
@@ -152,16 +154,24 @@ def restored(model: Model, runs: Sequence[Run], p: np.ndarray, record: AnyRecord
     return state
 
 
-def restored_points(
-    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[AnyRecord]
-) -> tuple[list[Point], list[list[np.ndarray]]]:
-    """The points of many records, and the loads passed in each run, as `restored` makes them one by one;
-    none may have more loads in a span than the model has slots."""
-    d = np.repeat(model.d.values[None], len(records), axis=0)
+def restored_rows(
+    model: Model, runs: Sequence[Run], p: np.ndarray, records: Sequence[AnyRecord], *, compiled: bool = False
+) -> StateRows:
+    """The states of many records, as `restored` makes them one by one; none may have more loads in a span than the
+    model has slots. compiled: in compiled code."""
+    ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
+    values = np.empty((len(records), int(ends[-1]) + 1))
+    counts = list[tuple[np.ndarray, ...]]()
+    x, z, u, parameters, d, _ = np.split(values, ends, axis=1)
+    for i, record in enumerate(records):
+        x[i], z[i], u[i] = record.x, record.z, record.u
+        counts.append(record.passed)
+    parameters[:], values[:, -1], d[:] = p, 0.0, model.d.values
     d[:, model.kept] = [record.kept for record in records]
-    counts = [record.passed for record in records]
     passed = [np.array([beyond[r] for beyond in counts]) - run.loads.first for r, run in enumerate(runs)]
-    for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
-        layout.slots.write(d, run, beyond, layout.start(p))
-    points = [Point(q.x.copy(), q.z.copy(), q.u.copy(), p, own, q.time) for q, own in zip(records, d, strict=True)]
-    return points, [[beyond[i] for beyond in passed] for i in range(len(records))]
+    if compiled:
+        write_slots(model, runs, p, d, passed)
+    else:
+        for run, layout, beyond in zip(runs, model.layouts, passed, strict=True):
+            layout.slots.write(d, run, beyond, layout.start(p))
+    return StateRows(model, values, np.array([record.time for record in records]), passed)

@@ -13,11 +13,13 @@ Ticks = Mapping[tuple[float, float], float]
 
 @dataclass(frozen=True)
 class Pending:
-    """`ticks`: time of the next tick of each clock, by its period and phase [s]; `stopping`: signals of an emergency
-    stop in place of those of the inputs, None without one. Times count from the start of the run."""
+    """`ticks`: time of the next tick of each clock, by its period and phase [s]; `stopping`: signals of a stop in place
+    of those of the inputs, None without one; `emergency`: the whole line stops, and no clock ticks. Times count from
+    the start of the run."""
 
     ticks: Ticks = field(default_factory=dict)
     stopping: Mapping[str, Schedule] | None = None
+    emergency: bool = False
 
     def next_tick(self, clock: Clock) -> float:
         """Time of the next tick of a clock [s]; by default its first."""
@@ -28,7 +30,8 @@ class Pending:
         ticks = {clock: max(tick - time, 0.0) for clock, tick in self.ticks.items()}
         if self.stopping is None:
             return replace(self, ticks=ticks)
-        return Pending(ticks, {name: _after(signal, time) for name, signal in self.stopping.items()})
+        stopping = {name: _after(signal, time) for name, signal in self.stopping.items()}
+        return replace(self, ticks=ticks, stopping=stopping)
 
 
 def _after(signal: Schedule, time: float) -> Schedule:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.modelling.rope_path import Run
-from ropeway.systems.solvers.newton import newton_of
+from ropeway.systems.solvers.section_newton import solve_line
 from ropeway.systems.statics.certificate import Certificate, certify
 from ropeway.systems.statics.continuation import solve_algebraic
 from ropeway.systems.statics.line_state import LineState
@@ -47,7 +47,7 @@ def settle(state: LineState, *, quick: bool = False, by_sections: bool = False) 
     models = [state.model]
     for _ in range(200):
         if quick:
-            newton_of(state.model).solve(state.point)
+            solve_line(state.model, state.point, state.passed)
         else:
             solve_algebraic(state, by_sections=by_sections)
         before = [p.copy() for p in state.passed]

@@ -13,11 +13,10 @@ import numpy as np
 
 from ropeway.components.check import Range
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.compiled_line import CompiledCases, compiled_line
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.solvers.points import VECTORS
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.certificate import certified_variants, stacked
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK
@@ -41,18 +40,18 @@ class LineVariants:
         self._state, self._solver = state, solver
         self._entries = [_entry(state, name) for name in names]
 
-    def solve(self, values: np.ndarray) -> tuple[np.ndarray, Cases]:
+    def solve(self, values: np.ndarray) -> tuple[np.ndarray, StateRows]:
         """Equilibria for values (cases, parameters): which are solved and certified, (cases,), and all cases, travels
         counted from their rest."""
         state, count = self._state, len(values)
-        every = np.repeat(stacked(state.point)[None], count, axis=0)
-        cases = _columns(state.model, every)
+        every = StateRows(state.model, np.repeat(stacked(state.point)[None], count, axis=0))
+        cases = Cases(*every.columns.vectors)
         masses = [np.repeat(run.loads.mass[None], count, axis=0) for run in state.runs]
         good = self._set(values, cases, masses)
         self._write_slots(cases, masses)
         tried = np.flatnonzero(good)
         if len(tried) < count:
-            part = _columns(state.model, every[tried])
+            part = Cases(*every.some(tried).columns.vectors)
             good[tried] = self._solver.solve(part)
             cases.z[:, tried] = part.z
         else:
@@ -60,10 +59,10 @@ class LineVariants:
         for r in range(len(state.runs)):
             good &= self._settled(r, cases)
         which = np.flatnonzero(good)
-        solved = every if len(which) == count else every[which]
+        solved = every if len(which) == count else every.some(which)
         good[which] = certified_variants(state.model, state.runs, solved, state.passed, [m[which] for m in masses])
         self._rezero(cases)
-        return good, cases
+        return good, every
 
     def _set(self, values: np.ndarray, cases: Cases, masses: Sequence[np.ndarray]) -> np.ndarray:
         """Writes the values; which cases have none that is refused."""
@@ -158,12 +157,6 @@ def line_variants(state: LineState, names: Sequence[str], *, compiled: bool = Fa
         return LineVariants(state, names, core)
     except _OneByOneError:
         return None
-
-
-def _columns(model: Model, rows: np.ndarray) -> Cases:
-    """The vectors of cases that are the rows of an array, as views."""
-    ends = np.cumsum([len(model.tables[kind]) for kind in VECTORS])
-    return Cases(*(part.T for part in np.split(rows[:, : ends[-1]], ends[:-1], axis=1)))
 
 
 class _OneByOneError(Exception):

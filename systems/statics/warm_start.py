@@ -143,4 +143,5 @@ def _pending(start: Equilibrium, model: Model, continuing: Mapping[str, Response
     if stopping is not None:
         alike = {name for name in stopping if old.signals[old.u.index[name]] == model.signals[model.u.index[name]]}
         stopping = {name: signal for name, signal in stopping.items() if name in alike} or None
-    return Pending({clock: tick for clock, tick in start.pending.ticks.items() if clock in kept}, stopping)
+    ticks = {clock: tick for clock, tick in start.pending.ticks.items() if clock in kept}
+    return Pending(ticks, stopping, start.pending.emergency and stopping is not None)

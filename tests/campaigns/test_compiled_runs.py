@@ -31,7 +31,7 @@ def test_random_runs_compiled(campaign: Any) -> None:
             seen["failed"] += 1
             continue
         try:
-            require_alike(run, case.simulate(1.0, tolerance=1e-8))
+            require_alike(run, case.simulate(1.0, tolerance=1e-9))
         except Exception as error:
             error.add_note(f"seed {seed}, {case.kind}")
             raise

@@ -194,7 +194,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "gravity_skyline": lambda: {"terrain": GROUND, **ends, "skyline": ROPE, "tension": 60e3, "length": None},
         "inhaul": lambda: {
             **payload, "start": 40.0, "end": 44.0, "speed": 3.0, "every": 0.5, "changes": (), "tolerance": 1e-7,
-            "compiled": False,
+            "inertia": rw.Inertia(), "compiled": False,
         },
         "latin_hypercube": lambda: {"bounds": {"p": (1.0, 2.0)}, "samples": 5, "seed": 1},
         "lira_worksheet": lambda: {**LOADED, "carriage_weight": 900.0, "strain": ROPE.strain, "readings": None},

@@ -77,8 +77,12 @@ class CompiledInertialLine(InertialLine):
         start, found = self.state.point.z.copy(), self.point(stop)
         if found.solve():
             self.state.point.z[:] = start
-            return super().solve(stop)
+            return super().solve_rates(stop)
         return self.motion_at(found.x_rate.copy(), found.z_rate.copy())
+
+    def solve_rates(self, stop: float) -> LineMotion:
+        """The same: the core has all rates at once."""
+        return self.solve(stop)
 
     def move(self, stop: float, bounds: Bounds) -> LineMotion:
         """Moves the line to `stop` [s] or to the first of some bounds. Raises EquilibriumError, SimulationError."""

@@ -11,6 +11,7 @@ from ropeway.components.schedule import Schedule
 from ropeway.systems.dynamics.line_stepper import LineMotion, LineStepper, Signal
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.solvers.idas import OSCILLATING, Idas
+from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.line_state import LineState
 
@@ -36,6 +37,16 @@ class InertialLine(LineStepper):
         found = super().slope(stop)
         found[self._rates] = 0.0
         return found
+
+    def solve(self, stop: float) -> LineMotion:
+        """Solves the algebraic variables. Their rates, which IDAS does not need, are given as zero: see `solve_rates`.
+        Raises EquilibriumError."""
+        newton_of(self.state.model).solve(self.state.point)
+        return self.motion(np.zeros_like(self.state.point.z))
+
+    def solve_rates(self, stop: float) -> LineMotion:
+        """As `solve`, with the rates of the algebraic variables."""
+        return super().solve(stop)
 
     def integrate(self, h: float, motion: LineMotion, stop: float) -> LineMotion:
         """Advances the state by `h` seconds. Raises EquilibriumError, SimulationError."""

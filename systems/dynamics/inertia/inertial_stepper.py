@@ -114,6 +114,8 @@ class InertialStepper:
         line, names = self.line, self.state.runs[due[0].r].nodes
         self.guard.require(line.time, names[due[0].k].name)
         self.recorder.record(self.state)
+        if any(event.what == zones.LEAVE for event in due):
+            motion = line.solve_rates(stop)
         crossed = zones.apply(self.state, due, (motion.x, motion.z))
         for crossing, what in crossed:
             self.recorder.note(self.state, crossing, what)

@@ -4,6 +4,9 @@ support; it crosses the support tied, and is free again beyond the zone.
     tie     a free load comes within the zone of a support
     cross   a tied load is past its support: it changes spans
     leave   a tied load is beyond 1.1 times the zone: it takes place and velocity of its station on the rope
+
+Each event restarts the integration of the whole line. Therefore loads tie up to a zone earlier and leave up to a zone
+later where they can do so together with another event.
 """
 
 from __future__ import annotations
@@ -26,11 +29,13 @@ NEAR = 5e-4
 """How far before a threshold an event is due [m]."""
 BEYOND = 1.1
 """A load leaves at this multiple of the zone, so that it does not come back at once."""
+EARLY = 1.0
+"""How much earlier an event can be, together with another one, as a share of the zone."""
 
 
 class ZoneEvent(NamedTuple):
-    """What a load does at support k of run r: `load` is its number, `gap` [m] the rope's travel until then at present,
-    `speed` [m/s] that at which it closes."""
+    """What a load does at support k of run r: `load` is its number, `gap` [m] the rope's travel until then at the
+    latest, `speed` [m/s] that at which it closes; it is possible `early` [m] before."""
 
     what: str
     r: int
@@ -38,6 +43,7 @@ class ZoneEvent(NamedTuple):
     load: int
     gap: float
     speed: float
+    early: float
     forward: bool
 
 
@@ -54,14 +60,15 @@ class _Standing:
 
 class Threshold(NamedTuple):
     """Where the loads of run r come to one kind of event as the rope runs over their supports k: forwards, with side
-    1, or backwards, -1. `gap` [m] is the travel until then, negative where it is overdue; `on`: whether it applies.
-    Arrays over the loads."""
+    1, or backwards, -1. `gap` [m] is the travel until then at the latest, negative where it is overdue; it is possible
+    `early` [m] before; `on`: whether it applies. Arrays over the loads."""
 
     what: str
     r: int
     k: np.ndarray
     side: float
     gap: np.ndarray
+    early: np.ndarray
     on: np.ndarray
     load: np.ndarray
     forward: bool
@@ -77,21 +84,24 @@ def thresholds(state: LineState) -> list[Threshold]:
             continue
         take_more(state, r)
         loads, rope, last = _standing(state, r), state.rope(r), len(ties) - 1
+        # Loads that leave one end of a short span late must not be beyond the other end by then.
+        room = np.clip((np.abs(np.diff(rope)) - 2.0 * BEYOND * zone) / 2.0, 0.0, EARLY * zone)
+        early = room[np.clip(loads.span, 0, last - 1)]
         number = loads.index + state.runs[r].loads.first
         inside = (loads.span >= 0) & (loads.span < last)
         free = (loads.tied < 0) & inside
         for end, side in ((0, 1.0), (1, -1.0)):  # free loads towards the ends a and b of their spans
             k = np.where(free, loads.span + end, 0)
             gap = side * (loads.place - rope[k]) - zone
-            found.append(Threshold(TIE, r, k, -side, gap, free & ties[k], number, end == 1))
+            found.append(Threshold(TIE, r, k, -side, gap, early, free & ties[k], number, end == 1))
         k, tied = np.maximum(loads.tied, 0), loads.tied >= 0
         past, before, behind = loads.place - rope[k], tied & (loads.span < k), tied & (loads.span >= k)
-        reach = BEYOND * zone
+        reach, exact = BEYOND * zone + early, np.zeros(len(past))
         found += [
-            Threshold(CROSS, r, k, 1.0, PAST - past, before, number, True),
-            Threshold(CROSS, r, k, -1.0, past + PAST, behind, number, False),
-            Threshold(LEAVE, r, k, -1.0, reach + past, before & inside, number, False),
-            Threshold(LEAVE, r, k, 1.0, reach - past, behind & inside, number, True),
+            Threshold(CROSS, r, k, 1.0, PAST - past, exact, before, number, True),
+            Threshold(CROSS, r, k, -1.0, past + PAST, exact, behind, number, False),
+            Threshold(LEAVE, r, k, -1.0, reach + past, early, before & inside, number, False),
+            Threshold(LEAVE, r, k, 1.0, reach - past, early, behind & inside, number, True),
         ]
     return found
 
@@ -102,7 +112,9 @@ def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray]) -> list[
     for t in found:
         speed = t.side * rates[t.r][t.k]
         events += [
-            ZoneEvent(t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), t.forward)
+            ZoneEvent(
+                t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), float(t.early[i]), t.forward
+            )
             for i in np.flatnonzero(t.on & (speed > 1e-9))
         ]
     return events
@@ -134,8 +146,10 @@ def _standing(state: LineState, r: int) -> _Standing:
 
 
 def due(events: Sequence[ZoneEvent]) -> list[ZoneEvent]:
-    """The events that are due, one for each load."""
-    found = {(e.r, e.load): e for e in reversed(events) if e.gap <= NEAR}
+    """The events that are due, and all that are possible with them, one for each load."""
+    if not any(e.gap <= NEAR for e in events):
+        return []
+    found = {(e.r, e.load): e for e in reversed(events) if e.gap <= NEAR + e.early}
     return list(found.values())
 
 

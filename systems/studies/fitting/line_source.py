@@ -13,7 +13,6 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.empty_rope import lengths_for_tension, support_tensions, tension_for_total
 from ropeway.systems.modelling.system import System
-from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium, still
 from ropeway.systems.statics.line_state import LineState
@@ -168,10 +167,8 @@ class LineStates(States):
         lines: list[Equilibrium | None] = [None] * len(cases)
         if solver is not None:
             good, found = solver.solve(np.array([list(case.values()) for case in cases]))
-            vectors = [np.ascontiguousarray(v.T) for v in found.vectors]
-            for i in np.flatnonzero(good):
-                x, z, u, p, d = (v[i] for v in vectors)
-                lines[i] = Equilibrium(rest.model, Point(x, z, u, p, d), rest.runs, rest.passed, ())
+            for i in np.flatnonzero(good).tolist():
+                lines[i] = Equilibrium(rest.model, found[i].copy(), rest.runs, rest.passed, ())
         return [
             still(equilibrium(self.source.model, start=rest, parameters=case)) if line is None else line
             for line, case in zip(lines, cases, strict=True)

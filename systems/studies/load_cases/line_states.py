@@ -14,8 +14,7 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.modelling.system import System
-from ropeway.systems.solvers.array_outputs import outputs_of_columns
-from ropeway.systems.solvers.condensed_newton import Cases
+from ropeway.systems.solvers.array_outputs import outputs_of_rows
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -61,11 +60,11 @@ def _in_batch(
     many = line_variants(state, names)
     if many is None:
         return {}
-    good, columns = many.solve(values)
+    good, rows = many.solve(values)
     which = np.flatnonzero(good)
-    found = {int(i): _equilibrium(state, columns, int(i)) for i in which}
-    chosen = Cases(*(np.ascontiguousarray(vector[:, which]) for vector in columns.vectors))
-    for line, outputs in zip(found.values(), outputs_of_columns(state.model, chosen).T, strict=True):
+    found = {int(i): _equilibrium(state, rows[int(i)].copy()) for i in which}
+    outputs_of_all = outputs_of_rows(state.model, rows.some(which), np.arange(len(state.model.y)))
+    for line, outputs in zip(found.values(), outputs_of_all, strict=True):
         line.__dict__["outputs"] = outputs.copy()
     return found
 
@@ -75,10 +74,8 @@ def _under(run: Run, mass: np.ndarray) -> Run:
     return replace(run, loads=replace(run.loads, mass=mass, drag=np.where(mass > 0.0, run.loads.drag, 0.0)))
 
 
-def _equilibrium(state: LineState, columns: Cases, i: int) -> Equilibrium:
-    """The state of a column, whose travels count from its rest."""
-    x, z, u, p, d = (np.ascontiguousarray(vector[:, i]) for vector in columns.vectors)
-    point = Point(x, z, u, p, d)
+def _equilibrium(state: LineState, point: Point) -> Equilibrium:
+    """A state whose travels count from its rest."""
     runs = tuple(_rested(state, r, point) for r in range(len(state.runs)))
     return Equilibrium(state.model, point, runs, tuple(state.passed), ())
 

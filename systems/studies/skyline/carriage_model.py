@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -14,8 +15,9 @@ from ropeway.components.errors import InputError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.assembly import assembled
-from ropeway.systems.modelling.dae_model import in_code
+from ropeway.systems.modelling.dae_model import Model, in_code, kept_with_model
 from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.rigs.turn import GROUND, LEAST_MASS
 from ropeway.systems.solvers.newton import Newton, newton_of, outputs_of
@@ -66,7 +68,7 @@ class SpanModel:
         self.freed, self.given = tuple(freed), tuple(given)
         """Entries that are solved for in exchange for the carriage's station and height."""
         self.newton = Newton(m, freed, given) if freed else newton_of(m)
-        self._outputs, self.output_index = outputs_of(m), m.y.index
+        self._outputs, self.output_index, self.value_places = outputs_of(m), m.y.index, places_of(m)
         declared = LineState.declared(m)
         self._declared, self.passed = declared.point, declared.passed
         self.roles = tuple(_role(rig, run) for run in m.runs)
@@ -74,6 +76,30 @@ class SpanModel:
         self.places = (self.axes[2], *(self.slot(f"{self.log}.{variable}") for variable in log_places))
         """Coordinates of the carriage and its log."""
         self.check = RigCheck(rig, m, self.newton, self.roles, place.on, by_height=by_height)
+        keeps_length = not by_height and rig.kind.keeps_length
+        self.rope_lengths = tuple(
+            sum(span.length for span in run.spans) if role == "skyline" and keeps_length else np.nan
+            for run, role in zip(m.runs, self.roles, strict=True)
+        )
+        """Unstretched length of each run [m] that a solution must have; NaN where it is free."""
+
+    def moved(self, rig: SkylineRig) -> SpanModel:
+        """The same equations for another rig, which differs in the positions of its supports and in the length of its
+        skyline. Its supports are points without friction and have the same names."""
+        other, point = copy.copy(self), self._declared.copy()
+        other.rig, other.check, other._declared = rig, self.check.of(rig), point
+        places = self.model.p.index
+        for support in rig.supports:
+            for name in (support.name, roller_name(support)):
+                if f"{name}.x" in places:
+                    first = places[f"{name}.x"]
+                    point.p[first : first + 3] = support.at
+        own, r = self.model.layouts[self.skyline].length_start, self.skyline
+        point.p[own] *= (rig.length or 0.0) / point.p[own].sum()
+        lengths = list(self.rope_lengths)
+        lengths[r] = rig.length or 0.0
+        other.rope_lengths = tuple(lengths)
+        return other
 
     def declared(self) -> Point:
         """A point with all values as declared."""
@@ -85,7 +111,7 @@ class SpanModel:
 
     def slot(self, name: str) -> Slot:
         """The vector and entry of a variable."""
-        for part in (Kind.ALGEBRAIC, Kind.STATE, Kind.PARAMETER):
+        for part in _READ:
             if name in self.model.tables[part].index:
                 return part, self.model.tables[part].index[name]
         raise InputError(f"{name!r} is not in {self.model.name!r}")
@@ -123,13 +149,8 @@ class SpanModel:
     def certificate(self, points: Sequence[Point]) -> Certificate:
         """The worst of each check over solved points. `check` tests the stability of each: the carriage is held at its
         station, so its balance along the skyline need not be stable."""
-        keeps_length = not self.by_height and self.rig.kind.keeps_length
-        rope = [
-            sum(span.length for span in run.spans) if role == "skyline" and keeps_length else np.nan
-            for run, role in zip(self.model.runs, self.roles, strict=True)
-        ]
         states = ((point, self.passed) for point in points)
-        return certify_records(self.model, self.model.runs, states, rope=rope, held=None)
+        return certify_records(self.model, self.model.runs, states, rope=self.rope_lengths, held=None)
 
     def rest(self, point: Point) -> Equilibrium:
         """An equilibrium from a solved point, with all travels reset to zero. Raises EquilibriumError if its
@@ -171,6 +192,17 @@ def _role(rig: SkylineRig, run: Run) -> str:
     return ""
 
 
+_READ = (Kind.ALGEBRAIC, Kind.STATE, Kind.PARAMETER)
+"""Vectors that a solved rig is read from, besides its outputs."""
+
+
+@kept_with_model
+def places_of(model: Model) -> dict[str, int]:
+    """The place of each variable and output in `Solved.values`, by its name."""
+    names = [name for kind in (*_READ, Kind.OUTPUT) for name in model.tables[kind].names]
+    return {name: i for i, name in enumerate(names)}
+
+
 @dataclass(frozen=True, eq=False)
 class Solved:
     """A solved rig: the model, the point, all outputs (ny,), the carriage's hold ("mainline", "clamp" or "holding"),
@@ -188,19 +220,30 @@ class Solved:
         name = self.at.rig.carriage.name
         return -self[f"{name}.shoe_force"] / self[f"{name}.tension_a"] * self[f"{name}.radius"]
 
+    @cached_property
+    def values(self) -> np.ndarray:
+        """All values, in the order of `places_of`, and a zero behind them."""
+        return np.concatenate([*(self.point.vector(kind) for kind in _READ), self.outputs, (0.0,)])
+
     def __getitem__(self, name: str) -> float:
-        kind, k = self.slot(name)
-        return float(self.outputs[k] if kind is Kind.OUTPUT else self.point.vector(kind)[k])
+        k = self.at.value_places.get(self._renamed(name))
+        if k is None:
+            raise InputError(f"{name!r} is not in {self.at.model.name!r}")
+        return float(self.values[k])
 
     def slot(self, name: str) -> Slot:
         """The vector and entry of a variable or an output. Raises InputError."""
-        on = self.at.on
-        if on is not None:
-            owner, _, quantity = name.rpartition(".")
-            if owner == self.at.rig.supports[on].name:  # the carriage on the shoe has the outputs of both
-                name = f"{self.at.rig.carriage.name}.{quantity}"
+        name = self._renamed(name)
         k = self.at.output_index.get(name)
         return self.at.slot(name) if k is None else (Kind.OUTPUT, k)
+
+    def _renamed(self, name: str) -> str:
+        """The name of a variable in the model: a carriage on a shoe has the outputs of both."""
+        on = self.at.on
+        if on is None:
+            return name
+        owner, _, quantity = name.rpartition(".")
+        return f"{self.at.rig.carriage.name}.{quantity}" if owner == self.at.rig.supports[on].name else name
 
     def has(self, output: str) -> bool:
         """Whether the model has an output."""
@@ -216,15 +259,27 @@ class Solved:
 
 
 def span_model(
-    rig: SkylineRig, place: Place, by_height: bool = False, clamped: bool = False, *, compiled: bool = False
+    rig: SkylineRig,
+    place: Place,
+    by_height: bool = False,
+    clamped: bool = False,
+    *,
+    like: SkylineRig | None = None,
+    compiled: bool = False,
 ) -> SpanModel:
-    """The model of a rig at a place, or of its clamped twin, for compiled code or not; assembled once."""
-    return _span_model(rig, place, by_height, clamped, compiled)
+    """The model of a rig at a place, or of its clamped twin, for compiled code or not; assembled once, or moved from
+    the model of a rig `like` it (`SpanModel.moved`)."""
+    return _span_model(rig, place, by_height, clamped, like, compiled)
 
 
 @lru_cache(maxsize=256)
-def _span_model(rig: SkylineRig, place: Place, by_height: bool, clamped: bool, compiled: bool) -> SpanModel:
-    return SpanModel(clamped_twin(rig) if clamped else rig, place, by_height=by_height, compiled=compiled)
+def _span_model(
+    rig: SkylineRig, place: Place, by_height: bool, clamped: bool, like: SkylineRig | None, compiled: bool
+) -> SpanModel:
+    own = clamped_twin(rig) if clamped else rig
+    if like is None:
+        return SpanModel(own, place, by_height=by_height, compiled=compiled)
+    return _span_model(like, place, by_height, clamped, None, compiled).moved(own)
 
 
 @lru_cache(maxsize=64)

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import brentq, newton
 
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel, StationCase, span_model
@@ -129,7 +130,7 @@ class Places:
         if following.on is not None or at.span != following.span:
             return self.touch(at, k)
         rolled = at if at.place.rollers is not None else following
-        roller, low = f"{self.rig.supports[k].name}_mainline", self.edge(k, -1)
+        roller, low = roller_name(self.rig.supports[k]), self.edge(k, -1)
 
         def roller_contact(x: float) -> float:
             point = self.solve(rolled, x)

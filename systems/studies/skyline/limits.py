@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
@@ -11,7 +12,12 @@ from ropeway.components.node import Node
 from ropeway.components.rope import Rope
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
-from ropeway.systems.studies.skyline.clearances import front_clearance, load_clearance, rope_clearance
+from ropeway.systems.studies.skyline.clearances import (
+    front_clearance,
+    least_rope_clearance,
+    load_clearance,
+    rope_clearance,
+)
 from ropeway.systems.studies.skyline.rope_tensions import (
     anchor_tension,
     break_angle,
@@ -30,7 +36,7 @@ ROPE_CLEARANCE = "rope clearance"
 _CLEARANCE = 10.0
 """Reference value of clearance margins [m]."""
 
-Margins = Iterator[tuple[str, LimitMargin]]
+_Named = Iterator[tuple[str, LimitMargin]]
 
 
 @dataclass(frozen=True)
@@ -68,7 +74,42 @@ def margins_of(rig: SkylineRig, limits: LoadLimits) -> dict[str, LimitMargin]:
     )
 
 
-def _tensions(rig: SkylineRig, limits: LoadLimits) -> Margins:
+_ALIKE = 1e-9
+"""Tolerance of equal margins: of symmetric guylines the first is named."""
+
+
+class LeastMargin(NamedTuple):
+    """The limit with the smallest margin in a state, and that margin."""
+
+    limit: str
+    margin: float
+
+
+class Margins:
+    """The margins of a rig's solved states to its limits."""
+
+    def __init__(self, rig: SkylineRig, limits: LoadLimits) -> None:
+        self._ground, self._rope_clearance = rig.terrain, limits.rope_clearance
+        self.of = margins_of(rig, limits)
+
+    def least(self, solved: Solved) -> LeastMargin:
+        """The smallest margin of a state, of alike ones the first."""
+        margins = {name: margin(solved) for name, margin in self.of.items() if name != ROPE_CLEARANCE}
+        least = min(margins.values())
+        if ROPE_CLEARANCE in self.of and self._rope_may_limit(solved, least):
+            margins[ROPE_CLEARANCE] = self.of[ROPE_CLEARANCE](solved)
+            least = min(least, margins[ROPE_CLEARANCE])
+        return LeastMargin(next(name for name, margin in margins.items() if margin <= least + _ALIKE), least)
+
+    def _rope_may_limit(self, solved: Solved, least: float) -> bool:
+        """Whether the skyline's clearance can be the smallest margin."""
+        if self._ground is None:
+            return True
+        bound = least_rope_clearance(solved, self._ground) - self._rope_clearance
+        return bound / _CLEARANCE <= least + _ALIKE
+
+
+def _tensions(rig: SkylineRig, limits: LoadLimits) -> _Named:
     strength = rig.skyline.breaking_load / limits.safety_factor
     yield f"{rig.kind.carrying_rope} tension", _upper(lambda s: highest_tension(s, "skyline"), strength)
     if rig.mainline is not None:
@@ -90,7 +131,7 @@ def _tensions(rig: SkylineRig, limits: LoadLimits) -> Margins:
         yield f"capacity of {block.name}", _upper(lambda s: s[load], block.capacity)
 
 
-def _clearances(rig: SkylineRig, limits: LoadLimits) -> Margins:
+def _clearances(rig: SkylineRig, limits: LoadLimits) -> _Named:
     ground, wanted = rig.terrain, limits.clearance
     if ground is None or wanted is None or is_lowered(rig):
         return
@@ -99,7 +140,7 @@ def _clearances(rig: SkylineRig, limits: LoadLimits) -> Margins:
     yield ROPE_CLEARANCE, lambda s: (rope_clearance(s, ground) - limits.rope_clearance) / _CLEARANCE
 
 
-def _supports(rig: SkylineRig, limits: LoadLimits) -> Margins:
+def _supports(rig: SkylineRig, limits: LoadLimits) -> _Named:
     strength = rig.skyline.breaking_load / limits.safety_factor
     for support in rig.supports:
         if limits.lift_off:
@@ -108,7 +149,7 @@ def _supports(rig: SkylineRig, limits: LoadLimits) -> Margins:
         yield from _saddle(support, limits)
 
 
-def _saddle(support: IntermediateSupport, limits: LoadLimits) -> Margins:
+def _saddle(support: IntermediateSupport, limits: LoadLimits) -> _Named:
     name = support.name
     if limits.saddle_angle is not None:
         least, most = limits.saddle_angle
@@ -119,7 +160,7 @@ def _saddle(support: IntermediateSupport, limits: LoadLimits) -> Margins:
         yield f"roller force at {name}", _upper(lambda s: force_per_roller(s, support, count), limits.roller_force)
 
 
-def _spars(rig: SkylineRig, limits: LoadLimits) -> Margins:
+def _spars(rig: SkylineRig, limits: LoadLimits) -> _Named:
     strength = rig.skyline.breaking_load / limits.safety_factor
     for spar in (rig.headspar, rig.tailspar):
         yield from _capacity(spar, spar.capacity)
@@ -131,7 +172,7 @@ def _spars(rig: SkylineRig, limits: LoadLimits) -> Margins:
             yield f"guyline {guy.name}", _guyline(guy.name, spar, limits.working_load(guy.rope))
 
 
-def _tailhold(rig: SkylineRig, limits: LoadLimits) -> Margins:
+def _tailhold(rig: SkylineRig, limits: LoadLimits) -> _Named:
     hold = rig.tailspar.tailhold
     if hold is not None and hold.capacity is not None:
         yield f"capacity of {hold.name}", _upper(anchor_tension, hold.capacity)
@@ -147,7 +188,7 @@ def _compression(output: str, strength: float) -> LimitMargin:
     return lambda s: s[output] / strength
 
 
-def _capacity(stand: Node, capacity: float | None) -> Margins:
+def _capacity(stand: Node, capacity: float | None) -> _Named:
     if capacity is not None:
         yield f"capacity of {stand.name}", _upper(lambda s: load_on(s, stand), capacity)
 

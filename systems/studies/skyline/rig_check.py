@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
+from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.modelling.dae_model import Balance, Model, component_of
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Newton, outputs_of
 from ropeway.systems.solvers.points import Point
@@ -64,6 +67,12 @@ class RigCheck:
         self._x = model.z.index.get(f"{rig.carriage.name}.x")
         self._outputs = outputs_of(model)
 
+    def of(self, rig: SkylineRig) -> RigCheck:
+        """The same check for a rig with the same parts at other places."""
+        other = copy.copy(self)
+        other.rig = rig
+        return other
+
     def require(self, point: Point) -> bool:
         """Raises EquilibriumError for a non-physical or unstable root. Returns whether the root is unique: all
         through-running ropes are taut, guyed spars nearly upright, and a log hangs free."""
@@ -110,7 +119,7 @@ class RigCheck:
         if shoe is None and self._x is not None:
             shoe = self.rig.shoe_near(float(point.z[self._x]))
         if shoe is not None and shoe not in self._beside:
-            self._beside[shoe] = self._free_beside(self.rig.supports[shoe].name)
+            self._beside[shoe] = self._free_beside(self.rig.supports[shoe])
         free = self._free if shoe is None else self._beside[shoe]
         if not free.balances:
             return
@@ -129,9 +138,9 @@ class RigCheck:
         name = component_of(self.model.z.names[free.balances[int(np.argmax(pivots <= 0.0))].travel])
         raise EquilibriumError(f"The balance at {name!r} is unstable", "Increase the tension of the ropes", name)
 
-    def _free_beside(self, support: str) -> CondensedStiffness:
+    def _free_beside(self, support: IntermediateSupport) -> CondensedStiffness:
         """Stiffness with the carriage fixed along its path and equal tensions on both sides of a support."""
-        travels = [self.model.z.index.get(f"{name}.travel") for name in (support, f"{support}_mainline")]
+        travels = [self.model.z.index.get(f"{name}.travel") for name in (support.name, roller_name(support))]
         free = [b for b in self._free.balances if b not in self._along and b.travel not in travels]
         kept = np.concatenate([places_of(self._along), self._free.kept], axis=1)
         return CondensedStiffness(self.newton, free, kept)

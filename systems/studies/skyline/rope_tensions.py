@@ -39,7 +39,8 @@ def guyline_tension(solved: Solved, guyline: str, spar: GuyedSpar) -> float:
 def break_angle(solved: Solved, support: IntermediateSupport) -> float:
     """Angle by which the skyline bends down over a saddle [rad]; with the carriage on its shoe, over both."""
     run = solved.at.model.runs[solved.at.skyline]
-    k = [node.name for node in run.nodes].index(_node_at(solved, support))
+    name = _node_at(solved, support)
+    k = next(k for k, node in enumerate(run.nodes) if node.name == name)
     before, after = run.spans[k - 1].name, run.spans[k].name
     rises = solved[f"{before}.vertical_b"] / solved[f"{before}.tension_b"]
     falls = solved[f"{after}.vertical_a"] / solved[f"{after}.tension_a"]

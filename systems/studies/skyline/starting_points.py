@@ -10,8 +10,10 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.rigs import carriage_guess
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.turn import Turn
 from ropeway.systems.solvers.points import Point
+from ropeway.systems.statics.line_state import support_points
 from ropeway.systems.studies.skyline.carriage_model import Solved, SpanModel
 
 
@@ -59,7 +61,7 @@ def off_shoe(at: SpanModel, solved: Solved) -> Point:
     touch = {"skyline": angle + off if before else angle - off, "mainline": angle - off}
     for role, owner, near in (
         ("skyline", support.name, "a" if before else "b"),
-        ("mainline", f"{support.name}_mainline", "b"),
+        ("mainline", roller_name(support), "b"),
     ):
         if f"{owner}.a_x" not in m.z.index:
             continue
@@ -111,8 +113,9 @@ def _shared_values(at: SpanModel, solved: Solved) -> Point:
 
 def _lay_straight(at: SpanModel, point: Point, role: str, here: np.ndarray, pull: float) -> None:
     """Sets a rope nearly straight, at an approximate tension [N], to a carriage at `here` (3,)."""
-    run = at.model.runs[at.roles.index(role)]
-    points = np.array([here if node.name == at.rig.carriage.name else node.at for node in run.nodes])
+    r = at.roles.index(role)
+    run, points = at.model.runs[r], support_points(at.model, r, point)
+    points[[node.name == at.rig.carriage.name for node in run.nodes]] = here
     weight = run.rope.mass_per_length * at.rig.gravity
     lengths = carriage_guess.rope_lengths(points, weight, run.rope.strain, pull)
     d = np.diff(points, axis=0)

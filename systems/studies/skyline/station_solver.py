@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from ropeway.components.errors import EquilibriumError, OutOfReachError
+from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import STEEPEST, SkylineRig
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, StationCase, span_model
@@ -32,11 +34,13 @@ class Stations:
 
     The carriage's clamp holds it on the skyline where the mainline would have to push, because the carriage is beyond
     its rest point, or to pull less than its own weight does. The clamped state is solved with an ideal holding force
-    along the bisector.
+    along the bisector. `like`: a rig whose models serve for this one, with its supports moved (`SpanModel.moved`).
     """
 
-    def __init__(self, rig: SkylineRig, *, by_height: bool = False, compiled: bool = False) -> None:
-        self.rig, self.by_height, self.compiled = rig, by_height, compiled
+    def __init__(
+        self, rig: SkylineRig, *, by_height: bool = False, like: SkylineRig | None = None, compiled: bool = False
+    ) -> None:
+        self.rig, self.by_height, self.like, self.compiled = rig, by_height, like, compiled
         self._last: dict[tuple[Place, bool], list[_Known]] = {}
         self._was_clamped: dict[Place, bool] = {}
 
@@ -93,7 +97,7 @@ class Stations:
             laid = self._solve(place, StationCase(x, payload), effort=Effort.QUICK, start=shoe)
         except EquilibriumError:
             return None
-        roller = f"{self.rig.supports[span].name}_mainline"
+        roller = roller_name(self.rig.supports[span])
         return laid if laid[f"{roller}.a_rope"] > laid[f"{roller}.b_rope"] else None
 
     def _on_shoe(self, on: int, station: float, payload: float) -> Solved | None:
@@ -196,8 +200,9 @@ class Stations:
         if rope is None:
             return 0.0
         stands = [node.at for node in self.rig.stands[: span + 1]]
-        ends = np.array([*stands, (x, stands[-1][1], self.rig.stands[span + 1].at[2])])
-        return float(np.abs(np.diff(ends, axis=0)).sum(axis=1).max() * rope.mass_per_length * self.rig.gravity)
+        ends = [*stands, (x, stands[-1][1], self.rig.stands[span + 1].at[2])]
+        longest = max(sum(abs(p - q) for p, q in zip(a, b, strict=True)) for a, b in pairwise(ends))
+        return longest * rope.mass_per_length * self.rig.gravity
 
     def beside(self, span: int, station: float) -> float:
         """The station, moved by `SIDE` off a support."""
@@ -217,7 +222,7 @@ class Stations:
     ) -> Solved:
         """The solution of a case at a place. `start` is a solution of another model, on a nearby shoe or clamped at the
         same place; `failure` is the error of an attempt from nearby points and geometry."""
-        at = span_model(self.rig, place, self.by_height, clamp, compiled=self.compiled)
+        at = span_model(self.rig, place, self.by_height, clamp, like=self.like, compiled=self.compiled)
         known = self._last.get((place, clamp), [])
         first = None
         if start is not None and start.at.place == place:
@@ -239,19 +244,17 @@ class _Known(NamedTuple):
 
 
 def _extrapolated(known: list[_Known], case: StationCase) -> list[Point]:
-    """Initial guess: the last solved point, or an extrapolation of the last two of the same payload, over stations or
-    over heights."""
+    """Initial guess: the last solved point, or an extrapolation of the last two over the one quantity of the case in
+    which they differ."""
     if not known:
         return []
     last, first = known[-1], known[0]
-    if len(known) == 1 or not last.case.payload == first.case.payload == case.payload:
+    cases = [(q.station, q.payload, q.height or 0.0) for q in (first.case, last.case, case)]
+    moves = [(then - now, now - before) for before, now, then in zip(*cases, strict=True) if not before == now == then]
+    if len(moves) != 1 or moves[0][1] == 0.0:
         return [last.point]
-    before, now, then = ((q.station, q.height or 0.0) for q in (first.case, last.case, case))
-    axis = int(before[0] == now[0] == then[0])
-    if before[axis] == now[axis]:
-        return [last.point]
-    share = (then[axis] - now[axis]) / (now[axis] - before[axis])
-    if not 0.0 < share <= 2.0:
+    share = moves[0][0] / moves[0][1]
+    if not -1.0 <= share <= 2.0 or share == 0.0:
         return [last.point]
     point = last.point.copy()
     point.z[:] += share * (last.point.z - first.point.z)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,11 +16,9 @@ from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.studies.skyline.carriage_model import Solved
-from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.limits import LimitMargin, LoadLimits, margins_of
+from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.load_path import stations_of
-from ropeway.systems.studies.skyline.station_solver import NO_EQUILIBRIUM, Stations
+from ropeway.systems.studies.skyline.support_trial import Stop, SupportTrial, TrialRigs
 
 
 @checked
@@ -226,15 +223,17 @@ def optimise_supports(
     ordered = sorted(candidates, key=lambda c: c.station)
     limits = LoadLimits(safety_factor, safety_factor, clearance, rope_clearance)
     search = _Search(rig, payload, limits, stations_of(rig, stations), compiled=compiled)
+    options = {c.name: {h: c.support(h) for h in c.heights} for c in ordered}
     for count in range(min(most, len(ordered)) + 1):
         best: tuple[float, tuple[IntermediateSupport, ...]] | None = None
         for chosen in combinations(ordered, count):
             if any(a.station == b.station for a, b in combinations(chosen, 2)):
                 continue
+            search.rigs.prepare([list(options[c.name].values()) for c in chosen])
             for total, heights in _by_sum(chosen):
                 if best is not None and total >= best[0]:
                     break
-                supports = tuple(c.support(h) for c, h in zip(chosen, heights, strict=True))
+                supports = tuple(options[c.name][h] for c, h in zip(chosen, heights, strict=True))
                 if search.passes(supports):
                     best = (total, supports)
                     break
@@ -273,13 +272,6 @@ def _by_sum(chosen: Sequence[Candidate]) -> Iterator[tuple[float, tuple[float, .
         yield float(heights.sum()), tuple(float(h) for h in heights)
 
 
-class _Stop(NamedTuple):
-    """The limit that stops a payload, and its station [m]."""
-
-    limit: str
-    station: float
-
-
 class _Search:
     """Test of supports for a payload. Stations that stopped most earlier trials are solved first."""
 
@@ -289,59 +281,30 @@ class _Search:
         self.rig, self.payload, self.limits, self.compiled = rig, payload, limits, compiled
         self.failures = dict.fromkeys((float(x) for x in stations), 0)
         self.tried = 0
-        self.best: tuple[int, SkylineRig, tuple[IntermediateSupport, ...], _Stop] | None = None
+        self.best: tuple[int, tuple[IntermediateSupport, ...], Stop] | None = None
+        self.rigs = TrialRigs(rig)
 
     def passes(self, supports: tuple[IntermediateSupport, ...]) -> bool:
         """Solves station by station until one stops the payload."""
         self.tried += 1
         try:
-            rig = with_supports(self.rig, supports)
+            rig, like = self.rigs.over(supports)
         except (SlackRopeError, EquilibriumError):
             return False
-        solver, states = Stations(rig, compiled=self.compiled), dict[float, Solved]()
-        margins = margins_of(rig, self.limits)
-        stop: _Stop | None = None
-        for x in sorted(self.failures, key=lambda x: (-self.failures[x], x)):
-            try:
-                solved = solver.solve(x, self.payload)
-            except EquilibriumError:
-                stop = _Stop(NO_EQUILIBRIUM, x)
-            else:
-                stop = _stop_of({x: solved}, margins) if _exceeded(solved, margins) else None
-            if stop is not None:
-                break
-            states[x] = solved
-        else:
-            stop = _stop_of(states, margins)
+        trial = SupportTrial(rig, like, self.payload, self.limits, compiled=self.compiled)
+        stations = sorted(self.failures, key=lambda x: (-self.failures[x], x))
+        stop = next((stop for stop in map(trial.stop_at, stations) if stop is not None), None) or trial.stop_of_states()
         if stop is None:
             return True
         self.failures[stop.station] += 1
-        if self.best is None or len(states) > self.best[0]:
-            self.best = (len(states), rig, supports, stop)
+        if self.best is None or len(trial) > self.best[0]:
+            own = with_supports(self.rig, supports)
+            self.best = (len(trial), supports, stop._replace(limit=trial.named(stop.limit, own)))
         return False
 
     def furthest(self) -> SupportPlan:
         """The result if no supports pass."""
         if self.best is None:
             return SupportPlan(self.rig, (), False, "slack rope", np.nan, self.tried)
-        _, rig, supports, stop = self.best
-        return SupportPlan(rig, supports, False, stop.limit, stop.station, self.tried)
-
-
-def _exceeded(solved: Solved, margins: Mapping[str, LimitMargin]) -> str | None:
-    """The limit that a state exceeds most; None within all limits."""
-    name, margin = min(((n, f(solved)) for n, f in margins.items()), key=lambda pair: pair[1])
-    return name if margin < 0.0 else None
-
-
-def _stop_of(states: Mapping[float, Solved], margins: Mapping[str, LimitMargin]) -> _Stop | None:
-    """The first state by station that fails its certificate or a limit; None if all pass."""
-    for x, solved in states.items():
-        try:
-            (state,) = certified([solved])
-        except EquilibriumError:
-            return _Stop(NO_EQUILIBRIUM, x)
-        limit = _exceeded(state, margins)
-        if limit is not None:
-            return _Stop(limit, x)
-    return None
+        _, supports, stop = self.best
+        return SupportPlan(with_supports(self.rig, supports), supports, False, stop.limit, stop.station, self.tried)

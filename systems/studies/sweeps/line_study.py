@@ -18,7 +18,9 @@ from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.solvers.array_outputs import outputs_of_columns
+from ropeway.systems.solvers.array_outputs import has_groups, outputs_of_rows
+from ropeway.systems.solvers.compiled_rows import compiled_outputs
+from ropeway.systems.solvers.state_rows import StateRows
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium, require_compiled
 from ropeway.systems.statics.line_state import LineState
@@ -49,6 +51,14 @@ class LineStudy:
         model, start = _prepared(self.declared)
         return _variant(model, start, parameters, compiled=self.compiled)
 
+    def _outputs(self, model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:
+        """Outputs at `which` places (cases, outputs); their bits do not depend on the number of cases."""
+        if not (self.compiled and has_groups(model)):
+            return outputs_of_rows(model, rows, which, few=0)
+        found = np.empty((len(rows), len(which)))
+        compiled_outputs(model, which.tobytes()).write(rows, found)
+        return found
+
     def rows(self, names: Sequence[str], values: np.ndarray) -> NumberRows:
         """Outputs of many variants, for values (cases, parameters) of the parameters `names`."""
         found, failures = np.full((len(values), len(self.outputs)), np.nan), dict[int, tuple[str, str]]()
@@ -56,10 +66,14 @@ class LineStudy:
         model, start = _prepared(self.declared)
         many = _many(self.declared, tuple(names), self.compiled)
         if many is not None and start is not None:
-            good, cases = many.solve(values)
-            y, rest = outputs_of_columns(model, cases), LineState(model, start.point, start.runs, start.passed)
-            for i, (kind, k) in enumerate(rest.find(name) for name in self.outputs):
-                found[:, i] = y[k] if kind is Kind.OUTPUT else cases.vector(kind)[k]
+            good, rows = many.solve(values)
+            rest = LineState(model, start.point, start.runs, start.passed)
+            slots = [rest.find(name) for name in self.outputs]
+            shown = [i for i, (kind, _) in enumerate(slots) if kind is Kind.OUTPUT]
+            found[:, shown] = self._outputs(model, rows, np.array([slots[i][1] for i in shown], dtype=int))
+            for i, (kind, k) in enumerate(slots):
+                if kind is not Kind.OUTPUT:
+                    found[:, i] = rows.columns.vector(kind)[k]
             left = np.flatnonzero(~good).tolist()
         for i in left:
             stop_if_interrupted()

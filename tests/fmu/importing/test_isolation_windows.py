@@ -20,7 +20,12 @@ from ropeway.fmu import FmuImportError, Slave, load
 from ropeway.fmu.importing import isolated_slave
 
 FROM_SHARE = """
-import socket
+import socket, threading, time
+start = threading.Thread.start
+def first(self):  # a thread that is started runs before the one that started it goes on
+    start(self)
+    time.sleep(0.2)
+threading.Thread.start = first
 def fromshare(data):
     with socket.socket(socket.AF_UNIX) as other:
         other.connect(data.decode())

@@ -1,11 +1,15 @@
 """Runs in the compiled core equal runs with IDAS; unsupported features are rejected."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import ropeway as rw
+from ropeway.components.response import PRECEDENCES
 from support.compiled import require_alike
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
@@ -78,6 +82,62 @@ def test_hydraulic_drives_within_and_at_their_limits(power: float) -> None:
         inertia=500.0, drag=200.0,
     )  # fmt: skip
     require_alike(*(rw.simulate(line(drive), 12.0, compiled=compiled) for compiled in (True, False)))
+
+
+@dataclass(frozen=True, slots=True)
+class Sluggish(rw.Drive):
+    """A drive whose speed follows its command by a law that is not linear."""
+
+    rope_speed: ClassVar[str] = "rope_speed"
+    share: float = 0.4
+
+    @property
+    def structure(self) -> float:
+        return self.share
+
+    def variables(self, force: float, speed: float) -> tuple[rw.Variable, ...]:
+        return (rw.Variable("rope_speed", rw.Kind.STATE, "m/s", "speed", 0.7 * speed, kept_at_rest=True),)
+
+    def motion(self, v: Any) -> rw.DriveMotion:
+        miss = v.speed + v.correction - v.rope_speed
+        return rw.DriveMotion(v.rope_speed, v.tension_in - v.tension_out, {"rope_speed": miss * (self.share + miss**2)})
+
+
+@pytest.mark.parametrize("drive", [Sluggish(), Sluggish(share=40.0)])
+def test_a_drive_with_a_law_of_its_own(drive: rw.Drive) -> None:
+    speeds = dict.fromkeys(SPEEDS, rw.Schedule((0.0, 6.0, 6.3, 20.0), (1.0, 1.4, 0.2, 0.9)))
+    runs = [rw.simulate(line(drive), 20.0, inputs=speeds, compiled=c, tolerance=1e-8) for c in (True, False)]
+    require_alike(*runs)
+    assert "response" in set(runs[0].events["event"])
+
+
+@pytest.mark.parametrize("precedence", PRECEDENCES)
+def test_responses_with_each_precedence(precedence: str) -> None:
+    response = rw.ThresholdResponse(low=44e3, high=46e3, increment=0.01, period=1.5, hold=1.0)
+    table = pd.DataFrame(
+        {
+            "name": [f"n{i}" for i in range(8)],
+            "x": np.arange(8) * 80.0,
+            "y": 0.0,
+            "z": [0.0, 4.0, 9.0, 10.0, 16.0, 17.0, 25.0, 27.0],
+            "kind": ["drum", "control", "idler", "control", "control", "idler", "control", "drum"],
+        }
+    )
+    system = rw.monocable(
+        ROPE, table, tension=45e3, load_mass=300.0, load_spacing=45.0, response=response, precedence=precedence
+    )
+    runs = [rw.simulate(system, 30.0, every=4.0, compiled=compiled) for compiled in (True, False)]
+    require_alike(*runs)
+    assert (runs[0].events["event"] == "response").sum() > 8
+
+
+def test_quantities_of_a_compiled_run_are_those_of_its_model() -> None:
+    run = rw.simulate(line(), 20.0, compiled=True, every=0.5)
+    again = replace(run, compiled=False)
+    np.testing.assert_allclose(run.full_frame, again.full_frame, rtol=1e-11, atol=1e-7)
+    np.testing.assert_allclose(run.frame, again.frame, rtol=1e-11, atol=1e-7)
+    assert list(run.frame) == list(again.frame)
+    assert run.certificate["holds"].all()
 
 
 def test_threads_on_one_model_give_identical_results() -> None:

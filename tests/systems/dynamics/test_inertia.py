@@ -317,3 +317,37 @@ def test_a_line_far_from_the_origin_starts() -> None:
     )
     near, away = (rw.simulate(s, 3.0, inertia=rw.Inertia(), tolerance=1e-6) for s in (line, far))
     assert away.frame["s1_s2.tension_a"].iloc[-1] == pytest.approx(near.frame["s1_s2.tension_a"].iloc[-1], abs=1.0)
+
+
+def clamped(grip: float) -> rw.System:
+    """A carriage clamped to an inclined skyline, and held by a tagline."""
+    s = rw.System("clamp")
+    carriage = rw.Carriage("car", at=(150.0, -40.0), mass=1500.0, clamped=True, grip=grip)
+    s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), carriage, rw.Anchor("b", at=(300.0, -60.0)), length=307.5)
+    light = rw.Rope(mass_per_length=0.5, axial_stiffness=8e6, breaking_load=120e3)
+    s.string(light, carriage.mainline, rw.Anchor("w", at=(0.0, 10.0)), length=160.0)
+    return s
+
+
+def test_a_clamp_slips_beyond_its_grip() -> None:
+    cut, grip = rw.Intervention(0.5, "rope breaks", "car_w"), 4e3
+    results = {}
+    for held in (grip, np.inf):
+        s = clamped(held)
+        start = rw.equilibrium(s, given={"car.mainline_pull": 4e3}, solve_for="car_w.length")
+        results[held] = rw.simulate(s, 2.5, every=0.02, start=start, inertia=UNDAMPED, interventions=[cut])
+    slips, holds = results[grip], results[np.inf]
+    assert "clamp slips" in set(slips.events["event"])
+    assert "clamp slips" not in set(holds.events["event"])
+    slipped = slips.frame["car.travel"].iloc[-1]
+    assert slipped < -0.01  # the rope runs down through the clamp: the carriage moves towards end b
+    assert slips.frame["car.x"].iloc[-1] > holds.frame["car.x"].iloc[-1] + 0.01
+    # The clamp takes its grip times the way that the rope slips.
+    assert slips.energy()["friction"] == pytest.approx(grip * np.abs(np.diff(slips.frame["car.travel"])).sum(), rel=0.1)
+    held = slips.frame["car.slip_speed"].abs() < 1e-4
+    assert (slips.frame["car.clamp_force"][held].abs() < grip).all()
+
+
+def test_a_grip_needs_a_clamp() -> None:
+    with pytest.raises(rw.InputError, match="grip of 4000 N without a clamp"):
+        rw.Carriage("car", mass=400.0, grip=4e3)

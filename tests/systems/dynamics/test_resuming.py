@@ -98,6 +98,32 @@ def test_brakes_and_an_emergency_stop_are_resumed() -> None:
     assert again.events["event"].eq("response").any()
 
 
+@pytest.mark.parametrize("inertia", [None, rw.Inertia()])
+def test_the_stop_of_one_drive_is_resumed(inertia: rw.Inertia | None) -> None:
+    at = [(90.0 * k, -2.0 * abs(k - 2)) for k in range(5)]
+    s, response = rw.System("line"), rw.ProportionalResponse(gain=2e-6, period=0.2)
+    nodes = [
+        rw.Drum("d", at=at[0], speed=1.0),
+        rw.Sheave("s1", at=at[1], inertia=100.0),
+        rw.ControlSheave("c", at=at[2], speed=1.0, response=response),
+        rw.Sheave("s3", at=at[3], inertia=100.0),
+        rw.Drum("e", at=at[4], tension=90e3, inertia=100.0),
+    ]
+    s.feed(s.string(ROPE, *nodes, tension=90e3), spacing=38.0, masses=(300.0,))
+    stop = rw.Intervention(0.5, "stop", "c", deceleration=2.0)
+    result = rw.simulate(s, 1.5, every=0.25, inertia=inertia, interventions=[stop])
+    travel = result.frame["c.travel"]
+    speed = (travel.loc[0.5] - travel.loc[0.25]) / 0.25
+    # From its speed to rest at this deceleration, and no response any more; the other drive runs on.
+    assert travel.loc[1.25] - travel.loc[0.5] == pytest.approx(speed**2 / 4.0, abs=0.02)
+    assert travel.loc[1.5] == travel.loc[1.25]
+    assert result.frame["d.travel"].loc[1.5] == pytest.approx(1.5)
+    assert "response" not in set(result.events["event"][result.events["time"] > 0.5])
+    again = rw.simulate(s, 0.75, every=0.25, start=result.at(0.75), inertia=inertia).frame
+    for column in ("c.travel", "c.tension_in", "c.tension_out"):
+        assert again[column].to_numpy() == pytest.approx(result.frame[column].loc[0.75:].to_numpy(), rel=1e-4)
+
+
 def test_memory_of_results_is_released() -> None:
     result = whole("threshold that waits")
     here = result.at(13.3)

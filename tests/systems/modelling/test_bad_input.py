@@ -259,8 +259,8 @@ def test_a_rope_without_a_hold() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words", "error"),
     [
-        ({"given": {"a_s1.tension_a": 1e4}}, ("1 values are given", "0 are"), rw.UnbalancedSystemError),
-        ({"solve_for": "turn.mass"}, ("0 values are given", "1 are"), rw.UnbalancedSystemError),
+        ({"given": {"a_s1.tension_a": 1e4}}, ("given has 1 values", "0 names"), rw.UnbalancedSystemError),
+        ({"solve_for": "turn.mass"}, ("given has 0 values", "1 names"), rw.UnbalancedSystemError),
         ({"given": {"a_s1.tensoin_a": 1e4}, "solve_for": "turn.mass"}, ("a_s1.tension_a",), rw.UnknownNameError),
         ({"given": {"a_s1.tension_a": 1e4}, "solve_for": "trun.mass"}, ("trun.mass",), rw.UnknownNameError),
         ({"given": {"a_s1.tension_a": 1e4}, "solve_for": "a_s1.tension_b"}, ("a_s1.tension_b",), rw.InputError),
@@ -285,7 +285,10 @@ def test_an_unknown_name() -> None:
     eq = rw.equilibrium(s)
     with pytest.raises(rw.UnknownNameError, match=r"a_s1\.tension_a") as info:
         eq["a_s1.tension"]
-    assert info.value.remedy
+    assert "slot" not in info.value.remedy
+    with pytest.raises(rw.UnknownNameError, match=r"turn\.mas") as info:
+        eq["turn.mas"]
+    assert info.value.remedy == "Did you mean turn.x, turn.y, turn.z, turn.distance, turn.mass?"
     with pytest.raises(rw.UnknownNameError, match="'c_d'") as info:
         eq.profile("c_d")
     assert "a_s1" in info.value.remedy

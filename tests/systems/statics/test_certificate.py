@@ -229,7 +229,8 @@ def test_a_run_has_the_worst_of_its_records() -> None:
     for name in (checks.SPANS_END, checks.STABLE):
         values = [c.loc[name, "value"] for c in single]
         worst = frame.loc[name, "value"]
-        assert worst <= min(values) if name == checks.STABLE else worst >= max(values)
+        # A record alone and one of a batch differ by rounding.
+        assert worst <= min(values) * (1.0 + 1e-9) if name == checks.STABLE else worst >= max(values) - 1e-15
 
 
 def test_a_run_ends_before_a_record_that_fails() -> None:
@@ -240,7 +241,7 @@ def test_a_run_ends_before_a_record_that_fails() -> None:
     records = list(result.records)
     spoilt = records[6].z.copy()
     spoilt[result.model.z.index["d_s.force_x"]] *= 1.01
-    records[6] = replace(records[6], z=spoilt)
+    records[6] = records[6]._replace(z=spoilt)
     broken = replace(result, records=tuple(records), exact=np.ones(len(records), dtype=bool))
     with pytest.raises(rw.SimulationError, match="fails its check") as info:
         broken.require_certified()

@@ -11,6 +11,7 @@ from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.settling import solve
 from ropeway.systems.statics.variants import LineVariants, line_variants
+from ropeway.systems.studies.sweeps.line_study import line_study
 
 ROPE = rw.Rope(mass_per_length=3.48, axial_stiffness=34.8e6, breaking_load=576.6e3)
 
@@ -53,7 +54,8 @@ def values(count: int) -> np.ndarray:
 def test_a_variant_equals_a_single_equilibrium(rope: rw.Rope) -> None:
     state, many = prepared(line(rope))
     given = values(40)
-    good, cases = many.solve(given)
+    good, rows = many.solve(given)
+    cases = rows.columns
     assert good.mean() > 0.9
     outputs = outputs_of_columns(state.model, cases)
     start = rw.Equilibrium(state.model, state.point, tuple(state.runs), tuple(state.passed), ())
@@ -70,12 +72,33 @@ def test_a_variant_equals_a_single_equilibrium(rope: rw.Rope) -> None:
 def test_the_bits_of_a_variant_do_not_depend_on_its_batch() -> None:
     _, many = prepared(line())
     given = values(60)
-    good, cases = many.solve(given)
+    good, rows = many.solve(given)
+    cases = rows.columns
     for first, size in ((0, 1), (7, 3), (20, 33)):
-        some, own = many.solve(given[first : first + size])
+        some, part_rows = many.solve(given[first : first + size])
+        own = part_rows.columns
         np.testing.assert_array_equal(some, good[first : first + size])
         for whole, part in ((cases.z, own.z), (cases.p, own.p), (cases.d, own.d)):
             np.testing.assert_array_equal(whole[:, first : first + size][:, some], part[:, some])
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_single_output_is_that_of_all(compiled: bool) -> None:
+    model = assemble(line())
+    every = line_study(model, NAMES, None, compiled=compiled)
+    for name in ("s1_c2.tension_b", "c2.tension_in", "l3.z"):
+        one = line_study(model, NAMES, (name,), compiled=compiled).rows(NAMES, values(12)).numbers[:, 0]
+        alone = [every.at(dict(zip(NAMES, row, strict=True)))[name] for row in values(12).tolist()]
+        np.testing.assert_allclose(one, alone, rtol=1e-9)
+
+
+@pytest.mark.parametrize("compiled", [False, True])
+def test_the_bits_of_a_row_do_not_depend_on_its_chunk(compiled: bool) -> None:
+    study = line_study(assemble(line()), NAMES, None, compiled=compiled)
+    whole = study.rows(NAMES, values(30)).numbers
+    for size in (1, 3, 7, 11):
+        chunks = [study.rows(NAMES, values(30)[i : i + size]).numbers for i in range(0, 30, size)]
+        assert np.vstack(chunks).tobytes() == whole.tobytes()
 
 
 def test_unsuitable_variants_are_omitted_from_a_batch() -> None:
@@ -106,10 +129,10 @@ def test_a_batch_in_the_compiled_core() -> None:
     state, many = prepared(line())
     compiled = line_variants(state, NAMES, compiled=True)
     assert compiled is not None
-    good, cases = many.solve(values(30))
+    good, rows = many.solve(values(30))
     own, found = compiled.solve(values(30))
     np.testing.assert_array_equal(own, good)
-    np.testing.assert_allclose(found.z[:, good], cases.z[:, good], rtol=1e-10, atol=1e-9)
+    np.testing.assert_allclose(found.z[good], rows.z[good], rtol=1e-10, atol=1e-9)
 
 
 def test_an_equilibrium_in_the_compiled_core() -> None:

@@ -10,15 +10,17 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components.errors import EquilibriumError, Interrupted, RopewayError, SimulationError
+from ropeway.components.inertia import Inertia
 from ropeway.systems.dynamics.result import Result
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.rigs.skyline_rig import SkylineRig
-from ropeway.systems.solvers.newton import newton_of, outputs_of
+from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import span_rope
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved, SpanModel
 from ropeway.systems.studies.skyline.carriage_route import Places
+from ropeway.systems.studies.skyline.inhaul import moving_carriage as moving
 from ropeway.systems.studies.skyline.limits import LoadLimits, margins_of
 from ropeway.systems.studies.skyline.station_row import StationRow, station_row, units_of
 from ropeway.systems.studies.skyline.station_solver import NEAR, SIDE
@@ -33,7 +35,8 @@ class CarriageEvent(NamedTuple):
 
 
 class CarriageRun:
-    """One run of the carriage, place by place; rows and events are appended."""
+    """One run of the carriage, place by place; rows and events are appended. With inertia `moving` is the state of the
+    carriage that swings in its present place, None where it has just come there."""
 
     def __init__(
         self,
@@ -44,7 +47,10 @@ class CarriageRun:
         tolerance: float,
         *,
         compiled: bool,
+        inertia: Inertia | None = None,
     ) -> None:
+        self.inertia = inertia
+        self.moving: Equilibrium | None = None
         self.rig, self.payload, self.every, self.changes, self.tolerance = rig, payload, every, changes, tolerance
         self.compiled = compiled
         self.time = 0.0
@@ -138,6 +144,8 @@ class CarriageRun:
             at.load(point, self.payload)
             newton_of(at.model).solve(point)
             eq = at.rest(point)
+            if self.moving is not None:
+                self.moving = moving.loaded(self.moving, at, self.payload)
             self.record(at, eq, speed)
 
     def towards(
@@ -204,9 +212,10 @@ class CarriageRun:
                 until=duration,
                 every=min(self.every, duration, self.pace(at, duration, speed)),
                 inputs={"mainline.speed": -speed},
-                start=eq,
+                start=self.moving or eq,
                 tolerance=self.tolerance,
                 progress=False,
+                inertia=self.inertia,
             )
         except Interrupted as interrupted:
             if isinstance(interrupted.result, Result):
@@ -221,8 +230,12 @@ class CarriageRun:
             reason = self.stopped(last, speed, error)
             raise SimulationError(reason.cause, reason.remedy, error.time) from error
         self.record_all(at, result, speed)
+        end = result.at(duration)
         self.time += duration
-        return at.rest(result.at(duration).point)
+        if self.inertia is None:
+            return at.rest(end.point)
+        self.moving = end
+        return at.rest(moving.come_to_rest(at, end))
 
     def record_all(self, at: SpanModel, result: Result, speed: float) -> None:
         """Appends the rows of a section that begins now, on the grid of the whole run."""
@@ -241,7 +254,7 @@ class CarriageRun:
     def over(self, at: SpanModel, following: SpanModel, eq: Equilibrium, direction: int, speed: float) -> Equilibrium:
         """Changes to the next place. The carriage waits on a point saddle while the drum runs, unless the mainline's
         length already allows the next place."""
-        name = self.rig.carriage.name
+        name, self.moving = self.rig.carriage.name, None
         support = self.rig.supports[min(at.span, following.span)]
         x = eq[f"{name}.x"]
         if support.radius == 0.0:
@@ -272,7 +285,8 @@ class CarriageRun:
 
     def record(self, at: SpanModel, eq: Equilibrium, speed: float, time: float | None = None) -> None:
         """Appends a row, at most one per time and payload. Raises EquilibriumError if the mainline is slack."""
-        at.check.require(eq.point)
+        if time is None and self.moving is not None:
+            eq = self.moving
         now = self.time if time is None else time
         if self.rows:
             before = self.rows[-1]
@@ -281,36 +295,39 @@ class CarriageRun:
                 at.span + 1,
             ):
                 return
-        outputs = outputs_of(at.model)(*eq.point.arguments)[0].copy()
-        solved = Solved(at, eq.point, outputs, "mainline")
+        solved, rate = moving.seen(at, eq) if eq.model.inertia is not None else self.balanced(at, eq, speed)
         name = self.rig.carriage.name
         values = station_row(solved, solved[f"{name}.x"])
         exceeded = {limit for limit, margin in self.margins.items() if margin(solved) < 0.0}
         for limit in sorted(exceeded - self.exceeded):
             self.events.append(CarriageEvent(now, f"beyond {limit}", solved[f"{name}.x"]))
         self.exceeded = exceeded
-        point = eq.point.copy()
-        point.u[at.model.u.shared :] = 0.0  # all speeds, not the weather
-        if "mainline.speed" in at.model.u.index:
-            point.u[at.model.u.index["mainline.speed"]] = -speed
-        solution = newton_of(at.model).solve(point, slope=np.zeros(len(point.u)))
-        rates = np.zeros(len(point.z)) if solution is None else solution
-        index = at.model.z.index
         drum = speed * _carried(solved, "mainline", solved["mainline.rope_tension"])
         haulback_power = 0.0
-        if "haulback.travel" in index and "haulback.rope_tension" in at.model.y.index:
+        if "haulback.travel" in at.model.z.index and "haulback.rope_tension" in at.model.y.index:
             role = "skyline" if self.rig.haulback is None else "haulback"
-            haulback_power = -rates[index["haulback.travel"]] * _carried(solved, role, solved["haulback.rope_tension"])
+            haulback_power = -rate("haulback.travel") * _carried(solved, role, solved["haulback.rope_tension"])
         self.rows.append(
             {
                 "time": now,
                 **values,
                 "payload": self.payload,
-                "carriage_speed": float(rates[index[f"{name}.x"]]),
+                "carriage_speed": float(rate(f"{name}.x")),
                 "drum_power": float(drum),
                 "haulback_power": float(haulback_power),
             }
         )
+
+    def balanced(self, at: SpanModel, eq: Equilibrium, speed: float) -> tuple[Solved, moving.Rate]:
+        """A state in balance as rows read it, and its rates. Raises EquilibriumError if the mainline is slack."""
+        at.check.require(eq.point)
+        solved = Solved(at, eq.point, at.outputs(eq.point), "mainline")
+        point = eq.point.copy()
+        point.u[at.model.u.shared :] = 0.0  # all speeds, not the weather
+        if "mainline.speed" in at.model.u.index:
+            point.u[at.model.u.index["mainline.speed"]] = -speed
+        rates = newton_of(at.model).solve(point, slope=np.zeros(len(point.u)))
+        return solved, lambda name: 0.0 if rates is None else float(rates[at.model.z.index[name]])
 
 
 def _carried(solved: Solved, role: str, tension: float) -> float:

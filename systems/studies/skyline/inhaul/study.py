@@ -12,7 +12,8 @@ import pandas as pd
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import Range
-from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.errors import CompiledError, EquilibriumError, InputError, SimulationError
+from ropeway.components.inertia import Inertia
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.reporting.blocks import Section
@@ -94,6 +95,7 @@ def inhaul(
     every: float = 1.0,
     changes: Sequence[tuple[float, float]] = (),
     tolerance: float = 1e-8,
+    inertia: Inertia | None = None,
     compiled: bool = False,
 ) -> Inhaul:
     """Pull the carriage from one station to another with the mainline's drum.
@@ -118,7 +120,11 @@ def inhaul(
     changes : sequence of (float, float), default ()
         Times [s] and payloads from then on [kg]: turns picked up or lost.
     tolerance : float, default 1e-8
-        Relative tolerance of the integration.
+        Relative tolerance of the integration; with inertia 1e-6 is enough.
+    inertia : Inertia, optional
+        The inertia of carriage, payload and ropes, without rope nodes: the carriage swings after a change of the
+        payload. It comes to each span in balance, with the ropes at their speeds; a carriage on a shoe and a log stay
+        in balance. The mainline's drum keeps its speed. Not compiled.
     compiled : bool, default False
         Whether to solve in compiled code, which needs a C compiler at first use: the same result.
 
@@ -130,7 +136,7 @@ def inhaul(
     Raises
     ------
     InputError
-        The rig has no mainline, or a value is out of range.
+        The rig has no mainline, a value is out of range, or rope nodes.
     SimulationError
         The carriage stops before `end`; `result` holds the run up to this point.
     CompiledError, CompilerError, WriteError
@@ -150,7 +156,13 @@ def inhaul(
     check.count(abs(end - start) / speed / every, rig.name, "records")
     check.not_negative(payload, rig.name, "payload", "kg")
     _require_run(rig, start, end, changes)
-    run = CarriageRun(rig, float(payload), every, list(changes), tolerance, compiled=compiled)
+    if compiled and inertia is not None:
+        raise CompiledError("A compiled inhaul has no inertia", "Leave out compiled=True or inertia=")
+    if inertia is not None and inertia.nodes:
+        raise InputError(
+            f"{rig.name}: Inertia(nodes={inertia.nodes}) in an inhaul", "Use nodes=0: each rope is one catenary there"
+        )
+    run = CarriageRun(rig, float(payload), every, list(changes), tolerance, compiled=compiled, inertia=inertia)
 
     def result() -> Inhaul:
         return Inhaul(rig, run.frame(), run.event_frame())

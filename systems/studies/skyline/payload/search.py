@@ -12,8 +12,8 @@ from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.studies.skyline.carriage_model import Solved
 from ropeway.systems.studies.skyline.certified_states import certified
-from ropeway.systems.studies.skyline.clearances import least_rope_clearance, rope_clearance
-from ropeway.systems.studies.skyline.limits import ROPE_CLEARANCE, LoadLimits, is_lowered, margins_of
+from ropeway.systems.studies.skyline.clearances import rope_clearance
+from ropeway.systems.studies.skyline.limits import ROPE_CLEARANCE, LoadLimits, Margins, is_lowered
 from ropeway.systems.studies.skyline.load_path import carriage_height
 from ropeway.systems.studies.skyline.root_selection import Effort
 from ropeway.systems.studies.skyline.station_row import StationRow, station_row
@@ -21,9 +21,6 @@ from ropeway.systems.studies.skyline.station_solver import NO_EQUILIBRIUM, Stati
 
 MOST = 1e7
 """Largest reported payload [kg], for a payload without a limit."""
-
-_ALIKE = 1e-9
-"""Tolerance of equal margins: of symmetric guylines the first is named."""
 
 _ZERO = 1e-10
 """Margin that counts as zero: the search ends there without closing its bracket."""
@@ -67,7 +64,7 @@ class PayloadSearch:
     certified; `compiled`: in compiled code."""
 
     def __init__(self, rig: SkylineRig, limits: LoadLimits, *, strict: bool = False, compiled: bool = False) -> None:
-        self.rig, self.limits, self.margins, self.strict = rig, limits, margins_of(rig, limits), strict
+        self.rig, self.limits, self.margins, self.strict = rig, limits, Margins(rig, limits), strict
         self.lowered = limits.clearance is not None and is_lowered(rig)
         self.solver = Stations(rig, by_height=self.lowered, compiled=compiled)
         self.compiled = compiled
@@ -102,13 +99,6 @@ class PayloadSearch:
         if best.solved is None or ground is None:
             return np.inf
         return rope_clearance(best.solved, ground)
-
-    def _rope_may_limit(self, solved: Solved, least: float) -> bool:
-        """Whether the skyline's clearance can be the smallest margin."""
-        ground = self.rig.terrain
-        if ground is None:
-            return True
-        return (least_rope_clearance(solved, ground) - self.limits.rope_clearance) / 10.0 <= least + _ALIKE
 
     def _room(self, station: float, height: float) -> float:
         """Distance from a height of the carriage up to the chord of its span [m]."""
@@ -239,10 +229,5 @@ class PayloadSearch:
             return Trial(error.limit)
         except EquilibriumError:
             return Trial(NO_EQUILIBRIUM)
-        margins = {name: margin(solved) for name, margin in self.margins.items() if name != ROPE_CLEARANCE}
-        least = min(margins.values())
-        if ROPE_CLEARANCE in self.margins and self._rope_may_limit(solved, least):
-            margins[ROPE_CLEARANCE] = self.margins[ROPE_CLEARANCE](solved)
-            least = min(least, margins[ROPE_CLEARANCE])
-        name = next(n for n, margin in margins.items() if margin <= least + _ALIKE)
-        return Trial(name, solved, least)
+        limit, margin = self.margins.least(solved)
+        return Trial(limit, solved, margin)

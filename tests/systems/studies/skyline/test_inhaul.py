@@ -93,6 +93,27 @@ def test_a_payload_drop_is_an_event() -> None:
     assert "payload 0 kg" in set(run.events.event)
 
 
+def test_a_carriage_with_inertia_swings_about_its_inhaul_in_balance() -> None:
+    run = {"payload": 2500.0, "start": 260.0, "end": 246.0, "speed": 2.0, "every": 0.25, "changes": [(3.0, 0.0)]}
+    quasi = rw.inhaul(rig(), **run).frame  # type: ignore[arg-type]
+    frame = rw.inhaul(rig(), **run, inertia=rw.Inertia(), tolerance=1e-6).frame  # type: ignore[arg-type]
+    before, after = frame[frame.payload > 0.0], frame[frame.payload == 0.0]
+    np.testing.assert_allclose(before.carriage_x, quasi[quasi.payload > 0.0].carriage_x, atol=0.02)
+    np.testing.assert_allclose(before.highest_tension, quasi[quasi.payload > 0.0].highest_tension, rtol=2e-3)
+    # The payload leaves the carriage where it is; without its weight it rebounds beyond its height in balance.
+    still = ["carriage_x", "carriage_z", "highest_tension", "carriage_speed"]
+    assert after[still].iloc[0].to_numpy() == pytest.approx(before[still].iloc[-1].to_numpy(), rel=1e-6)
+    assert after.carriage_z.max() > quasi[quasi.payload == 0.0].carriage_z.max() + 2.0
+    assert after.highest_tension.min() < 0.9 * quasi.highest_tension.min()
+
+
+def test_rope_nodes_and_compiled_code_are_refused_in_an_inhaul() -> None:
+    with pytest.raises(rw.InputError, match="nodes=3"):
+        rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0, inertia=rw.Inertia(nodes=3))
+    with pytest.raises(rw.CompiledError, match="inertia"):
+        rw.inhaul(rig(), payload=900.0, start=44.0, end=40.0, inertia=rw.Inertia(), compiled=True)
+
+
 FLAT = rw.standing_skyline(
     None,
     headspar=rw.HeadSpar("head", at=(0.0, 10.0)),

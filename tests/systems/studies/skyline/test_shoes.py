@@ -7,7 +7,7 @@ import pytest
 import ropeway as rw
 from ropeway.components.clearance import least_height
 from ropeway.systems.rigs.bare_skyline import bare_tension
-from ropeway.systems.studies.skyline.clearances import _pieces, least_rope_clearance, rope_clearance
+from ropeway.systems.studies.skyline.clearances import least_rope_clearance, rope_clearance, rope_pieces
 from ropeway.systems.studies.skyline.station_solver import Stations
 from support import skyline_oracle as oracle
 
@@ -237,6 +237,6 @@ def test_lower_bound_of_the_clearance_over_shoes() -> None:
     stations = Stations(rig)
     for station in (40.0, 100.0, 131.0, 180.0):
         found = stations.solve(station, 900.0)
-        heights = [least_height(ground, piece).height for piece, _ in _pieces(found, "skyline")]
+        heights = [least_height(ground, piece).height for piece in rope_pieces(found, "skyline")]
         assert least_rope_clearance(found, ground) <= min(heights) + 1e-9
         assert rope_clearance(found, ground) == pytest.approx(min(heights), abs=1e-12)

@@ -11,7 +11,9 @@ import pytest
 import ropeway as rw
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.studies.skyline.carriage_model import Solved
+from ropeway.systems.studies.skyline.limits import LoadLimits
 from ropeway.systems.studies.skyline.station_solver import Stations
+from ropeway.systems.studies.skyline.support_trial import SupportTrial, TrialRigs
 
 CORRIDOR = Path(rw.__file__).parent / "examples" / "corridor.csv"
 STATIONS = np.arange(20.0, 480.0, 20.0)
@@ -111,3 +113,77 @@ def test_a_free_range_and_bad_candidates() -> None:
     for name, wrong in rejected.items():
         with pytest.raises(rw.InputError, match=name):
             rw.optimise_supports(rig(), TREES, payload=1.0, **{name: wrong})  # type: ignore[arg-type]
+
+
+MAIN = rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3)
+LINES: dict[str, dict[str, Any]] = {
+    "ideal hold": {},
+    "mainline": {"mainline": MAIN},
+    "clamped": {"clamped": True},
+    "haulback": {"mainline": MAIN, "haulback": MAIN, "haulback_tension": 8e3},
+    "guyed": {"mainline": MAIN, "guyed": True},
+}
+
+
+def over(supports: list[rw.IntermediateSupport], how: dict[str, Any]) -> rw.SkylineRig:
+    ropes = {name: rope for name, rope in how.items() if name not in ("clamped", "guyed")}
+    tail: rw.TailSpar | rw.GuyedSpar = rw.TailSpar("tail", station=480.0, height=8.0)
+    if "guyed" in how:
+        low = rig().tailspar.at[2] - 8.0
+        anchors = ((500.0, 15.0, low), (500.0, -15.0, low), (470.0, 20.0, low), (470.0, -20.0, low))
+        guys = [rw.Guyline(f"g{i}", at=at, rope=rig().skyline, pretension=20e3) for i, at in enumerate(anchors)]
+        tail = rw.GuyedSpar("tail", station=480.0, height=8.0, mass=300.0, guylines=guys)
+    return rw.standing_skyline(
+        rw.Profile.from_csv(CORRIDOR),
+        headspar=rw.HeadSpar("head", station=0.0, height=15.0),
+        supports=supports,
+        tailspar=tail,
+        skyline=rig().skyline,
+        tension=70e3,
+        carriage=rw.Carriage("carriage", mass=450.0, clamped="clamped" in how),
+        **ropes,
+    )
+
+
+@pytest.mark.parametrize("how", LINES)
+def test_a_moved_model_has_the_states_of_an_assembled_one(how: str) -> None:
+    """The supports of a rig stand elsewhere; all outputs and places are those of its own model."""
+    first, second = (
+        rw.IntermediateSupport("a", station=150.0, height=9.0),
+        rw.IntermediateSupport("b", station=300.0, height=12.0),
+    )
+    like = over([first, second], LINES[how])
+    moved = over([replace(first, station=200.0, height=12.0), replace(second, station=380.0, height=8.0)], LINES[how])
+    own, other = Stations(moved), Stations(moved, like=like)
+    for station in (90.0, 290.0, 420.0):
+        expected, found = own.solve(station, 1500.0), other.solve(station, 1500.0)
+        assert found.held_by == expected.held_by
+        assert found.at.model is not expected.at.model
+        np.testing.assert_allclose(found.outputs, expected.outputs, rtol=1e-8, atol=1e-6)
+        assert found.at.certificate([found.point]).failed is None
+
+
+def test_trial_rigs_share_names_and_empty_spans() -> None:
+    """Supports have the names of the first trial's; the skyline has the length that its own rig has."""
+    rigs, sites = TrialRigs(rig()), [[tree.support(h) for h in tree.heights] for tree in TREES[:2]]
+    rigs.prepare(sites)
+    first, like = rigs.over([sites[0][0], sites[1][0]])
+    assert first is like
+    rigs.prepare(sites[1:])
+    rigs.over([sites[0][1]])
+    other, one = rigs.over([sites[1][2]])
+    own = with_supports(rig(), [sites[1][2]])
+    assert [s.name for s in other.supports] == [s.name for s in one.supports] == ["oak"]
+    assert other.length == pytest.approx(own.length, rel=1e-13)
+    np.testing.assert_array_equal(other.points, own.points)
+    trial = SupportTrial(other, one, 1000.0, LoadLimits(3.0, clearance=0.0))
+    assert trial.named("lift-off at oak", own) == "lift-off at fir"
+    assert trial.named("clearance", own) == "clearance"
+    assert trial.named("no equilibrium", own) == "no equilibrium"
+
+
+def test_a_slack_trial_does_not_count() -> None:
+    """5 kN do not hold the empty skyline over any of the trees."""
+    slack = replace(rig(), tension=5e3)
+    plan = rw.optimise_supports(slack, TREES, payload=1000.0, stations=STATIONS, most=1)
+    assert (plan.feasible, plan.limited_by, plan.tried) == (False, "slack rope", 8)

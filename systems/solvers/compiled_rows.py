@@ -1,0 +1,141 @@
+"""States of a compiled line as rows: loads in their spans, and outputs, in the compiled core (see `native/rows.c`)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from ropeway.components.weather import Weather
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.rope_path import Run
+from ropeway.systems.native.kernel_marks import kernel_mark
+from ropeway.systems.native.section_library import Motion, OutputCalls, section_library
+from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
+from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
+from ropeway.systems.solvers.compiled_nodes import Filled
+from ropeway.systems.solvers.line_sections import shared_count
+from ropeway.systems.solvers.points import Point
+from ropeway.systems.solvers.state_rows import StateRows
+
+
+def load_tables(model: Model, runs: Sequence[Run], p: np.ndarray) -> dict[str, np.ndarray]:
+    """The lists of loads of some runs, and the rope at their supports at zero travel, as the core reads them."""
+    loads = [run.loads for run in runs]
+    return {
+        "load_first": np.cumsum([0, *(len(own.place) for own in loads)], dtype=np.int64),
+        "place": np.concatenate([own.place for own in loads]),
+        "mass": np.concatenate([own.mass for own in loads]),
+        "drag": np.concatenate([own.drag for own in loads]),
+        "rope": np.concatenate([layout.start(p) for layout in model.layouts]),
+    }
+
+
+def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray, passed: Sequence[np.ndarray]) -> None:
+    """Writes loads into the slots of the discrete variables of many states `d` (states, nd), which may be a part of
+    rows; `passed` of each run (states, supports). No load is pinned, and all have a slot."""
+    line, empty = compiled_line(model), np.zeros(0)
+    beyond = np.ascontiguousarray(np.hstack(passed), dtype=np.int64)
+    motion = Filled(Motion(), load_tables(model, runs, p))
+    solver = PointSolver(
+        line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty
+    )
+    tables, point, first = ctypes.byref(line.tables), ctypes.byref(solver.point), d.ctypes.data
+    stride = d.strides[0] // d.itemsize
+    line.core.rs_write_rows(tables, point, motion.address, first, stride, beyond.ctypes.data, len(d))
+
+
+class CompiledOutputs:
+    """The outputs of a model at `which` places, in compiled code."""
+
+    def __init__(self, model: Model, which: np.ndarray) -> None:
+        self._plan = plan = output_groups(model)
+        self._core = section_library()
+        place = np.full(len(model.y), -1)
+        place[which] = np.arange(len(which))
+        values = plan.none + 1
+        self._pull = values + 1  # behind the time
+        outputs = self._pull + plan.force * (plan.ends + 1) + 1
+        inputs, results, kernels = list[np.ndarray](), list[np.ndarray](), list[int]()
+        for group in plan.groups:
+            rows = place[group.outputs]
+            chosen = tuple(np.flatnonzero((rows >= 0).any(axis=1)).tolist())
+            own = [outputs + rows[list(chosen)]]
+            if group.ropes:
+                own += [self._pulls(port[1]) for port in group.ports]
+            reads = np.vstack(
+                [self._shared(group, values), group.own, *(self._port(port, group) for port in group.ports)]
+            )
+            inputs += list(reads.T)
+            results += list(np.vstack(own).T)
+            kernels += [_address(group.form, chosen, group.ropes)] * group.own.shape[1]
+        self._size, most = outputs + len(which), max((len(own) for own in inputs), default=0)
+        self._work = self._size + most + max((len(own) for own in results), default=0)
+        self._calls = Filled(
+            OutputCalls(calls=len(kernels), values=values, size=self._size, outputs=len(which), most=most),
+            {
+                "input_end": np.cumsum([len(own) for own in inputs]).astype(np.int32),
+                "input": np.concatenate([*inputs, [0]]).astype(np.int32),
+                "output_end": np.cumsum([len(own) for own in results]).astype(np.int32),
+                "output": np.concatenate([*results, [0]]).astype(np.int32),
+                "kernels": np.array(kernels or [0], dtype=np.uint64),
+            },
+        )
+
+    def _shared(self, group: Group, time: int) -> np.ndarray:
+        """Places of the time, and of what all components read, for the components of a group."""
+        return np.repeat(np.array([[time], *([i] for i in self._plan.shared)]), group.own.shape[1], axis=1)
+
+    def _pulls(self, ends: np.ndarray) -> np.ndarray:
+        """Places of what some rope ends give to their seats."""
+        return np.asarray(self._pull + self._plan.force * ends + np.arange(self._plan.force)[:, None])
+
+    def _port(self, port: tuple[np.ndarray, ...], group: Group) -> np.ndarray:
+        """Places of what the components of a group read at a port."""
+        return port[0] if group.ropes else np.vstack([self._pulls(port[0]), port[1]])
+
+    def write(self, rows: StateRows, to: np.ndarray) -> None:
+        """Writes the outputs of states into `to` (states, outputs), which may be a part of rows."""
+        work, none = np.zeros(self._work), self._pull + self._plan.force * self._plan.ends
+        work[none + FORCE : none + self._plan.force] = 1.0
+        time = np.ascontiguousarray(rows.time)
+        read, written = (array.strides[0] // array.itemsize for array in (rows.values, to))
+        call, first, room = self._core.rs_outputs, rows.values.ctypes.data, work.ctypes.data
+        call(self._calls.address, first, read, time.ctypes.data, len(rows), room, to.ctypes.data, written)
+
+
+@lru_cache(maxsize=256)
+def _address(form: Form, outputs: tuple[int, ...], ropes: bool) -> int:
+    """Where the kernel of some outputs of components of a form is."""
+    kinds = tuple(v.kind for v in form.variables)
+    mark = kernel_mark("outputs", form.key, form.weather, kinds, outputs, ropes)
+    return addresses_of(mark, 1, lambda: [_kernel(form, outputs, ropes)])[0]
+
+
+def _kernel(form: Form, outputs: tuple[int, ...], ropes: bool) -> ca.Function:
+    function = output_function(form, outputs)
+    time, _, own, *ports = (ca.SX.sym(function.name_in(i), function.size1_in(i)) for i in range(function.n_in()))
+    shared = ca.SX.sym("shared", shared_count(weather=form.weather))
+    read, given = list[ca.SX](), list[ca.SX]()
+    for port in ports:
+        if not ropes:
+            read.append(port)
+            given.append(port)
+            continue
+        place = ca.SX.sym("place", 7)  # position, travel, and what lies aside: x, z, rope
+        x, y, z, travel, aside_x, aside_z, aside_rope = ca.vertsplit(place)
+        read.append(place)
+        given.append(ca.vertcat(x + aside_x, y, z + aside_z, travel + aside_rope))
+    values = ca.vertsplit(shared)
+    known = ca.vertcat(values[0], *(Weather.of(values[1:]) if form.weather else ()))
+    result = function.call([time, known, own, *given])[0]
+    return ca.Function("outputs", [ca.vertcat(time, shared, own, *read)], [ca.densify(result)])
+
+
+@kept_with_model
+def compiled_outputs(model: Model, which: bytes) -> CompiledOutputs:
+    """The outputs of a model at `which` places."""
+    return CompiledOutputs(model, np.frombuffer(which, dtype=int))
