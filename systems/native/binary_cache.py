@@ -129,7 +129,7 @@ def _built(files: dict[str, str], kept: Path, name: str) -> None:
         made = Path(folder) / f"library{compiler.suffix(compiler.host())}"
         compiler.compile_library(Path(folder), [n for n in files if n.endswith(".c")], compiler.host(), made)
         content = made.read_bytes()
-    return _put(kept, name, content, compiler.suffix(compiler.host()))
+    _put(kept, name, content, compiler.suffix(compiler.host()))
 
 
 def read_object(name: str) -> bytes | None:
@@ -147,7 +147,7 @@ OBJECT = ".o"
 """Suffix of compiled objects."""
 
 
-def _put(kept: Path, name: str, content: bytes, suffix: str) -> Path:
+def _put(kept: Path, name: str, content: bytes, suffix: str) -> None:
     """Writes a file of the cache. Raises WriteError."""
     path = kept / f"ropeway-{name}-{_digest(content)}{suffix}"
     try:
