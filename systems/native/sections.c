@@ -5,6 +5,7 @@
 
 #define CLOSE 1e-12  /* scaled step that the next iteration would make at a root */
 #define SMALL 1e-11  /* scaled residual of a root */
+#define LARGE 1e9       /* scaled step of a matrix that is singular but for rounding */
 #define ITERATIONS 50
 
 /* Room for one section. */
@@ -284,7 +285,7 @@ void rs_support(const rs_line *l, const rs_point *q, int k, const double *coming
 int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
 {
     room r = room_of(l, q->work);
-    double before = INFINITY, last = INFINITY, largest;
+    double before = INFINITY, last = INFINITY, taken = 0.0, largest;
     int n = 3 * (l->last[section] - l->first[section]) + 1;
     for (int turn = 0; turn < ITERATIONS; turn++) {
         double norm = evaluate(l, q, section, &r, &largest), size, coming;
@@ -296,7 +297,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
             keep(l, q, section, r.move);
             for (int i = 0; i < l->nz; i++) r.move[i] -= r.before[i];
             for (;; share *= 0.5) {
-                if (share < 1e-7) return RS_STUCK;
+                if (share < 1e-7) return taken > LARGE ? RS_SINGULAR : RS_STUCK;
                 put(l, q, section, &r, share);
                 norm = evaluate(l, q, section, &r, &largest);
                 if (norm <= (1.0 - 0.1 * share) * before) break;
@@ -317,7 +318,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
             if (largest <= SMALL) return RS_OK;
         }
         before = norm;
-        last = size;
+        last = taken = size;
     }
     return RS_SLOW;
 solved:
