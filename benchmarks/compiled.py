@@ -1,5 +1,5 @@
-"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, and the work
-of the spans in C written by hand, which is the limit.
+"""The compiled core against the same work without it, in one run: simulation, equilibria, sweeps, an FMU, studies of
+rigs, and the work of the spans in C written by hand, which is the limit.
 
     python benchmarks/compiled.py
     python benchmarks/compiled.py --spans 20 --until 600
@@ -18,15 +18,19 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
+import control
 import lines
 import numpy as np
+import skylines
 import typer
 
 import ropeway as rw
 from ropeway.systems.native.binary_cache import library
 from ropeway.systems.solvers.line_sections import line_sections
+from ropeway.systems.studies.skyline.station_solver import Stations
 
 CASES = 10_000
+EXAMPLE = Path(__file__).parents[1] / "examples" / "line.csv"
 
 
 def least(run: Callable[[], object], tries: int = 3) -> float:
@@ -78,32 +82,52 @@ def fmu_time(line: rw.System, until: float) -> float:
             return time.process_time() - before
 
 
-def simulations(spans: int, until: float, fmu: bool) -> None:
-    """One line in time."""
-    line = lines.driven(spans)
+def measured(name: str, line: rw.System, until: float) -> tuple[rw.Result, float]:
+    """One line in time, with its frame: prints the ratio; returns the compiled result and its time [s]."""
     model = rw.assemble(line)
     start = rw.equilibrium(model)
     before = time.perf_counter()
     rw.simulate(model, 1.0, start=start, compiled=True, progress=False)
     first = time.perf_counter() - before
-    run, whole = {}, {}
-    for compiled in (False, True):
-        simulate = lambda compiled=compiled: rw.simulate(  # noqa: E731
-            model, until, start=start, compiled=compiled, progress=False
-        )
-        run[compiled] = least(simulate)
-        whole[compiled] = least(lambda simulate=simulate: simulate().frame)
-    result = rw.simulate(model, until, start=start, compiled=True, progress=False)
-    bare = limit(2 * spans * len(result.records))
+    rw.simulate(model, 1.0, start=start, progress=False)
+    run, whole = {True: np.inf, False: np.inf}, {True: np.inf, False: np.inf}
+    for compiled in (False, True, False, True, True, True):  # in turn: the machine may be busy
+        begin = time.process_time()
+        result = rw.simulate(model, until, start=start, compiled=compiled, progress=False)
+        run[compiled] = min(run[compiled], time.process_time() - begin)
+        _ = result.frame
+        whole[compiled] = min(whole[compiled], time.process_time() - begin)
     print(
-        f"driven({spans}), {until:g} s: {whole[False] / whole[True]:.1f} times faster with the frame "
+        f"{name}, {until:g} s: {whole[False] / whole[True]:.1f} times faster with the frame "
         f"({1e3 * whole[False]:.0f} and {1e3 * whole[True]:.0f} ms), {run[False] / run[True]:.1f} times without "
-        f"({1e3 * run[False]:.0f} and {1e3 * run[True]:.0f} ms); the limit {1e3 * bare:.1f} ms; "
-        f"first use {1e3 * first:.0f} ms"
+        f"({1e3 * run[False]:.0f} and {1e3 * run[True]:.0f} ms); first use {1e3 * first:.0f} ms"
     )
+    return result, run[True]
+
+
+def simulations(spans: int, until: float, fmu: bool) -> None:
+    """The driven line in time, and with hydraulic drives and threshold responses."""
+    line = lines.driven(spans)
+    result, run = measured(f"driven({spans})", line, until)
+    print(f"  the limit, a bare loop of as many spans: {1e3 * limit(2 * spans * len(result.records)):.1f} ms")
     if fmu:
         own = fmu_time(line, until)
-        print(f"  the exported FMU: {1e3 * own:.0f} ms, {own / run[True]:.1f} times the compiled run")
+        print(f"  the exported FMU: {1e3 * own:.0f} ms, {own / run:.1f} times the compiled run")
+    hydraulic = lines.driven(spans, drive=control.DRIVE, response=control.RESPONSE)
+    measured(f"  with hydraulic drives and responses, driven({spans})", hydraulic, until)
+
+
+def one_hour(spans: int) -> None:
+    """An hour of a line with hydraulic drives, compiled, with its frame."""
+    model = rw.assemble(lines.driven(spans, drive=control.DRIVE))
+    start = rw.equilibrium(model)
+    rw.simulate(model, 1.0, start=start, compiled=True, progress=False)
+
+    def hour() -> None:
+        _ = rw.simulate(model, 3600.0, start=start, compiled=True, progress=False).frame
+
+    spent = least(hour, 2)
+    print(f"one hour of driven({spans}) with hydraulic drives: {spent:.2f} s, {3600.0 / spent:.0f} times real time")
 
 
 def equilibria(spans: int) -> None:
@@ -135,6 +159,37 @@ def sweeps(cases: int) -> None:
         print(f"sweep of {cases} cases, {words}: {spent:.2f} s, {alone * cases / spent:.1f} times one by one")
 
 
+def rigs() -> None:
+    """Studies of the corridor of the examples; each rig is new, and its kinds of parts have been met before."""
+    stations = np.linspace(4.0, 476.0, 100)
+    trees = [rw.Candidate(f"tree_{i}", 100.0 + 30.0 * i, (7.0, 10.0)) for i in range(10)]
+    studies: dict[str, Callable[[bool], object]] = {
+        "load path, 100 stations": lambda c: rw.load_path(skylines.corridor(), 1500.0, stations, compiled=c),
+        "payload, 20 stations": lambda c: rw.payload(
+            skylines.corridor(), clearance=1.0, stations=stations[::5], compiled=c
+        ),
+        "set-up": lambda c: rw.set_up(skylines.corridor(), station=150.0, payload=2000.0, tension=150e3, compiled=c),
+        "supports, ten trees": lambda c: rw.optimise_supports(
+            skylines.corridor(), trees, payload=1500.0, clearance=3.0, compiled=c
+        ),
+        "inhaul of 100 m": lambda c: rw.inhaul(skylines.corridor(), payload=1500.0, start=300.0, end=200.0, compiled=c),
+    }
+    for name, study in studies.items():
+        spent = dict.fromkeys((False, True), np.inf)
+        for _ in range(6):
+            for compiled in spent:
+                spent[compiled] = min(spent[compiled], least(lambda c=compiled, run=study: run(c), 1))
+        print(f"{name}: {spent[False] / spent[True]:.2f} times faster ({1e3 * spent[True]:.0f} ms)")
+    solver = {compiled: Stations(skylines.corridor(), compiled=compiled) for compiled in (False, True)}
+    near = {compiled: one.solve(150.0, 1500.0) for compiled, one in solver.items()}
+    for what, call in (
+        ("Newton's method of a rig", lambda at: at.at.newton.solve(at.point.copy(), target=np.array([151.0]))),
+        ("check of a state of a rig", lambda at: at.at.check.require(at.point)),
+    ):
+        spent = {c: least(lambda one=one, call=call: [call(one) for _ in range(50)]) / 50 for c, one in near.items()}
+        print(f"{what}: {spent[False] / spent[True]:.2f} times faster ({1e6 * spent[True]:.0f} us)")
+
+
 def main(
     spans: Annotated[list[int] | None, typer.Option(help="Numbers of spans.")] = None,
     until: Annotated[float, typer.Option(help="Duration of the runs [s].")] = 600.0,
@@ -145,7 +200,13 @@ def main(
     for n in spans or [20, 100]:
         simulations(n, until, fmu)
         equilibria(n)
+    example = rw.monocable(
+        lines.ROPE, supports=EXAMPLE, tension=lines.TENSION, speed=1.0, load_mass=300.0, load_spacing=50.0
+    )
+    measured("the example line", example, until)
+    one_hour(100)
     sweeps(cases)
+    rigs()
 
 
 if __name__ == "__main__":

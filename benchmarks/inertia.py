@@ -1,5 +1,5 @@
-"""Lines with inertia whose loads cross supports: times real time, beside the quasi-static run of the same line, with IDAS and
-in compiled code; the errors of tensions are against a compiled run of a tolerance of 1e-8.
+"""Lines with inertia whose loads cross supports: times real time, beside the quasi-static run of the same line, with
+IDAS and in compiled code; the errors of tensions are against a compiled run of a tolerance of 1e-8.
 
 python benchmarks/inertia.py --until 30 --spans 10 --spans 100
 """

@@ -50,6 +50,8 @@ class CarriageOnShoe(Carriage):
         Drag coefficient times area of carriage and load in the wind [m2].
     swing : float, default inf
         Largest angle of the dropline in a simulation with inertia, as of a `Carriage` [rad].
+    grip : float, default inf
+        Force that the clamp of a clamped carriage holds, as of a `Carriage` [N]; it is not reported on a shoe.
     support : IntermediateSupport
         The support; its saddle has a radius and no friction.
     mainline_on_roller : bool, default False

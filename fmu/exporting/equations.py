@@ -16,12 +16,13 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.errors import InputError
+from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
-from ropeway.systems.dynamics.run_inputs import is_speed
+from ropeway.systems.dynamics.run_inputs import is_speed, require_no_events, started
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.modelling.intervention import SWITCHED
+from ropeway.systems.modelling.intervention import INERTIAL, SWITCHED
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
@@ -42,10 +43,10 @@ class ModelEquations:
     pending: Pending = field(default_factory=Pending)
 
     @classmethod
-    def at(cls, rest: Equilibrium) -> ModelEquations:
+    def at(cls, rest: Equilibrium, inertia: Inertia | None = None) -> ModelEquations:
         """Equations that start from an equilibrium, or from a run in progress.
 
-        Raises InputError during an emergency stop.
+        Raises InputError during an emergency stop, and for an inertia that does not fit.
         """
         if rest.pending.stopping is not None:
             raise InputError(
@@ -54,6 +55,12 @@ class ModelEquations:
             )
         state = LineState(rest.model, rest.point.copy(), rest.runs, rest.passed)
         unpin(state)
+        if inertia is not None and rest.model.inertia not in (None, inertia):
+            raise InputError(f"{rest.model.name!r} moves with {rest.model.inertia}", "Give the same inertia=, or none")
+        if inertia is not None and rest.model.inertia is None:
+            require_no_events(rest.model.system)
+            signals = [float(u) if s is None else s for s, u in zip(rest.model.signals, state.point.u, strict=True)]
+            state = started(state, signals, inertia)
         return cls(state, pending=rest.pending)
 
     @property
@@ -171,8 +178,10 @@ class ModelEquations:
 
     @cached_property
     def switches(self) -> dict[str, int]:
-        """Discrete variables that can be set during a run, by name: brakes and losses of pressure."""
-        own = {variable for variable, _ in SWITCHED.values()}
+        """Discrete variables that can be set during a run, by name: brakes and losses of pressure; with inertia cut
+        ropes and dropped payloads."""
+        actions = SWITCHED if self.model.inertia is None else {**SWITCHED, **INERTIAL}
+        own = {variable for variable, _ in actions.values()}
         return {name: i for i, name in enumerate(self.model.d.names) if name.rpartition(".")[2] in own}
 
     @cached_property
@@ -183,6 +192,12 @@ class ModelEquations:
         ends = [name.rpartition(".") for name in m.u.names]
         driven = {i: owner for i, (owner, _, quantity) in enumerate(ends) if is_speed(m.system, owner, quantity)}
         return {i: m.d.index.get(f"{owner}.correction", -1) for i, owner in driven.items()}
+
+    @cached_property
+    def followed(self) -> dict[int, int]:
+        """Inputs that are rates of other inputs, and these: an FMU computes them."""
+        index = self.model.u.index
+        return {index[rate]: index[of] for rate, of in self.model.rate_of.items() if rate in index and of in index}
 
     @property
     def borders(self) -> int:

@@ -16,6 +16,7 @@ import ropeway
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import CompilerError, InputError
+from ropeway.components.inertia import Inertia
 from ropeway.components.whole_files import whole
 from ropeway.fmu.errors import FmuExportError
 from ropeway.fmu.exporting import documentation, model_description, model_tables
@@ -25,6 +26,7 @@ from ropeway.fmu.exporting.equations import ModelEquations
 from ropeway.fmu.exporting.generated_code import c_files
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
+from ropeway.systems.dynamics.inertia.inertial_system import carries_loads
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
@@ -58,6 +60,7 @@ def export(
     station: float | None = None,
     payload: float | None = None,
     emergency_stop: float | None = None,
+    inertia: Inertia | None = None,
 ) -> Path:
     """Export a system as an FMU for Model Exchange and Co-Simulation.
 
@@ -93,6 +96,9 @@ def export(
     emergency_stop : float, optional
         Deceleration [m/s2] of a Boolean input `emergency_stop`, by which an importer stops all drives during a run, as
         an `Intervention` does; by default there is none.
+    inertia : Inertia, optional
+        The inertia of ropes, loads and wheels, of a system whose loads do not run over supports. Booleans
+        `span.broken` and `carriage.dropped` can be inputs. By default the line is in equilibrium at every time.
 
     Returns
     -------
@@ -108,7 +114,7 @@ def export(
     EquilibriumError
         The system has no equilibrium.
     FmuExportError
-        The compiler failed, a component is an FMU itself, or the line has inertia.
+        The compiler failed, a component is an FMU itself, or loads run over supports of a line with inertia.
     WriteError
         The file could not be written.
     Interrupted
@@ -133,23 +139,16 @@ def export(
             f"The FMU of a rig such as {system.name!r} has no weather", "Export the rig without environment"
         )
     if isinstance(system, SkylineRig):
+        if inertia is not None:
+            raise InputError(f"The FMU of a rig such as {system.name!r} has no inertia", "Export rig.system(...)")
         corridor = Corridor(system, station, payload)
         rest, equations = corridor.rest, ModelEquations(corridor.state, corridor)
     elif station is not None or payload is not None:
         raise InputError("station and payload apply to skyline rigs only", "Omit them")
     else:
         rest = system if isinstance(system, Equilibrium) else equilibrium(system)
-        equations = ModelEquations.at(rest)
-    if rest.model.external:
-        raise FmuExportError(
-            f"A component of {rest.model.name!r} is an FMU itself",
-            "Export the system without it, and couple both by CoSimulation",
-        )
-    if rest.model.inertia is not None:
-        raise FmuExportError(
-            f"{rest.model.name!r} is a line with inertia, which an FMU does not have",
-            "Export the system, or an equilibrium of it",
-        )
+        _require_exportable(rest.model, inertia)
+        equations = ModelEquations.at(rest, inertia)
     interface = Interface(equations, inputs, outputs, parameters, stops=emergency_stop is not None)
     settings = model_tables.Settings(tolerance, emergency_stop)
     with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well
@@ -158,6 +157,21 @@ def export(
             for name, data in content.items():
                 archive.writestr(name, data)
     return target
+
+
+def _require_exportable(model: Model, inertia: Inertia | None) -> None:
+    """Raises FmuExportError for a model that an FMU cannot have."""
+    if model.external:
+        raise FmuExportError(
+            f"A component of {model.name!r} is an FMU itself",
+            "Export the system without it, and couple both by CoSimulation",
+        )
+    moving = next((run for run in model.runs if carries_loads(run)), None)
+    if moving is not None and (inertia or model.inertia) is not None:
+        raise FmuExportError(
+            f"Loads of {moving.name} run over its supports, which an FMU with inertia does not have",
+            "Export the system, or an equilibrium of it, without inertia",
+        )
 
 
 def _content(

@@ -92,9 +92,10 @@ class Interface:
 
     def _inputs(self, names: Sequence[str] | None) -> tuple[str, ...]:
         m = self.equations.model
-        chosen = [n for n, s in zip(m.u.names, m.signals, strict=True) if not isinstance(s, Schedule)]
+        own = [n for i, n in enumerate(m.u.names) if i not in self.equations.followed]
+        chosen = [n for n in own if not isinstance(m.signals[m.u.index[n]], Schedule)]
         if names is not None:
-            chosen = _known(names, (*m.u.names, *self.equations.switches), "an input")
+            chosen = _known(names, (*own, *self.equations.switches), "an input")
         for name, signal in zip(m.u.names, m.signals, strict=True):
             if signal is None and name not in chosen:
                 raise InputError(f"Input {name!r} is open and not an input of the FMU", "Add it to inputs")

@@ -9,11 +9,11 @@ import casadi as ca
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.equations import expanded, scalar
 from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.native.section_library import LINE_INTEGERS, LINE_NUMBERS
 from ropeway.systems.solvers.compiled_line import line_tables, slots_of_kernel
-from ropeway.systems.solvers.equations import expanded, scalar
 from ropeway.systems.solvers.line_sections import LineSections
 
 

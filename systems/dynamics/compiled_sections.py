@@ -25,7 +25,6 @@ from ropeway.systems.native.section_library import (
     PASSED,
     REACHED,
     UNFORESEEN,
-    CrossingEvent,
 )
 from ropeway.systems.results.run_data import Event
 from ropeway.systems.solvers.compiled_nodes import compiled_clocks
@@ -135,20 +134,16 @@ class CompiledSections(SectionIntegrator):
         line, state, core, recorder = self.line, self.line.state, self.line.moving, self.recorder
         pending = [recorder.pending] if agenda is None else [agenda.pending(ticks) for ticks in core.epochs()]
         records = core.entries(state, pending)
-        happened: list[tuple[int, CrossingEvent | tuple[str, float]]] = [
-            (event.record, event) for event in core.events[: core.motion.events]
-        ]
+        happened: list[tuple[int, loads.Crossing | tuple[str, float]]] = [*core.crossed()]
         if agenda is not None and core.motion.responses:
-            happened += [(record, (name, value)) for record, name, value in core.corrected()]
-            happened.sort(key=lambda entry: entry[0])
+            happened = sorted([*happened, *core.corrected()], key=lambda entry: entry[0])
         for record, what in happened:
             time = records[record].record.time
-            if isinstance(what, tuple):
+            if isinstance(what, loads.Crossing):
+                self.guard.require(time, state.runs[what.r].nodes[what.k].name)
+                recorder.note(state, what, loads.passing_event(state, what), time)
+            else:
                 recorder.events.append(Event(time, what[0], "response", what[1]))
-                continue
-            crossing = core.crossing(what)
-            self.guard.require(time, state.runs[crossing.r].nodes[crossing.k].name)
-            recorder.note(state, crossing, loads.passing_event(state, crossing), time)
         recorder.entries += records
         recorder.pending = pending[-1]
         state.passed = core.passed()

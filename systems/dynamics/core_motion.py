@@ -27,6 +27,7 @@ from ropeway.systems.statics.pending_events import Pending
 
 _NUMBERS = 2_000_000
 """Numbers in the records that the core keeps before they are taken over, about."""
+_EVENT = len(core.CrossingEvent._fields_)
 _EPOCHS = 256
 """Ticks of clocks before records are taken over."""
 
@@ -185,12 +186,11 @@ class CoreMotion:
         u = list(self._u[:count].copy()) if varied else [state.point.u.copy()] * count
         kept = [row.copy() for row in self._kept[: self.motion.epoch + 1]]
         passed = zip(*by_run, strict=True)
-        rows = zip(self._time[:count].tolist(), x, z, u, passed, self._epoch[:count].tolist(), strict=True)
+        epochs = self._epoch[:count].tolist()
+        by_epoch = [kept[i] for i in epochs], [pending[i] for i in epochs]
+        records = map(Record._make, zip(self._time[:count].tolist(), x, z, u, passed, *by_epoch, strict=True))
         grid = self._grid[:count].astype(bool).tolist()
-        return [
-            Entry(Record(time, x, z, u, beyond, kept[epoch], pending[epoch]), on, on)
-            for (time, x, z, u, beyond, epoch), on in zip(rows, grid, strict=True)
-        ]
+        return [*map(Entry._make, zip(records, grid, grid, strict=True))]
 
     def epochs(self) -> list[list[int]]:
         """How often each clock has ticked in each epoch of the last run."""
@@ -200,20 +200,27 @@ class CoreMotion:
         """Loads passed at the supports of each run."""
         return [part.copy() for part in np.split(self._passed, self._nodes)]
 
-    def crossing(self, event: core.CrossingEvent) -> Crossing:
-        """What an event says crosses."""
-        number = event.load + self._loads[event.run].first
-        return Crossing(0.0, 0.0, event.run, event.support, number, bool(event.forward))
+    def crossed(self) -> list[tuple[int, Crossing]]:
+        """The crossings of the last call: the record that each leads to, and what has crossed."""
+        rows = np.frombuffer(memoryview(self.events), np.int32).reshape(-1, _EVENT)[: self.motion.events]
+        first = np.array([own.first for own in self._loads], dtype=np.int64)
+        numbers, events = rows[:, 2] + first[rows[:, 0]], rows.tolist()
+        return [
+            (record, Crossing(0.0, 0.0, r, k, number, bool(forward)))
+            for (r, k, _, forward, record), number in zip(events, numbers.tolist(), strict=True)
+        ]
 
-    def corrected(self) -> list[tuple[int, str, float]]:
-        """The responses of the last run: the record that each leads to, its node, and its correction [m/s]."""
+    def corrected(self) -> list[tuple[int, tuple[str, float]]]:
+        """The responses of the last run: the record that each leads to, its node and its correction [m/s]."""
         found = self.responses[: self.motion.responses]
-        return [(event.record, self._names[event.member], event.value) for event in found]
+        return [(event.record, (self._names[event.member], event.value)) for event in found]
 
     @property
     def coming(self) -> Crossing:
         """The crossing that the core has left to its caller."""
-        return self.crossing(self.motion.coming)
+        event = self.motion.coming
+        number = event.load + self._loads[event.run].first
+        return Crossing(0.0, 0.0, event.run, event.support, number, bool(event.forward))
 
 
 def _signs(model: Model, line: CompiledLine) -> np.ndarray:

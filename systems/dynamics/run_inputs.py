@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from ropeway.components import check
 from ropeway.components.carriage import Carriage
-from ropeway.components.errors import CompiledError, InputError, UnknownNameError
+from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.inertia import Inertia
 from ropeway.components.node import Node
 from ropeway.components.schedule import Schedule
@@ -39,12 +39,9 @@ def start_of(start: Equilibrium, model: Model, inertia: Inertia | None) -> Equil
 def in_core(model: Model, signals: Sequence[Signal], inertia: Inertia | None) -> bool:
     """Whether the compiled core moves a model: a line by its sections, or a system with inertia; otherwise it solves
     all equations together. Raises CompiledError where it can do none of them, CompilerError, WriteError."""
-    changes = any(isinstance(signal, Schedule) for signal in signals[: model.u.shared])
     if inertia is not None:
-        if changes:
-            cause = "The compiled core cannot simulate a line with inertia in weather that changes"
-            raise CompiledError(cause, "Leave out compiled=True")
         return True
+    changes = any(isinstance(signal, Schedule) for signal in signals[: model.u.shared])
     if changes or isinstance(line_sections(model), str):
         require_kernels(model)
         return False

@@ -92,9 +92,8 @@ def simulate(
         Whether to show a progress bar; by default on a terminal only.
     compiled : bool, default False
         Whether to solve the line in compiled code, which needs a C compiler at first use: the same result, faster. Of
-        lines of spans over standing supports, drives that follow their commanded speeds (`IdealDrive`, drums) run in
-        compiled code too; others are integrated by IDAS, with the whole line while one is at a limit, as are other
-        systems. With `inertia` all systems and drives run in compiled code, in weather that does not change.
+        lines of spans over standing supports, drives and responses run in compiled code too; IDAS integrates the whole
+        line while a drive is at a limit, and other systems. With `inertia` all systems and drives run in compiled code.
     environment : Environment, optional
         Weather, instead of that of the system; its temperature, wind pressure and direction may be schedules.
     inertia : Inertia, optional
@@ -216,7 +215,7 @@ class _Simulation:
             recorder.exact,
             tuple(recorder.events),
             self.line.tolerance,
-            self.settings.compiled,
+            self.settings.compiled and self.settings.inertia is None,
         )
 
     def result_so_far(self) -> Result | None:

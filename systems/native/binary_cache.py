@@ -15,14 +15,16 @@ import platform
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from ropeway.components.errors import CompilerError, WriteError
+from ropeway.components.errors import CompilerError, Interrupted, WriteError
+from ropeway.systems.interrupts import WAIT, stop_if_interrupted
 from ropeway.systems.native import compiler
 
 
@@ -95,7 +97,22 @@ class _NotKeptError(Exception):
     """A library is not in the cache."""
 
 
-@lru_cache(maxsize=256)
+def libraries(files: Sequence[Mapping[str, str]]) -> list[ctypes.CDLL]:
+    """As `library`, for several sets of files, compiled side by side."""
+    if len(files) < 2:
+        return [library(each) for each in files]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        running = [pool.submit(library, each) for each in files]
+        try:
+            while wait(running, WAIT).not_done:
+                stop_if_interrupted()
+        except Interrupted:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [one.result() for one in running]
+
+
+@lru_cache(maxsize=1024)
 def _loaded(name: str, folder: str) -> ctypes.CDLL:
     path = _kept(Path(folder), name)
     if path is None:

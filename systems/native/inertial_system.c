@@ -7,7 +7,9 @@
 #define SAME 1e-5 /* by how much inputs may differ, relative */
 
 /* Integers of the packed factors of a piece. */
-#define PIVOTS(n) ((n) * ((n) + 3))
+#define PIVOTS(n) ((n) * (2 * (n) + 1) + 2)
+/* The packed factors of piece i, of form f with n unknowns and m of nodes. */
+#define PACKED(l, q, i, f, n, m) ((q)->dense + (l)->dense[i] + (n) * ((n) + (m)) + (l)->form_given[f] * (m))
 /* Where a form's block begins. */
 #define BLOCK(l, f, k) ((l)->block[(RI_BLOCKS + 1) * (f) + (k)])
 
@@ -21,8 +23,7 @@ void ri_load(const ri_line *l, ri_point *q)
     y[0] = 0.0, y[1] = 1.0;
     for (int i = 0; i < l->components; i++) {
         int f = l->form[i];
-        double *v = q->kernel + l->input[i] + l->form_nx[f] + l->form_nz[f] + l->form_ports[f] + l->form_nu[f];
-        for (int k = 0; k < l->ns; k++) *v++ = q->y[l->shared[k]];
+        double *v = q->kernel + l->input[i] + l->form_nx[f] + l->form_nz[f] + l->form_ports[f] + l->form_nu[f] + l->ns;
         memcpy(v, q->p + l->p[i], l->form_np[f] * sizeof(double)), v += l->form_np[f];
         memcpy(v, q->d + l->d[i], l->form_nd[f] * sizeof(double)), v += l->form_nd[f];
         *v = 0.0;
@@ -40,7 +41,8 @@ void ri_evaluate(const ri_line *l, ri_point *q)
             int piece = l->port_piece[k];
             *v++ = piece < 0 ? q->y[l->port_source[k]] : q->kernel[l->result[piece] + l->port_row[k]];
         }
-        memcpy(v, q->y + l->nx + l->nz + l->u[i], l->form_nu[f] * sizeof(double));
+        memcpy(v, q->y + l->nx + l->nz + l->u[i], l->form_nu[f] * sizeof(double)), v += l->form_nu[f];
+        for (int k = 0; k < l->ns; k++) *v++ = q->y[l->shared[k]];
         l->value[f](q->kernel + l->input[i], r);
         memcpy(q->value + l->x[i], r, nx * sizeof(double));
         memcpy(q->value + l->nx + l->r[i], r + nx, nz * sizeof(double));
@@ -89,39 +91,42 @@ static int eliminate(double *a, int n, int m, int *row)
     return RI_OK;
 }
 
-/* The factors without their zeros, in the order in which they are used: of each row those on the left of its diagonal,
- * the inverse of that, those on the right; `columns` has the rows' order, where each part begins, and the columns. */
-static void pack(const double *a, int n, int m, int *columns, double *packed)
+/* The factors and A^-1 B without zeros, as they are used: `packed` has the inverses of the diagonal, the columns of A^-1 B,
+ * then operations on a vector, by columns of the factors, as these do not wait for each other; `places` has the order of
+ * the rows, the numbers of operations with both factors, the places that each changes and reads. */
+static void pack(const double *a, int n, int m, int *places, double *packed)
 {
-    int *begin = columns + n, *column = begin + 2 * n, count = 0;
+    int *count = places + n, *place = count + 2, width = n + m;
+    double *value = packed + n * (m + 1);
     for (int i = 0; i < n; i++) {
-        const double *own = a + (n + m) * columns[i];
-        begin[2 * i] = count;
-        for (int j = 0; j < i; j++)
-            if (own[j] != 0.0) column[count] = j, packed[count++] = own[j];
-        begin[2 * i + 1] = count;
-        column[count] = i, packed[count++] = 1.0 / own[i];
-        for (int j = i + 1; j < n; j++)
-            if (own[j] != 0.0) column[count] = j, packed[count++] = own[j];
+        const double *own = a + width * places[i];
+        packed[i] = 1.0 / own[i];
+        for (int j = 0; j < m; j++) packed[n * (j + 1) + i] = own[n + j];
+    }
+    for (int upper = 0; upper < 2; upper++) {
+        count[upper] = 0;
+        for (int k = 0; k < n; k++) {
+            int j = upper ? n - 1 - k : k;
+            for (int i = upper ? 0 : j + 1; i < (upper ? j : n); i++) {
+                double share = a[width * places[i] + j];
+                if (share == 0.0) continue;
+                *value++ = upper ? share * packed[i] : share;
+                *place++ = i, *place++ = j, count[upper]++;
+            }
+        }
     }
 }
 
 /* Solves with the packed factors. */
-static void substitute(const double *packed, int n, const int *columns, const double *from, double *to)
+static void substitute(const double *packed, int n, int m, const int *places, const double *from, double *to)
 {
-    const int *begin = columns + n, *column = begin + 2 * n;
-    int end = begin[2 * n - 1] + 1;
-    for (int i = 0; i < n; i++) {
-        double sum = from[columns[i]];
-        for (int k = begin[2 * i]; k < begin[2 * i + 1]; k++) sum -= packed[k] * to[column[k]];
-        to[i] = sum;
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        double sum = to[i];
-        for (int k = begin[2 * i + 1] + 1; k < end; k++) sum -= packed[k] * to[column[k]];
-        to[i] = sum * packed[begin[2 * i + 1]];
-        end = begin[2 * i];
-    }
+    const int *count = places + n, *place = count + 2;
+    const double *value = packed + n * (m + 1);
+    for (int i = 0; i < n; i++) to[i] = from[places[i]];
+    for (int k = 0; k < count[0]; k++, place += 2) to[place[0]] -= value[k] * to[place[1]];
+    value += count[0];
+    for (int i = 0; i < n; i++) to[i] *= packed[i];
+    for (int k = 0; k < count[1]; k++, place += 2) to[place[0]] -= value[k] * to[place[1]];
 }
 
 /* The band has `band` diagonals on both sides, and room for as many more that exchanged rows fill. */
@@ -130,28 +135,35 @@ static double *entry(const ri_line *l, const ri_point *q, int i, int j)
     return q->band + 3 * l->band * i + j + l->band;
 }
 
+/* Behind the band, of each column the shares of its row in the `band` rows below. */
+static double *shares(const ri_line *l, const ri_point *q)
+{
+    return q->band + (3 * l->band + 1) * l->unknowns;
+}
+
 static int factor_band(const ri_line *l, ri_point *q, int *pivot)
 {
     int n = l->unknowns, b = l->band;
-    for (int k = 0; k < n; k++) {
-        int best = k, rows = k + b < n - 1 ? k + b : n - 1, columns = k + 2 * b < n - 1 ? k + 2 * b : n - 1;
+    double *share = shares(l, q);
+    for (int k = 0; k < n; k++, share += b) {
+        int best = k, rows = k + b < n - 1 ? b : n - 1 - k, columns = k + 2 * b < n - 1 ? 2 * b : n - 1 - k;
         double most = 0.0;
-        for (int i = k; i <= rows; i++)
+        for (int i = k; i <= k + rows; i++)
             if (fabs(*entry(l, q, i, k)) > most) most = fabs(*entry(l, q, i, k)), best = i;
         if (!(most > 0.0) || !(most < 1e300)) return RI_SINGULAR;
         pivot[k] = best;
         double *own = entry(l, q, k, k), *other = entry(l, q, best, k);
         if (best != k)
-            for (int j = 0; j <= columns - k; j++) {
+            for (int j = 0; j <= columns; j++) {
                 double kept = own[j];
                 own[j] = other[j], other[j] = kept;
             }
-        for (int i = k + 1; i <= rows; i++) {
-            double *next = entry(l, q, i, k);
-            if (*next == 0.0) continue;
-            double share = *next / *own;
-            *next = share;
-            for (int j = 1; j <= columns - k; j++) next[j] -= share * own[j];
+        *own = 1.0 / *own;
+        for (int i = 0; i < rows; i++) {
+            double *next = entry(l, q, k + 1 + i, k);
+            share[i] = *next * *own;
+            if (share[i] == 0.0) continue;
+            for (int j = 1; j <= columns; j++) next[j] -= share[i] * own[j];
         }
     }
     return RI_OK;
@@ -160,16 +172,20 @@ static int factor_band(const ri_line *l, ri_point *q, int *pivot)
 static void solve_band(const ri_line *l, const ri_point *q, const int *pivot, double *v)
 {
     int n = l->unknowns, b = l->band;
-    for (int k = 0; k < n; k++) {
+    const double *share = shares(l, q);
+    for (int k = 0; k < n; k++, share += b) {
+        int rows = k + b < n - 1 ? b : n - 1 - k;
         double kept = v[pivot[k]];
         v[pivot[k]] = v[k], v[k] = kept;
-        for (int i = k + 1; i <= k + b && i < n; i++) v[i] -= *entry(l, q, i, k) * kept;
+        for (int i = 0; i < rows; i++) v[k + 1 + i] -= share[i] * kept;
     }
     for (int k = n - 1; k >= 0; k--) {
+        int columns = k + 2 * b < n - 1 ? 2 * b : n - 1 - k;
         const double *own = entry(l, q, k, k);
-        double sum = v[k];
-        for (int j = 1; j <= 2 * b && k + j < n; j++) sum -= own[j] * v[k + j];
-        v[k] = sum / *own;
+        double sum = v[k], other = 0.0;
+        for (int j = 1; j < columns; j += 2) sum -= own[j] * v[k + j], other -= own[j + 1] * v[k + j + 1];
+        if (columns % 2) sum -= own[columns] * v[k + columns];
+        v[k] = (sum + other) * *own;
     }
 }
 
@@ -268,7 +284,7 @@ static void reduce_piece(const ri_line *l, const ri_point *q, int i, const int *
     for (int k = 0; k < n; k++) right[k] = r[order[k]];
     for (int k = BLOCK(l, f, RI_STATES); k < BLOCK(l, f, RI_STATES + 1); k++) right[rows[k]] += b[at[k]] * x[columns[k]];
     for (int k = 0; k < n; k++) right[k] *= scale[order[k]];
-    substitute(q->dense + l->dense[i] + n * (n + m) + l->form_given[f] * m, n, row, right, to);
+    substitute(PACKED(l, q, i, f, n, m), n, m, row, right, to);
     for (int k = 0; k < l->form_given[f]; k++) force[k] = 0.0;
     for (int k = BLOCK(l, f, RI_FORCES); k < BLOCK(l, f, RI_FORCES + 1); k++) force[rows[k]] += b[at[k]] * to[columns[k]];
     for (int k = BLOCK(l, f, RI_FORCES_STATES); k < BLOCK(l, f, RI_FORCES_STATES + 1); k++)
@@ -276,20 +292,18 @@ static void reduce_piece(const ri_line *l, const ri_point *q, int i, const int *
 }
 
 /* Adds what the moves `v` of the nodes' unknowns do to a piece; writes down its own moves. */
-static void complete_piece(const ri_line *l, const ri_point *q, int i, const int *row, const double *v, double *own,
-                           double *side)
+static void complete_piece(const ri_line *l, const ri_point *q, int i, const double *v, double *own, double *side)
 {
     int f = l->form[i], nx = l->form_nx[f], n = l->form_nz[f], m = l->active_at[i + 1] - l->active_at[i];
     const int *rows = l->rows, *columns = l->columns, *at = l->at, *order = l->order_z + l->order_at[f];
     const int *unknown = l->active_unknown + l->active_at[i];
-    const double *a = q->dense + l->dense[i] + n, *b = q->kernel + l->blocks[i];
-    double x[nx + 1], move[m + 1], *z = side + l->nx + l->z[i];
-    for (int j = 0; j < m; j++) move[j] = v[unknown[j]];
-    for (int k = 0; k < n; k++) {
-        const double *by = a + (n + m) * row[k];
-        for (int j = 0; j < m; j++) own[k] += by[j] * move[j];
-        z[order[k]] = own[k];
+    const double *by = PACKED(l, q, i, f, n, m) + n, *b = q->kernel + l->blocks[i];
+    double x[nx + 1], *z = side + l->nx + l->z[i];
+    for (int j = 0; j < m; j++, by += n) {
+        double move = v[unknown[j]];
+        for (int k = 0; k < n; k++) own[k] += by[k] * move;
     }
+    for (int k = 0; k < n; k++) z[order[k]] = own[k];
     for (int k = 0; k < nx; k++) x[k] = 0.0;
     for (int k = BLOCK(l, f, RI_S); k < BLOCK(l, f, RI_S + 1); k++) x[rows[k]] += b[at[k]] * own[columns[k]];
     for (int k = BLOCK(l, f, RI_T); k < BLOCK(l, f, RI_T + 1); k++) x[rows[k]] += b[at[k]] * side[l->x[i] + columns[k]];
@@ -323,9 +337,9 @@ void ri_apply(const ri_line *l, ri_point *q, double c, double *side)
         memcpy(side + l->x[i], v + l->unknown[i], nx * sizeof(double));
         memcpy(side + l->nx + l->z[i], v + l->unknown[i] + nx, l->form_nz[f] * sizeof(double));
     }
-    row = q->pivot, to = own;
+    to = own;
     for (int i = 0; i < l->pieces; i++) {
-        complete_piece(l, q, i, row, v, to, side);
-        row += PIVOTS(l->form_nz[l->form[i]]), to += l->form_nz[l->form[i]];
+        complete_piece(l, q, i, v, to, side);
+        to += l->form_nz[l->form[i]];
     }
 }

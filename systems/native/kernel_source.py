@@ -39,6 +39,7 @@ _UNARY = {
             (ca.OP_FLOOR, "floor"),
             (ca.OP_CEIL, "ceil"),
             (ca.OP_FABS, "fabs"),
+            (ca.OP_ERF, "erf"),
         )
     },
 }
@@ -53,6 +54,8 @@ _OTHERS = {
     ca.OP_FMAX: "fmax({0}, {1})",
     ca.OP_ATAN2: "atan2({0}, {1})",
     ca.OP_HYPOT: "hypot({0}, {1})",
+    ca.OP_FMOD: "fmod({0}, {1})",
+    ca.OP_REMAINDER: "remainder({0}, {1})",
     ca.OP_COPYSIGN: "copysign({0}, {1})",
     ca.OP_LT: "{0} < {1}",
     ca.OP_LE: "{0} <= {1}",

@@ -26,7 +26,8 @@ double rw_stop_end(const rw_instance *m, int i)
     return m->s.stop_time + fabs(m->s.stop_speed[i]) / RW_STOP_DECELERATION;
 }
 
-/* Inputs at a time: those of the FMU, piecewise linear schedules, and the speeds of an emergency stop. */
+/* Inputs at a time: those of the FMU, piecewise linear schedules, the speeds of an emergency stop, and the rates of these
+ * that are inputs too. */
 void rw_inputs_at(rw_instance *m, double t, double *u)
 {
     for (int i = 0; i < RW_NU; i++) u[i] = m->s.u[i] + m->s.slope[i] * (t - m->s.slope_from);
@@ -47,6 +48,12 @@ void rw_inputs_at(rw_instance *m, double t, double *u)
     for (int i = 0; m->s.stopping && i < RW_NE; i++) {
         double end = rw_stop_end(m, i), passed = t - m->s.stop_time, speed = m->s.stop_speed[i];
         u[rw_stop_input[i]] = t >= end ? 0.0 : speed - copysign(RW_STOP_DECELERATION * passed, speed);
+    }
+    if (RW_NF) {
+        double rate[RW_NU + 1];
+        memcpy(rate, m->s.slope, sizeof rate);
+        rw_input_rates(m, t, 1.0, rate);
+        for (int i = 0; i < RW_NF; i++) u[rw_followed_input[i]] = rate[rw_followed_source[i]];
     }
 }
 

@@ -337,12 +337,14 @@ int rs_solve_all(const rs_line *l, rs_point *q, int rates)
     return RS_OK;
 }
 
-/* Cases one after the other: each vector of the next one is `stride` doubles behind; those solved are `good`. */
+/* Cases one after the other: each vector of the next one, and its loads in the spans, are `stride` entries behind; those
+ * solved are `good`. */
 int rs_solve_many(const rs_line *l, rs_point *q, int cases, const long long *stride, unsigned char *good)
 {
     for (int i = 0; i < cases; i++) {
         good[i] = rs_solve_all(l, q, 0) == RS_OK;
         q->x += stride[0], q->z += stride[1], q->u += stride[2], q->p += stride[3], q->d += stride[4];
+        q->used += stride[5];
     }
     return RS_OK;
 }

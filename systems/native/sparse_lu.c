@@ -97,6 +97,22 @@ static void eliminate(const rn_factors *f, int j, double value)
     for (int q = begin(f->lower_end, j); q < f->lower_end[j]; q++) f->work[f->lower[q]] -= f->l[q] * value;
 }
 
+/* The row that column k takes of those reached; -1 where there is none that is finite and not zero. */
+static int pivot_of(const rn_factors *f, const rn_pattern *a, int k, int top)
+{
+    int wanted = a->diagonal[k], inner = k < a->inner, pivot = -1;
+    double largest = 0.0;
+    for (int s = top; s < f->n; s++) {
+        int i = f->reached[s];
+        if (f->step_of[i] >= 0 || (inner && i >= a->inner)) continue;
+        if (!isfinite(f->work[i])) return -1;
+        if (fabs(f->work[i]) > largest) largest = fabs(f->work[i]), pivot = i;
+    }
+    if (f->mark[wanted] == k && f->step_of[wanted] < 0 && f->work[wanted] != 0.0)
+        if (!inner || fabs(f->work[wanted]) >= PREFERRED * largest) return wanted;
+    return inner ? pivot : -1;
+}
+
 /* Factors with new pivots. */
 static int choose(rn_factors *f, const rn_pattern *a, const double *entries)
 {
@@ -104,8 +120,7 @@ static int choose(rn_factors *f, const rn_pattern *a, const double *entries)
     f->steps = 0;
     for (int i = 0; i < f->n; i++) f->step_of[i] = f->mark[i] = -1, f->work[i] = 0.0;
     for (int k = 0; k < f->n; k++) {
-        int column = a->order[k], top = reach(f, a, column, k), pivot = -1;
-        double largest = 0.0;
+        int column = a->order[k], top = reach(f, a, column, k), pivot;
         if (room(f, l, u)) return RN_MEMORY;
         for (int p = begin(a->column_end, column); p < a->column_end[column]; p++) f->work[a->row[p]] = entries[p];
         for (int s = top; s < f->n; s++) {
@@ -118,16 +133,8 @@ static int choose(rn_factors *f, const rn_pattern *a, const double *entries)
                 f->work[i] = 0.0;
             }
         }
-        int wanted = a->diagonal[k];
-        for (int s = top; s < f->n; s++) {
-            int i = f->reached[s];
-            if (f->step_of[i] >= 0 || (k < a->inner && i >= a->inner)) continue;
-            if (!isfinite(f->work[i])) return RN_SINGULAR;
-            if (fabs(f->work[i]) > largest) largest = fabs(f->work[i]), pivot = i;
-        }
-        if (f->mark[wanted] == k && f->step_of[wanted] < 0 && fabs(f->work[wanted]) >= (k < a->inner ? PREFERRED : 0.0) * largest)
-            pivot = wanted;
-        if (pivot < 0 || (k >= a->inner && pivot != wanted) || f->work[pivot] == 0.0) return RN_SINGULAR;
+        pivot = pivot_of(f, a, k, top);
+        if (pivot < 0) return RN_SINGULAR;
         double value = f->work[pivot];
         f->step_of[pivot] = k;
         f->upper[u] = pivot; /* the diagonal is the last of its column */

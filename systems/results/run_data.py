@@ -20,7 +20,7 @@ from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results import line_clearance
 from ropeway.systems.results.column_labels import Labels
 from ropeway.systems.solvers.array_outputs import outputs_of_rows
-from ropeway.systems.solvers.compiled_rows import compiled_outputs
+from ropeway.systems.solvers.compiled_rows import compiled_outputs, solve_rows
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.state_rows import StateRows
@@ -76,8 +76,8 @@ class RunData(Tabular):
         return y, z
 
     def _evaluate(self, which: np.ndarray, outputs: np.ndarray, y: np.ndarray, z: np.ndarray) -> Certificate:
-        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays; returns the
-        certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
+        """Writes the outputs at places `outputs` and the algebraic variables at records `which` into arrays. Returns
+        the certificate of those that the run has not solved itself. Raises SimulationError for a record that fails."""
         of_core = compiled_outputs(self.model, outputs.tobytes()) if self._in_core else None
 
         def inexact() -> Iterator[StateRows]:
@@ -131,14 +131,17 @@ class RunData(Tabular):
             part = which[first : first + _BATCH]
             records = [self.records[i] for i in part.tolist()]
             rows = restored_rows(self.model, self.runs, self.parameters, records, compiled=self._in_core)
-            solve_points(self.model, [rows[i] for i in np.flatnonzero(~self.exact[part]).tolist()])
+            left = np.flatnonzero(~self.exact[part])
+            if self._in_core:
+                left = solve_rows(self.model, rows, left)
+            solve_points(self.model, [rows[i] for i in left.tolist()])
             yield rows
 
     @cached_property
     def _in_core(self) -> bool:
-        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled. The
-        numbers are the same without a compiler."""
-        if not self.compiled:
+        """Whether states are restored and outputs evaluated in the compiled core, where the run was compiled, without
+        inertia. The numbers are the same without a compiler."""
+        if not self.compiled or self.model.inertia is not None:
             return False
         try:
             compiled_outputs(self.model, np.array(self.model.y.shown, dtype=int).tobytes())

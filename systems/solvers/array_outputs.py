@@ -56,8 +56,8 @@ class Group:
 
 class OutputGroups:
     """How the outputs of a model are evaluated: groups of components in their order; `shared`: places of what all
-    components read. Rope ends are numbered; the number `ends` is that of none, and the place `none` behind all variables is
-    zero."""
+    components read. Rope ends are numbered; the number `ends` is that of none. The place `none` behind all variables
+    is zero."""
 
     def __init__(self, model: Model) -> None:
         places = _Places(model)
@@ -235,7 +235,8 @@ def outputs_of_rows(model: Model, rows: StateRows, which: np.ndarray, few: int =
     change their last bits."""
     if has_groups(model) and len(rows) >= few:
         return _array_outputs(model, which.tobytes())(rows.values.T, rows.time).T
-    found = [outputs_of(model)(*point.arguments)[0][which] for point in rows]
+    alone = StateRows(model, np.ascontiguousarray(rows.values), rows.time)
+    found = [outputs_of(model)(*point.arguments)[0][which] for point in alone]
     return np.array(found).reshape(len(rows), len(which))
 
 

@@ -17,8 +17,9 @@ from scipy.sparse.csgraph import connected_components
 
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.equations import equations
 from ropeway.systems.solvers.damped_newton import damped
-from ropeway.systems.solvers.equations import equations
+from ropeway.systems.solvers.kernels.compiled_newton import CompiledBlock
 from ropeway.systems.solvers.model_functions import Buffered, solve_sparse
 from ropeway.systems.solvers.points import VECTORS, Point
 
@@ -34,6 +35,21 @@ class _Block:
     used: tuple[np.ndarray, ...]
     value: Buffered
     step: Buffered
+    nominal: np.ndarray
+
+    def solve(self, point: Point, x_rate: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The variables from their values at a point, and their rates [per s], for those of the states and inputs.
+        Raises EquilibriumError."""
+        nominal, n = self.nominal, len(self.columns)
+        x, z, u, p, d = (vector[places] for vector, places in zip(point.vectors, self.used, strict=True))
+        rest = [u, p, d, x_rate[self.used[0]], slope[self.used[2]]]
+        v, sides = damped(
+            z / nominal,
+            _copied(self.step, [np.array([point.t]), x], nominal, rest),
+            _copied(self.value, [np.array([point.t]), x], nominal, rest),
+            self.names,
+        )
+        return v * nominal, -sides[n : 2 * n] * nominal
 
 
 class Blocks:
@@ -53,12 +69,15 @@ class Blocks:
         label = np.zeros(2 * n, dtype=int) if model.external else connected_components(graph, directed=False)[1]
         self.of = label[n:]
         self._row_of = label[:n]
-        self._blocks: dict[int, _Block] = {}
+        self._blocks: dict[int, _Block | CompiledBlock] = {}
 
-    def _block(self, number: int) -> _Block:
+    def _block(self, number: int) -> _Block | CompiledBlock:
         """A block; its functions, of its own variables only, are made at the first use."""
         if number not in self._blocks:
             rows = np.flatnonzero(self._row_of == number)
+            if self.model.compiled:
+                self._blocks[number] = CompiledBlock(self.model, rows, np.flatnonzero(self.of == number))
+                return self._blocks[number]
             found = self._alg.only(rows.tolist())
             residual = found.value
             used = tuple(self._used(residual, kind) for kind in VECTORS)
@@ -77,6 +96,7 @@ class Blocks:
                 used,
                 Buffered(ca.Function("value", inputs, [residual])),
                 Buffered(ca.Function("step", symbols, [value, solve_sparse(matrix, sides)])),
+                self.model.z.nominals[columns],
             )
         return self._blocks[number]
 
@@ -93,17 +113,7 @@ class Blocks:
         `x_rate` of the states and `slope` of the inputs. Raises EquilibriumError."""
         for number in blocks:
             block = self._block(number)
-            nominal, n = self.model.z.nominals[block.columns], len(block.columns)
-            x, z, u, p, d = (vector[places] for vector, places in zip(point.vectors, block.used, strict=True))
-            rest = [u, p, d, x_rate[block.used[0]], slope[block.used[2]]]
-            v, sides = damped(
-                z / nominal,
-                _copied(block.step, [np.array([point.t]), x], nominal, rest),
-                _copied(block.value, [np.array([point.t]), x], nominal, rest),
-                block.names,
-            )
-            point.z[block.columns] = v * nominal
-            rates[block.columns] = -sides[n : 2 * n] * nominal
+            point.z[block.columns], rates[block.columns] = block.solve(point, x_rate, slope)
 
 
 def _entries(vector: Any, places: np.ndarray) -> Any:

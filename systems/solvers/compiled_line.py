@@ -94,7 +94,8 @@ class CompiledLine:
         )
 
     def solve_cases(self, cases: Cases, used: np.ndarray) -> np.ndarray:
-        """Solves many cases in place, `used` loads in each span; returns which have converged."""
+        """Solves many cases in place, `used` loads in each span (spans,), or in each case (cases, spans); returns which
+        have converged."""
         count = cases.z.shape[1]
         good = np.zeros(count, dtype=np.uint8)
         if count == 0:
@@ -104,7 +105,8 @@ class CompiledLine:
         x, z, u, p, d = (row[0] for row in rows)
         first = Point(x, z, u, p, d)
         solver = PointSolver(self, first, used, np.zeros(len(x)), np.zeros(len(u)))
-        strides = np.array([row.strides[0] // row.itemsize for row in rows], dtype=np.int64)
+        moves = [row.strides[0] // row.itemsize for row in (*rows, *([used] if used.ndim == 2 else []))]
+        strides = np.array([*moves, 0][:6], dtype=np.int64)
         self.core.rs_solve_many(
             ctypes.byref(self.tables), ctypes.byref(solver.point), count, strides.ctypes.data, good.ctypes.data
         )

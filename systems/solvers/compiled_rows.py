@@ -17,6 +17,7 @@ from ropeway.systems.native.section_library import Motion, OutputCalls, section_
 from ropeway.systems.solvers.array_outputs import FORCE, Form, Group, output_function, output_groups
 from ropeway.systems.solvers.compiled_line import PointSolver, addresses_of, compiled_line
 from ropeway.systems.solvers.compiled_nodes import Filled
+from ropeway.systems.solvers.condensed_newton import Cases
 from ropeway.systems.solvers.line_sections import shared_count
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.solvers.state_rows import StateRows
@@ -43,9 +44,18 @@ def write_slots(model: Model, runs: Sequence[Run], p: np.ndarray, d: np.ndarray,
     solver = PointSolver(
         line, Point(empty, empty, empty, p, d[0]), np.zeros(len(line.section_of), np.int64), empty, empty
     )
-    tables, point, first = ctypes.byref(line.tables), ctypes.byref(solver.point), d.ctypes.data
-    stride = d.strides[0] // d.itemsize
-    line.core.rs_write_rows(tables, point, motion.address, first, stride, beyond.ctypes.data, len(d))
+    call, tables, stride = line.core.rs_write_rows, ctypes.byref(line.tables), d.strides[0] // d.itemsize
+    where = ctypes.byref(solver.point)
+    call(tables, where, motion.address, d.ctypes.data, stride, beyond.ctypes.data, len(d))
+
+
+def solve_rows(model: Model, rows: StateRows, which: np.ndarray) -> np.ndarray:
+    """Solves the states `which` in place; returns those that are not solved, which are unchanged."""
+    some = rows.some(which)
+    used = np.hstack([beyond[:, :-1] - beyond[:, 1:] for beyond in some.passed]).astype(np.int64)
+    good = compiled_line(model).solve_cases(Cases(*some.columns.vectors), np.ascontiguousarray(used))
+    rows.z[which[good]] = some.z[good]
+    return which[~good]
 
 
 class CompiledOutputs:

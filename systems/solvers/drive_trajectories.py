@@ -2,7 +2,7 @@
 
 While no limit is active, the motion of a drive does not depend on the tensions: its control cancels them. The states
 alone are then a small system of equations, which IDAS solves over a whole window, across crossings, and the algebraic
-variables follow section by section.
+variables follow section by section. Where all of them follow commands, they are known without it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from ropeway.components.errors import SimulationError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.solvers.equations import expanded
+from ropeway.systems.modelling.equations import expanded
 from ropeway.systems.solvers.idas import strict
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import VECTORS, Point
@@ -101,7 +101,7 @@ class Drives:
         )
         self._commanded = commanded_of(model)
         self._f: Buffered | None = None
-        if nx:
+        if nx > len(self._commanded.rows):  # those that follow commands are known
             dae = {
                 "t": tau,
                 "x": w,
@@ -142,6 +142,7 @@ class Drives:
         nominal = self.model.x.nominals
         line = point.x + np.outer(NODES * h, rate)
         if self._f is None:
+            self._commanded.put(line[1:], point, NODES[1:] * h, slope)
             return Window(point.t, h, line)
         knowns = np.concatenate([[point.t, h], point.x, rate, slope, point.z, point.u, point.p, point.d])
         try:

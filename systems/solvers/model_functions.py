@@ -16,8 +16,8 @@ from scipy.sparse.csgraph import maximum_bipartite_matching, reverse_cuthill_mck
 from ropeway.components.variable import Kind
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.equations import equations, scalar
 from ropeway.systems.solvers.damped_newton import damped
-from ropeway.systems.solvers.equations import equations, scalar
 from ropeway.systems.solvers.points import VECTORS, Slot
 
 

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
-from ropeway.systems.solvers.equations import expanded
+from ropeway.systems.modelling.equations import expanded
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import Point
 

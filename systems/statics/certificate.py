@@ -237,7 +237,8 @@ def certify_rows(model: Model, runs: Sequence[Run], batches: Iterable[StateRows]
         size = 256 if model.inertia is not None else _batch_size(layout_of(model))
         for a in range(0, len(rows), size):
             part = slice(a, a + size)
-            values, passed = rows.values[part], [beyond[part] for beyond in rows.passed]
+            values = rows.values[part]  # noqa: PD011  # no frame
+            passed = [beyond[part] for beyond in rows.passed]
             points = StateRows(model, values, rows.time[part])
             checks = _checks(model, values, points, runs, passed, (), ())
             found += [check._replace(record=check.record + first + a) for check in checks]
@@ -259,7 +260,7 @@ def certified_variants(
 ) -> np.ndarray:
     """Which of many states of a line, each with loads of other `masses` (states, loads) in each run, hold every check,
     also that of the ropes' breaking load, (states,). `passed` as in `certify`, the same in all states."""
-    values = states.values
+    values = states.values  # noqa: PD011  # no frame
     good, left = np.zeros(len(values), dtype=bool), [np.arange(len(values))] if len(values) else []
     size = _batch_size(layout_of(model))
     while left:

@@ -161,11 +161,9 @@ def restored_rows(
     model has slots. compiled: in compiled code."""
     ends = np.cumsum([len(model.x), len(model.z), len(model.u), len(model.p), len(model.d)])
     values = np.empty((len(records), int(ends[-1]) + 1))
-    counts = list[tuple[np.ndarray, ...]]()
     x, z, u, parameters, d, _ = np.split(values, ends, axis=1)
-    for i, record in enumerate(records):
-        x[i], z[i], u[i] = record.x, record.z, record.u
-        counts.append(record.passed)
+    x[:], z[:], u[:] = ([getattr(record, name) for record in records] for name in "xzu")
+    counts = [record.passed for record in records]
     parameters[:], values[:, -1], d[:] = p, 0.0, model.d.values
     d[:, model.kept] = [record.kept for record in records]
     passed = [np.array([beyond[r] for beyond in counts]) - run.loads.first for r, run in enumerate(runs)]

@@ -1,4 +1,4 @@
-"""Random rigs in compiled code have the load paths and payloads that they have without.
+"""Random rigs in compiled code have the load paths and payloads that they have without; random systems the equilibria.
 
 pytest tests/campaigns/test_compiled_rigs.py -m slow --campaign-seed 7 --campaign-count 100
 """
@@ -14,6 +14,7 @@ import pytest
 
 import ropeway as rw
 from support.compiled import require_same_table
+from support.known_systems import known_system
 from support.random_rigs import Drawn, drawn
 
 
@@ -49,3 +50,27 @@ def test_random_rigs_compiled(campaign: Any) -> None:
                 raise
             seen[study.__name__] += 1
     assert seen.total() - seen["failed"] > 0.5 * count, seen
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::ropeway.components.errors.RopewayWarning")
+def test_random_systems_compiled(campaign: Any) -> None:
+    count, solved = campaign.size(40), 0
+    for seed in range(1000 * campaign.seed, 1000 * campaign.seed + count):
+        try:
+            case = known_system(seed)
+        except ArithmeticError:
+            continue
+        wanted: dict[str, Any] = {"given": case.given, "solve_for": case.solve_for}
+        try:
+            plain = rw.equilibrium(case.system, **wanted)
+        except rw.RopewayError as error:
+            with pytest.raises(type(error)):
+                rw.equilibrium(case.system, **wanted, compiled=True)
+            continue
+        compiled = rw.equilibrium(case.system, **wanted, compiled=True)
+        np.testing.assert_allclose(
+            compiled.frame["value"], plain.frame["value"], rtol=1e-7, atol=1e-6, err_msg=f"seed {seed}, {case.kind}"
+        )
+        solved += 1
+    assert solved > 0.5 * count

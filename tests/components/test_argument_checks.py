@@ -130,8 +130,12 @@ def test_overflow_is_a_typed_error() -> None:
         lambda line: rw.exact_load(line, 30.0, 2e5, "rollin"),  # type: ignore[arg-type]
         lambda line: rw.exact_load(line, -31.0, 2e5, "clamped"),
         lambda line: rw.exact_load(line, [30.0, 30.0, 30.0], [2e5, 2e5], "clamped"),  # type: ignore[arg-type]
-        lambda line: rw.stretched_position(rw.Rope.named("6x19 EEIP 19"), stations=9.0, horizontal=1e4, vertical=0.0, method="elastik"),  # type: ignore[arg-type]
-        lambda line: rw.unstretched_length(rw.Rope.named("6x19 EEIP 19"), length=90.0, horizontal=1e4, vertical=0.0, gravity=-1.62),
+        lambda line: rw.stretched_position(
+            rw.Rope.named("6x19 EEIP 19"), stations=9.0, horizontal=1e4, vertical=0.0, method="elastik"  # type: ignore[arg-type]
+        ),
+        lambda line: rw.unstretched_length(
+            rw.Rope.named("6x19 EEIP 19"), length=90.0, horizontal=1e4, vertical=0.0, gravity=-1.62
+        ),
     ],
 )  # fmt: skip
 def test_handbook_functions_refuse_what_has_no_result(call: Callable[[rw.LoadedSpan], object]) -> None:

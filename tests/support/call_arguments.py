@@ -176,7 +176,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         },
         "emergency_stop": lambda: {
             "line": line(), "decelerations": [2.0], "settle": 0.5, "every": 0.1, "start": None,
-            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "progress": False,
+            "inputs": {"c.speed": 0.6}, "inertia": rw.Inertia(), "progress": False, "compiled": False,
         },
         "equilibrium": lambda: {
             "system": one_span(), "given": {"a_b.tension_b": 30e3}, "solve_for": "turn.mass",
@@ -327,7 +327,7 @@ def functions() -> dict[str, Callable[[], dict[str, Any]]]:
         "fmu.export": lambda: {
             "system": one_span(), "path": folder() / "again.fmu", "fmi": "3.0", "inputs": None, "outputs": None,
             "parameters": None, "platforms": (), "tolerance": 1e-6, "station": None, "payload": None,
-            "emergency_stop": None,
+            "emergency_stop": None, "inertia": None,
         },
         "fmu.run_report": lambda: {
             "frame": pd.DataFrame({"a.x": [0.0, 1.0]}, index=pd.Index([0.0, 1.0], name="time")),

@@ -10,10 +10,10 @@ from ropeway.components.errors import SimulationError
 from ropeway.systems.dynamics.inertia import support_zones as zones
 from ropeway.systems.dynamics.inertia.inertial_line import InertialLine
 from ropeway.systems.dynamics.inertia.inertial_stepper import InertialStepper
-from ropeway.systems.dynamics.line_stepper import LineMotion
+from ropeway.systems.dynamics.line_stepper import LineMotion, Signal
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.inertial_library import FAILURES, SystemRun
-from ropeway.systems.solvers.inertial_core import CorePoint, InertialCore, inertial_core
+from ropeway.systems.solvers.kernels.inertial_core import CorePoint, InertialCore, inertial_core
 from ropeway.systems.statics.line_state import LineState
 
 _FIRST, _SHORTEST = 0.01, 1e-9
@@ -48,16 +48,16 @@ class Bounds:
         run [m/s]."""
         moved = [now - then for now, then in zip(self._read(state), self._travels, strict=True)]
         now = [t._replace(gap=t.gap - t.side * moved[t.r][t.k]) for t in self._thresholds]
-        if not any((t.on & (t.gap <= zones.NEAR) & (t.side * rates[t.r][t.k] > 0.0)).any() for t in now):
-            return []
-        return zones.due(zones.approached(now, rates))
+        return zones.due(zones.approached(now, rates, zones.NEAR))
 
 
 class CompiledInertialLine(InertialLine):
-    """A line with inertia that the core solves and moves."""
+    """A line with inertia that the core solves and moves. Raises CompiledError where it does not fit, CompilerError,
+    WriteError."""
 
-    _point: CorePoint | None = None
-    _step = _FIRST
+    def __init__(self, state: LineState, signals: Sequence[Signal], tolerance: float) -> None:
+        super().__init__(state, signals, tolerance)
+        self._step, self._point = _FIRST, CorePoint(self.core)
 
     @property
     def core(self) -> InertialCore:
@@ -67,7 +67,7 @@ class CompiledInertialLine(InertialLine):
     def point(self, stop: float) -> CorePoint:
         """The present point in the core."""
         stop_if_interrupted()
-        if self._point is None or self._point.core is not self.core:
+        if self._point.core is not self.core:
             self._point = CorePoint(self.core)
         self._point.put(self.state.point, self.slope(stop))
         return self._point
@@ -121,19 +121,28 @@ class CompiledInertialStepper(InertialStepper):
     line_kind = CompiledInertialLine
 
     def run_along(self, stops: Sequence[float]) -> int:
-        """Advances through some evenly spaced stops with an entry at each; returns how many they are. Raises
-        EquilibriumError, SimulationError."""
-        for stop in stops:
-            self.run_to(stop)
-            self.recorder.record(self.state, on_grid=True)
+        """Advances through evenly spaced stops with an entry at each; returns how many they are. Inputs do not bend
+        before the last one. Raises EquilibriumError, SimulationError."""
+        if stops:
+            begin = self._begin(stops[-1])
+            for stop in stops:
+                begin = self._advance_to(stop, *begin)
+                self.recorder.record(self.state, on_grid=True)
         return len(stops)
 
     def run_to(self, stop: float) -> None:
         """Advances to `stop` [s], before which no input bends and nothing acts on the line; solved there. Raises
         EquilibriumError, SimulationError."""
+        self._advance_to(stop, *self._begin(stop))
+
+    def _begin(self, stop: float) -> tuple[LineMotion, Bounds]:
+        """The rates at the present time, and what loads come to."""
+        self.line.set_time(self.line.time)
+        return self.line.solve(stop), Bounds(self.state)
+
+    def _advance_to(self, stop: float, motion: LineMotion, bounds: Bounds) -> tuple[LineMotion, Bounds]:
+        """As `run_to`, from known rates and bounds; returns those at the stop."""
         line = self.line
-        line.set_time(line.time)
-        motion, bounds = line.solve(stop), Bounds(self.state)
         while line.time < stop - 1e-9:
             if due := bounds.due(self.state, motion.travel):
                 motion = self._act(due, motion, stop)
@@ -142,3 +151,4 @@ class CompiledInertialStepper(InertialStepper):
                 motion = line.move(stop, bounds)
         self._motion = motion
         self.state.require_rope("End the run before, or turn the drive")
+        return motion, bounds

@@ -96,27 +96,25 @@ def thresholds(state: LineState) -> list[Threshold]:
             found.append(Threshold(TIE, r, k, -side, gap, early, free & ties[k], number, end == 1))
         k, tied = np.maximum(loads.tied, 0), loads.tied >= 0
         past, before, behind = loads.place - rope[k], tied & (loads.span < k), tied & (loads.span >= k)
-        reach, exact = BEYOND * zone + early, np.zeros(len(past))
+        reach, at_once = BEYOND * zone + early, np.zeros(len(number))
         found += [
-            Threshold(CROSS, r, k, 1.0, PAST - past, exact, before, number, True),
-            Threshold(CROSS, r, k, -1.0, past + PAST, exact, behind, number, False),
+            Threshold(CROSS, r, k, 1.0, PAST - past, at_once, before, number, True),
+            Threshold(CROSS, r, k, -1.0, past + PAST, at_once, behind, number, False),
             Threshold(LEAVE, r, k, -1.0, reach + past, early, before & inside, number, False),
             Threshold(LEAVE, r, k, 1.0, reach - past, early, behind & inside, number, True),
         ]
     return found
 
 
-def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray]) -> list[ZoneEvent]:
-    """The events towards which loads move, at `rates` of travel of each run [m/s]."""
+def approached(found: Sequence[Threshold], rates: Sequence[np.ndarray], within: float = np.inf) -> list[ZoneEvent]:
+    """The events towards which loads move, at `rates` of travel of each run [m/s], up to where they are possible
+    `within` [m]."""
     events = list[ZoneEvent]()
     for t in found:
         speed = t.side * rates[t.r][t.k]
-        events += [
-            ZoneEvent(
-                t.what, t.r, int(t.k[i]), int(t.load[i]), float(t.gap[i]), float(speed[i]), float(t.early[i]), t.forward
-            )
-            for i in np.flatnonzero(t.on & (speed > 1e-9))
-        ]
+        for i in np.flatnonzero(t.on & (speed > 1e-9) & (t.gap <= within + t.early)):
+            numbers = float(t.gap[i]), float(speed[i]), float(t.early[i])
+            events.append(ZoneEvent(t.what, t.r, int(t.k[i]), int(t.load[i]), *numbers, t.forward))
     return events
 
 

@@ -12,13 +12,16 @@ from scipy.sparse.linalg import splu
 
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.network_library import (
+    FAILURES,
     NETWORK_INTEGERS,
     MatrixPattern,
     NetworkProblem,
     NetworkTables,
     network_library,
 )
+from ropeway.systems.solvers.damped_newton import failure
 from ropeway.systems.solvers.kernels.kernel_network import Network
+from ropeway.systems.solvers.kernels.kernel_parts import compile_all
 
 Entry = tuple[int, int, float]
 """A travel that can be held back: its residual, its unknown, and the sign of its balance."""
@@ -38,16 +41,16 @@ class _Tables:
 
 
 class CompiledNetwork:
-    """A network in C; `unknowns` are their places in it."""
+    """A network in C, whose travels of `balances` can be held back. Raises CompilerError, WriteError, Interrupted."""
 
-    def __init__(self, net: Network, unknowns: Sequence[int] = (), balances: Sequence[Entry] = ()) -> None:
+    def __init__(self, net: Network, balances: Sequence[Entry] = ()) -> None:
         self._core, self.one, self.rows = network_library(), net.one, np.array(net.rows, dtype=np.intp)
         places = {(i, j): place for i, row in enumerate(net.matrix) for j, place in row.items()}
         for row, column, _ in balances:
             places.setdefault((row, column), -1)
         cells = sorted(places, key=lambda cell: cell[::-1])
         number = {cell: k for k, cell in enumerate(cells)}
-        count = len(unknowns)
+        count = len(net.unknowns)
         columns = np.bincount(np.array([column for _, column in cells], dtype=int), minlength=count)
         ends = np.concatenate([[0], np.cumsum(columns)]).astype(np.int32)
         rows = np.array([row for row, _ in cells], dtype=np.int32)
@@ -62,7 +65,7 @@ class CompiledNetwork:
             "terms_end": np.cumsum([len(terms) for _, terms in net.sums]),
             "factor": [a for _, terms in net.sums for a, _ in terms],
             "other": [b for _, terms in net.sums for _, b in terms],
-            "unknown": unknowns,
+            "unknown": net.unknowns,
             "residual": net.rows,
             "drift": net.drifts,
             "entry": [places[cell] for cell in cells],
@@ -73,7 +76,8 @@ class CompiledNetwork:
         for name in NETWORK_INTEGERS:
             tables.put(name, arrays[name])
         tables.put("sign", [sign for _, _, sign in balances], np.float64)
-        tables.put("kernels", net.kernels, np.uint64)
+        compile_all(net.kernels)
+        tables.put("kernels", [kernel.address for kernel in net.kernels], np.uint64)
         t = tables.structure
         t.pattern, t.calls, t.values, t.sums = self._pattern.structure, len(net.kernels), net.size, len(net.sums)
         t.drifts, t.entries, t.balances = net.drift_sums, len(cells), len(balances)
@@ -115,12 +119,18 @@ class CompiledNetwork:
         self._core.rn_matrix(self._at, ctypes.byref(problem), unknowns.ctypes.data, entries.ctypes.data)
         return entries
 
-    def solve(self, problem: NetworkProblem, found: np.ndarray) -> int:
-        """Solves in place, `found` (3, unknowns): the unknowns, the residual of a failure, the rates, all scaled.
-        Returns a code of `FAILURES`, or 0. Raises Interrupted."""
+    def root(self, problem: NetworkProblem, start: np.ndarray, names: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+        """The root from a start, and the rates of the unknowns, all scaled; `names` of the residuals are for the error.
+        Raises EquilibriumError, Interrupted."""
         stop_if_interrupted()
+        found = np.full((3, len(start)), np.nan)
+        found[0] = start
         first, row = found.ctypes.data, found.strides[0]
-        return int(self._core.rn_solve(self._at, ctypes.byref(problem), first, first + row, first + 2 * row))
+        code = self._core.rn_solve(self._at, ctypes.byref(problem), first, first + row, first + 2 * row)
+        if code:
+            residual = None if np.isnan(found[1]).all() else found[1]
+            raise failure(residual, FAILURES[code].format(iterations=problem.iterations), names)
+        return found[0], found[2]
 
 
 class _Pattern(_Tables):

@@ -11,17 +11,17 @@ from scipy.sparse import csc_matrix
 
 from ropeway.components.errors import CompiledError
 from ropeway.systems.modelling.dae_model import Model
-from ropeway.systems.native.network_library import FAILURES, NetworkProblem
-from ropeway.systems.solvers.damped_newton import failure
+from ropeway.systems.native.network_library import NetworkProblem
 from ropeway.systems.solvers.kernels.compiled_network import CompiledNetwork
 from ropeway.systems.solvers.kernels.kernel_network import (
     Network,
-    network,
+    block_network,
     network_of_outputs,
     network_of_residuals,
+    newton_network,
 )
 from ropeway.systems.solvers.model_functions import NewtonInputs
-from ropeway.systems.solvers.points import Slot
+from ropeway.systems.solvers.points import Point, Slot
 
 
 class CompiledFunctions:
@@ -39,11 +39,8 @@ class CompiledFunctions:
 
     def _compiled(self, *, rates: bool) -> CompiledNetwork:
         model, freed, given = self._model, self._freed, self._given
-        before = 1 + len(model.x)
-        after = before + len(model.z) + len(model.u) + len(model.p) + len(model.d)
-        unknowns = [*range(before, before + len(model.z)), *range(after, after + len(freed))]
         balances = [(b.residual, b.travel, b.sign) for b in model.balances]
-        return CompiledNetwork(network(model, freed, given, rates=rates), unknowns, balances)
+        return CompiledNetwork(newton_network(model, freed, given, rates=rates), balances)
 
     @property
     def entries(self) -> int:
@@ -67,13 +64,7 @@ class CompiledFunctions:
         net = self.with_rates if rates else self.plain
         problem, _kept = self._problem(net, inputs)
         problem.iterations, problem.shortest, problem.rates = iterations, shortest, rates
-        found = np.full((3, len(inputs.unknowns)), np.nan)
-        found[0] = inputs.unknowns
-        code = net.solve(problem, found)
-        if code:
-            residual = None if np.isnan(found[1]).all() else found[1]
-            raise failure(residual, FAILURES[code].format(iterations=iterations), names)
-        return found[0], found[2]
+        return net.root(problem, inputs.unknowns, names)
 
     def _problem(self, net: CompiledNetwork, q: NewtonInputs) -> tuple[NetworkProblem, np.ndarray]:
         """What a solve is given, and the array behind it. The unknowns are written into the vectors later."""
@@ -85,6 +76,25 @@ class CompiledFunctions:
         problem, memory = net.problem(vectors, (q.scale, q.weight, target, q.anchor))
         problem.damping = float(q.damping[0])
         return problem, memory
+
+
+class CompiledBlock:
+    """Some residuals of a model in compiled code, solved for as many algebraic variables `columns`."""
+
+    def __init__(self, model: Model, rows: np.ndarray, columns: np.ndarray) -> None:
+        require_kernels(model)
+        self.columns, self._names = columns, tuple(model.r.names[i] for i in rows)
+        self._net = CompiledNetwork(block_network(model, rows.tolist(), columns.tolist()))
+        self._scaling = (model.z.nominals[columns], 1.0 / model.r.nominals[rows])
+
+    def solve(self, point: Point, x_rate: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The variables from their values at a point, and their rates [per s], for those of the states and inputs.
+        Raises EquilibriumError."""
+        scale, time = self._scaling[0], np.array([point.t])
+        problem, _kept = self._net.problem([time, *point.vectors, np.ones(1), x_rate, slope], self._scaling)
+        problem.iterations, problem.shortest, problem.rates = 50, 1e-7, True
+        v, rates = self._net.root(problem, point.z[self.columns] / scale, self._names)
+        return v * scale, rates * scale
 
 
 def require_kernels(model: Model) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.kernels.call_graph import CallGraph, call_graph
-from ropeway.systems.solvers.kernels.kernel_parts import PARTS, Part
+from ropeway.systems.solvers.kernels.kernel_parts import PARTS, Kernel, Part
 from ropeway.systems.solvers.points import Slot
 
 Terms = list[tuple[int, int]]
@@ -20,15 +20,16 @@ Terms = list[tuple[int, int]]
 class Network:
     """Calls and sums over one array of values: the vectors t, x, z, u, p, d, what is freed, results and derivatives of
     calls, sums, and the number one. `kernels`, `results`, `inputs` of each call; `sums`: place and factors of each,
-    those of rates last; `rows`: place of each residual; `matrix`: unknown and place of each entry of each residual;
-    `drifts`: place of the rate of each residual, -1 for none, empty without rates."""
+    those of rates last; places of the `unknowns` and of the residuals, `rows`; `matrix`: of each residual unknown and
+    place of its entries; `drifts`: place of the rate of each residual, -1 for none, empty without rates."""
 
     size: int
     one: int = -1
-    kernels: list[int] = field(default_factory=list)
+    kernels: list[Kernel] = field(default_factory=list)
     results: list[int] = field(default_factory=list)
     inputs: list[list[int]] = field(default_factory=list)
     sums: list[tuple[int, Terms]] = field(default_factory=list)
+    unknowns: list[int] = field(default_factory=list)
     rows: list[int] = field(default_factory=list)
     matrix: list[dict[int, int]] = field(default_factory=list)
     drifts: list[int] = field(default_factory=list)
@@ -44,43 +45,31 @@ class _Needed:
     made: list[Any]
 
 
-def network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, rates: bool = False) -> Network:
+def newton_network(model: Model, freed: tuple[Slot, ...], given: tuple[Slot, ...], *, rates: bool = False) -> Network:
     """The network of the residuals of a model for what is freed and given; with the rates of its unknowns or without.
-    Raises CompilerError, WriteError, Interrupted."""
+    Raises Interrupted."""
     graph = call_graph(model, freed, outputs=any(kind is Kind.OUTPUT for kind, _ in given))
     rows = [*graph.alg, *(_chosen(graph, slot) for slot in given)]
-    states = list(graph.ode) if rates else []
     builder = _Builder(graph)
-    time, x, z, u, *_, own = graph.vectors
-    for i, symbol in enumerate((*z, *own)):
-        builder.unknown(symbol, i)
-    slope = builder.room(len(u)) if rates else 0
-    moving = [time[0], *x, *u] if rates else []
-    for i, symbol in enumerate(moving, len(rows)):
-        builder.unknown(symbol, i)
-    builder.call([*rows, *states])
-    net = builder.net
-    net.rows = [builder.place(row) for row in rows]
-    net.matrix = [{i: s for i, s in builder.slots(row).items() if i < len(rows)} for row in rows]
-    if rates:
-        # The rate of time is one, those of the inputs stand behind that one, those of the states are results.
-        speeds = [net.one, *(builder.place(rate) for rate in states), *range(slope, slope + len(u))]
-        before = len(net.sums)
-        for row in rows:
-            terms = [(s, speeds[i - len(rows)]) for i, s in builder.slots(row).items() if i >= len(rows)]
-            net.drifts.append(builder.sum_of(terms) if terms else -1)
-        net.drift_sums = len(net.sums) - before
-    return net
+    unknowns = [*graph.vectors[2], *graph.vectors[6]]
+    return builder.solved(rows, unknowns, rates=graph.ode if rates else None)
+
+
+def block_network(model: Model, rows: Sequence[int], columns: Sequence[int]) -> Network:
+    """The network of some residuals of a model for some of its algebraic variables, with the rates of these: rates of
+    the states and of the inputs are given. Raises Interrupted."""
+    graph = call_graph(model, (), outputs=False)
+    return _Builder(graph).solved([graph.alg[i] for i in rows], [graph.vectors[2][i] for i in columns], rates=())
 
 
 def network_of_outputs(model: Model) -> Network:
-    """The network of the outputs of a model. Raises CompilerError, WriteError, Interrupted."""
+    """The network of the outputs of a model. Raises Interrupted."""
     graph = call_graph(model, (), outputs=True)
     return _values(graph, graph.y)
 
 
 def network_of_residuals(model: Model) -> Network:
-    """The network of the residuals of a model, without derivatives. Raises CompilerError, WriteError, Interrupted."""
+    """The network of the residuals of a model, without derivatives. Raises Interrupted."""
     graph = call_graph(model, (), outputs=False)
     return _values(graph, graph.alg)
 
@@ -131,6 +120,28 @@ class _Builder:
         self.net.sums.append((place, terms))
         return place
 
+    def solved(self, rows: Sequence[Any], unknowns: Sequence[Any], *, rates: Sequence[Any] | None) -> Network:
+        """The network of residuals with their derivatives. With `rates` of the states, or where these are given, also
+        with what moves the residuals: rates that are given stand behind the number one, those of the states first."""
+        net, (time, x, _, u, *_) = self.net, self.graph.vectors
+        moving, speeds = list[Any](), list[int]()
+        if rates is not None:
+            given = self.room((0 if rates else len(x)) + len(u))
+            moving = [time[0], *x, *u]
+        for i, symbol in enumerate((*unknowns, *moving)):
+            self.unknown(symbol, i)
+        self.call([*rows, *(rates or ())])
+        if rates is not None:
+            speeds = [net.one, *map(self.place, rates), *range(given, given + len(x) * (not rates) + len(u))]
+        net.unknowns, net.rows = [self.place(symbol) for symbol in unknowns], [self.place(row) for row in rows]
+        net.matrix = [{i: s for i, s in self.slots(row).items() if i < len(rows)} for row in rows]
+        before = len(net.sums)
+        for row in rows if rates is not None else ():
+            terms = [(s, speeds[i - len(rows)]) for i, s in self.slots(row).items() if i >= len(rows)]
+            net.drifts.append(self.sum_of(terms) if terms else -1)
+        net.drift_sums = len(net.sums) - before
+        return net
+
     def call(self, wanted: Sequence[Any]) -> None:
         """Adds the calls on which some entries depend, then what is wanted besides their results."""
         expressions = [entry for entry in wanted if not entry.is_symbolic()]
@@ -156,7 +167,7 @@ class _Builder:
         active = tuple(i for i in one.part.used if inputs[i] in self._slots)
         kernel = one.part.kernel(active)
         first = self.room(len(one.made) + len(kernel.entries))
-        self.net.kernels.append(kernel.address)
+        self.net.kernels.append(kernel)
         self.net.results.append(first)
         self.net.inputs.append([inputs[i] for i in one.part.used])
         self._differentiate(first, len(one.made), kernel.entries, inputs)

@@ -8,47 +8,57 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import casadi as ca
 
+from ropeway.components.errors import CompiledError
 from ropeway.systems.interrupts import stop_if_interrupted
-from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.binary_cache import libraries
 from ropeway.systems.native.kernel_source import kernel_source
 
 MOST = 2_000
 """Parts that a thread keeps."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Kernel:
-    """A compiled kernel: its address; `entries`: result and input of each derivative that follows the results."""
+    """A kernel in C; `entries`: result and input of each derivative that follows the results. `address`: where it is
+    once it is compiled."""
 
-    address: int
+    source: str
     entries: tuple[tuple[int, int], ...]
+    address: int = 0
+
+
+def compile_all(kernels: Iterable[Kernel]) -> None:
+    """Compiles the kernels that are not compiled yet. Raises CompilerError, WriteError, Interrupted."""
+    missing = list(dict.fromkeys(kernel for kernel in kernels if not kernel.address))
+    for kernel, found in zip(missing, libraries([{"kernel.c": one.source} for one in missing]), strict=True):
+        kernel.address = int(ctypes.cast(found.kernel, ctypes.c_void_p).value or 0)
 
 
 @dataclass(eq=False)
 class Part:
     """Some results of a component's function in terms of its inputs `read`, symbols; `used`: those that they depend
-    on. `kept`: what holds the function's identity."""
+    on. `kept`: the function, whose identity counts."""
 
     read: tuple[Any, ...]
     results: Any
     used: tuple[int, ...]
-    kept: object = None
+    kept: ca.Function | None = None
     _kernels: dict[tuple[int, ...], Kernel] = field(default_factory=dict)
 
     def kernel(self, active: tuple[int, ...]) -> Kernel:
-        """The kernel with derivatives by the inputs `active`, a part of `used`, compiled at the first use. It reads
-        the inputs `used`. Raises CompilerError, WriteError, Interrupted."""
+        """The kernel with derivatives by the inputs `active`, a part of `used`. It reads the inputs `used`. Raises
+        CompiledError for an operation that has no form in C, Interrupted."""
         if active not in self._kernels:
-            self._kernels[active] = self._compiled(active)
+            self._kernels[active] = self._made(active)
         return self._kernels[active]
 
-    def _compiled(self, active: tuple[int, ...]) -> Kernel:
+    def _made(self, active: tuple[int, ...]) -> Kernel:
         stop_if_interrupted()
         matrix = ca.jacobian(self.results, ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in active)))
         pattern = matrix.sparsity()
@@ -56,8 +66,11 @@ class Part:
         given = ca.vertcat(ca.SX(0, 1), *(self.read[i] for i in self.used))
         result = ca.vertcat(*ca.cse([self.results, ca.vertcat(ca.SX(0, 1), *matrix.nonzeros())]))
         function = ca.Function("kernel", [given], [ca.densify(result)])
-        found = library({"kernel.c": kernel_source(function, "kernel")})
-        return Kernel(int(ctypes.cast(found.kernel, ctypes.c_void_p).value or 0), entries)
+        try:
+            return Kernel(kernel_source(function, "kernel"), entries)
+        except NotImplementedError as error:
+            what = "An equation" if self.kept is None else f"An equation of {self.kept.name()!r}"
+            raise CompiledError(f"{what} has no form in C: {error}", "Leave out compiled=True") from error
 
 
 class KnownParts(threading.local):

@@ -95,6 +95,7 @@ def emergency_stop(
     inputs: Mapping[str, float] | None = None,
     inertia: Inertia | None = None,
     progress: bool | None = None,
+    compiled: bool = False,
 ) -> EmergencyStops:
     """Stop a running line at several decelerations: peaks of tension, stopping distance, swing.
 
@@ -119,6 +120,8 @@ def emergency_stop(
         By default `Inertia()`.
     progress : bool, optional
         Whether to show a progress bar; by default on a terminal only.
+    compiled : bool, default False
+        Whether to run in compiled code, which needs a C compiler at first use.
 
     Returns
     -------
@@ -133,6 +136,8 @@ def emergency_stop(
         The line has no equilibrium.
     SimulationError
         A run cannot continue.
+    CompiledError, CompilerError, WriteError
+        Of `compiled`: the core has no such line, has no compiler, or its cache cannot be written.
 
     Examples
     --------
@@ -173,6 +178,7 @@ def emergency_stop(
                     interventions=stop,
                     progress=False,
                     inertia=inertia or Inertia(),
+                    compiled=compiled,
                 )
             )
             advance(float(number))

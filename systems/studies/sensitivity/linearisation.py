@@ -17,8 +17,8 @@ from scipy.sparse.linalg import splu
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.equations import scalar
 from ropeway.systems.modelling.sampled_control import Clock
-from ropeway.systems.solvers.equations import scalar
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.points import VECTORS, Point, Slot, Vectors
 

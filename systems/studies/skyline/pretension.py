@@ -16,6 +16,7 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.environment import Environment
 from ropeway.components.errors import EquilibriumError, InputError
+from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.rope import Elastic
 from ropeway.systems.interrupts import interruptible
 from ropeway.systems.rigs.bare_skyline import bare_tension
@@ -115,7 +116,7 @@ def set_up(
     """
     _require_one_target(rig, payload, tension, deflection)
     rig = studied_in(rig, environment)
-    state = partial(at, rig, station=station, payload=payload, compiled=compiled)
+    state = partial(at, rig, station=station, payload=payload, like=_like(rig), compiled=compiled)
     wanted, value = (tension, _highest) if deflection is None else (deflection, _deflection)
     name, sign = ("highest tension", -1.0) if deflection is None else ("deflection", 1.0)
 
@@ -171,9 +172,27 @@ def _deflection(solved: Solved) -> float:
     return sag_columns(solved)["deflection"]
 
 
-def at(rig: SkylineRig, length: float, station: float, payload: float, *, compiled: bool = False) -> Solved:
-    """A solved state of a rig with another length of the skyline."""
-    return Stations(replace(rig, length=length, tension=None), compiled=compiled).solve(station, payload)
+def at(
+    rig: SkylineRig,
+    length: float,
+    station: float,
+    payload: float,
+    *,
+    like: SkylineRig | None = None,
+    compiled: bool = False,
+) -> Solved:
+    """A solved state of a rig with another length of the skyline; `like`: the rig whose models serve for it."""
+    return Stations(replace(rig, length=length, tension=None), like=like, compiled=compiled).solve(station, payload)
+
+
+def _like(rig: SkylineRig) -> SkylineRig | None:
+    """The rig, where its models serve for all lengths of its skyline: what lies on a shoe, grips a saddle or holds a
+    spar depends on the length."""
+    if any(support.radius > 0.0 or support.friction > 0.0 for support in rig.supports):
+        return None
+    if any(isinstance(spar, GuyedSpar) for spar in (rig.headspar, rig.tailspar)):
+        return None
+    return replace(rig, tension=None)
 
 
 @checked
@@ -231,14 +250,14 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
 
     limit = rig.skyline.breaking_load
     peak = float(brentq(pretension_residual, 0.0, limit, xtol=1e-7))  # the pretension itself
-    rows = []
+    rows, like = [], _like(used)
     for station, mass in turns:
         check.not_negative(mass, rig.name, "payload", "kg")
-        highest = highest_tension(certified([at(used, length_after(peak), station, mass)])[0], "skyline")
+        highest = highest_tension(certified([at(used, length_after(peak), station, mass, like=like)])[0], "skyline")
         if highest > peak:
 
             def peak_residual(trial: float, station: float = station, mass: float = mass) -> float:
-                return highest_tension(at(used, length_after(trial), station, mass), "skyline") - trial
+                return highest_tension(at(used, length_after(trial), station, mass, like=like), "skyline") - trial
 
             if peak_residual(limit) > 0.0:
                 raise InputError(
@@ -247,7 +266,7 @@ def tension_history(rig: SkylineRig, turns: Sequence[tuple[float, float]]) -> pd
                     "Reduce the payload or choose a stronger rope",
                 )
             peak = float(brentq(peak_residual, peak, highest, xtol=1e-7))
-            highest = highest_tension(certified([at(used, length_after(peak), station, mass)])[0], "skyline")
+            highest = highest_tension(certified([at(used, length_after(peak), station, mass, like=like)])[0], "skyline")
         bare = bare_tension(replace(used, length=length_after(peak)))
         rows.append(
             {

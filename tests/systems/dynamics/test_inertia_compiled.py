@@ -145,7 +145,19 @@ def test_a_run_continues_from_any_time() -> None:
     assert rest.frame["d_s1.tension_a"].iloc[-1] == pytest.approx(whole.frame["d_s1.tension_a"].iloc[-1], abs=5.0)
 
 
-def test_weather_that_changes_is_refused() -> None:
-    gust = rw.Environment("gust", wind_pressure=rw.Schedule((0.0, 9.0), (300.0, 0.0)), wind_from=0.0)
-    with pytest.raises(rw.CompiledError, match="weather that changes"):
-        rw.simulate(windy_span(), 5.0, environment=gust, inertia=rw.Inertia(), compiled=True)
+def test_a_gust_is_that_of_idas() -> None:
+    pressure = rw.Schedule((0.0, 0.5, 1.0, 9.0), (300.0, 300.0, 0.0, 0.0))
+    gust = rw.Environment("gust", wind_pressure=pressure, wind_from=0.0)
+    runs = both(windy_span(), 2.0, every=0.25, environment=gust)
+    assert apart(runs) < 1e-6
+    aside = [run.at(2.0)["turn.velocity_y"] for run in runs]
+    assert aside[1] == pytest.approx(aside[0], rel=1e-4)
+    assert abs(aside[0]) > 0.1
+
+
+def test_drives_that_share_a_power_unit_are_refused() -> None:
+    line = hydraulic_line()
+    unit = line.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3))
+    line.connect(line.components["c1"].supply, unit.outlet)
+    with pytest.raises(rw.CompiledError, match="share a power unit"):
+        rw.simulate(line, 1.0, inertia=rw.Inertia(), compiled=True)

@@ -1,4 +1,4 @@
-"""The empty rope: spans side by side against one by one, and the length for a tension against the tension for a length."""
+"""The empty rope: spans side by side against one by one, and tensions for lengths against lengths for tensions."""
 
 import numpy as np
 import pytest

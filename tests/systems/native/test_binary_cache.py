@@ -9,7 +9,7 @@ import pytest
 
 from ropeway.components.errors import CompilerError, WriteError
 from ropeway.systems.native import binary_cache
-from ropeway.systems.native.binary_cache import cache_info, clear_cache, library
+from ropeway.systems.native.binary_cache import cache_info, clear_cache, libraries, library
 
 SOURCE = {"answer.c": '__attribute__((visibility("default"))) int answer(void) { return %d; }\n'}
 
@@ -30,6 +30,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def kept(folder: Path) -> Path:
     (path,) = folder.glob("ropeway-*")
     return path
+
+
+def test_libraries_are_compiled_side_by_side() -> None:
+    sources = [{"answer.c": SOURCE["answer.c"] % value} for value in (5, 6, 7)]
+    assert [found.answer() for found in libraries(sources)] == [5, 6, 7]
+    assert cache_info().libraries == 3
+    with pytest.raises(CompilerError, match="failed"):
+        libraries([*sources, {"answer.c": "int answer("}])
 
 
 def test_a_library_is_compiled_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -225,7 +225,8 @@ def test_a_run_has_the_worst_of_its_records() -> None:
     frame = result.certificate
     assert frame["holds"].all()
     assert frame["time"].between(0.0, 60.0).all()
-    single = [result.record(i).certificate for i in range(0, len(result.records), 7)]
+    solved = np.flatnonzero(result.exact).tolist()  # the others are solved when they are read, one by one or together
+    single = [result.record(i).certificate for i in solved[::3]]
     for name in (checks.SPANS_END, checks.STABLE):
         values = [c.loc[name, "value"] for c in single]
         worst = frame.loc[name, "value"]

@@ -14,7 +14,7 @@ from ropeway.components.control_sheave import grip_margin
 from ropeway.components.errors import InputError
 from ropeway.components.node import Node
 from ropeway.systems.modelling.dae_model import Model, component_of
-from ropeway.systems.solvers.equations import expanded
+from ropeway.systems.modelling.equations import expanded
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.studies.control.scheduling.nonlinear_program import Term
 

@@ -57,8 +57,10 @@ def chain_peak(speed: float, deceleration: float, until: float) -> float:
     return float(tensions.max())
 
 
-def test_peaks_are_those_of_a_chain_of_masses() -> None:
-    stops = rw.emergency_stop(straight(1.0), [2.0], settle=1.0, every=0.02, inertia=rw.Inertia(damping=1e-6))
+@pytest.mark.parametrize("compiled", [False, True])
+def test_peaks_are_those_of_a_chain_of_masses(compiled: bool) -> None:
+    undamped = rw.Inertia(damping=1e-6)
+    stops = rw.emergency_stop(straight(1.0), [2.0], settle=1.0, every=0.02, inertia=undamped, compiled=compiled)
     row = stops.frame.iloc[0]
     rise = chain_peak(1.0, 2.0, 1.5) - 100e3
     assert row["highest_tension"] - 100e3 == pytest.approx(rise, rel=0.02)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ropeway as rw
-from ropeway.systems.solvers.equations import equations
+from ropeway.systems.modelling.equations import equations
 from support import lines, nets
 
 

@@ -18,7 +18,13 @@ from ropeway.systems.modelling.component_functions import port_size, rope_size
 from ropeway.systems.modelling.dae_model import Model, shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.native.inertial_library import BLOCKS, SIZES
-from ropeway.systems.solvers.component_kernels import Block, ComponentKernels, UnfitError, component_kernels, is_piece
+from ropeway.systems.solvers.kernels.component_kernels import (
+    Block,
+    ComponentKernels,
+    UnfitError,
+    component_kernels,
+    is_piece,
+)
 
 _RATES = tuple(f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz")
 _KINDS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER)
@@ -40,7 +46,7 @@ class _Finder:
     def __init__(self, model: Model) -> None:
         self.model, self.system = model, model.system
         if model.external or self.system.links or self.system.supplies:
-            raise UnfitError("components drive each other, or have compiled code of their own")
+            raise UnfitError("its components share a power unit, drive each other, or have compiled code of their own")
         slots = {
             span.name: int(n)
             for run, layout in zip(model.runs, model.layouts, strict=True)
@@ -235,7 +241,7 @@ def tables_of(model: Model) -> Tables:
     inputs = [2 * (s.nx + s.nz + s.ports + s.nu + len(shared) + s.np + s.nd) + 1 for s in sizes]
     entries = [sum(len(b.rows) for b in p.kernels.blocks) for p in parts]
     kernel = np.cumsum([0, *np.column_stack([inputs, [s.nx + s.nz + s.given for s in sizes], entries]).ravel()])
-    dense = [s.nz * (2 * s.nz + len(a)) + s.given * len(a) for s, a in zip(sizes, actives, strict=False)]
+    dense = [s.nz * (2 * s.nz + 2 * len(a) + 1) + s.given * len(a) for s, a in zip(sizes, actives, strict=False)]
     flat = [entry for own in ports for entry in own]
     unknowns = sum(s.nx + s.nz for s in sizes[len(pieces) :])
     integers: dict[str, Any] = {
@@ -264,8 +270,8 @@ def tables_of(model: Model) -> Tables:
         "value": n,
         "kernel": int(kernel[-1]),
         "dense": sum(dense),
-        "pivot": sum(s.nz * (s.nz + 3) for s in sizes[: len(pieces)]) + unknowns,
-        "band": unknowns * (3 * found.band + 1),
+        "pivot": sum(s.nz * (2 * s.nz + 1) + 2 for s in sizes[: len(pieces)]) + unknowns,
+        "band": unknowns * (4 * found.band + 1),
         "room": 2 * len(model.z) + unknowns + 11 * n,
     }
     counts = (*(len(t) for t in (model.x, model.z, model.u, model.p)), len(shared), len(pieces), len(parts), unknowns)

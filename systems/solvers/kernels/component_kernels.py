@@ -121,7 +121,7 @@ def _made(component: Component, site: Site) -> ComponentKernels:
         entries.append(found.nz[:])
     value = _kernel("value", [s.x, s.z, s.ports, s.known], [s.rates, s.residuals, s.given])
     matrix = _kernel("matrix", inputs, entries)
-    compiled = library({f"{k.name()}.c": kernel_source(k, k.name()) for k in (value, matrix)})
+    compiled = library({f"{k.name()}.c": _source(k) for k in (value, matrix)})
     first, second = (ctypes.cast(getattr(compiled, k.name()), ctypes.c_void_p).value or 0 for k in (value, matrix))
     return ComponentKernels(sizes, first, second, tuple(blocks), order_r, order_z, frozenset(blocks[1].columns))
 
@@ -182,3 +182,15 @@ def _kernel(name: str, inputs: Sequence[Any], outputs: Sequence[Any]) -> ca.Func
     """A function of one vector with one vector of results."""
     result = ca.cse(ca.densify(ca.vertcat(ca.SX(0, 1), *outputs)))
     return ca.Function(name, [ca.vertcat(*inputs)], [result])
+
+
+_LONG = ((40_000, "O0"), (10_000, "O1"))
+"""Lines of a kernel above which GCC takes minutes, and what it compiles such a kernel with."""
+
+
+def _source(kernel: ca.Function) -> str:
+    """A kernel in C."""
+    text = kernel_source(kernel, kernel.name())
+    level = next((level for lines, level in _LONG if text.count("\n") > lines), None)
+    pragma = f'#if defined(__GNUC__) && !defined(__clang__)\n#pragma GCC optimize ("{level}")\n#endif\n'
+    return text if level is None else pragma + text
