@@ -1,4 +1,5 @@
-"""Time of doStep of an exported line and of the same line in pythonfmu, in one run; size and time of the export.
+"""Time of doStep of an exported line, of the same line in pythonfmu and of `simulate`, in one run; size and time of the
+export, with an empty cache and with the functions of components in it.
 
     python benchmarks/fmu_speed.py
 
@@ -6,12 +7,16 @@ pythonfmu comes with the extra fmu-test.
 """
 
 import importlib.util
+import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+import pandas as pd
+from control import DRIVE, RESPONSE
 from lines import driven
 
 import ropeway as rw
@@ -67,11 +72,31 @@ def seconds_a_step(path: Path, output: str) -> float:
 
 
 def exported(line: rw.System, path: Path) -> Path:
-    """Export the line as an FMU, and print time and size."""
-    begin = time.perf_counter()
+    """Export the line as an FMU, and print times of this process and of the compilers, and the size."""
+    before, compilers = time.process_time(), resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     rw.fmu.export(line, path)
-    print(f"export of {line.name}: {time.perf_counter() - begin:.1f} s, {path.stat().st_size / 1e3:.0f} kB")
+    own = time.process_time() - before
+    compilers = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - compilers
+    print(f"export of {line.name}: {own:.1f} s, compilers {compilers:.1f} s, {path.stat().st_size / 1e3:.0f} kB")
     return path
+
+
+def against_simulate(line: rw.System, path: Path, until: int = 600) -> None:
+    """Print processor times of the FMU's steps of a second, and of `simulate`."""
+    with rw.fmu.Slave(rw.fmu.load(path)) as slave:
+        slave.enter(0.0, {})
+        slave.leave()
+        before = time.process_time()
+        for _ in range(until):
+            slave.step(1.0, {}, {})
+        own = time.process_time() - before
+    model = rw.assemble(line)
+    start = rw.equilibrium(model)
+    rw.simulate(model, 1.0, start=start, progress=False)
+    before = time.process_time()
+    rw.simulate(model, float(until), start=start, progress=False)
+    other = time.process_time() - before
+    print(f"{line.name}: {until} s in {1e3 * own:.0f} ms; simulate takes {other / own:.1f} times as long")
 
 
 def main() -> None:
@@ -83,8 +108,17 @@ def main() -> None:
     )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        exported(driven(100), folder / "long.fmu")
+        os.environ["ROPEWAY_CACHE"] = str(folder / "cache")
         path = exported(line, folder / "line.fmu")
+        shorter = pd.read_csv(supports).drop(index=2)
+        another = rw.monocable(
+            rope, shorter, tension=45e3, speed=1.0, load_mass=300.0, load_spacing=50.0, name="another line"
+        )
+        exported(another, folder / "another.fmu")
+        exported(line, path)
+        against_simulate(line, path)
+        for long in (driven(100), driven(100, drive=DRIVE, response=RESPONSE)):
+            against_simulate(long, exported(long, folder / "long.fmu"))
         ours = seconds_a_step(path, "c1.tension_in")
         print(f"doStep of {STEP} s: {ours * 1e6:.0f} us")
         if importlib.util.find_spec("pythonfmu") is None:

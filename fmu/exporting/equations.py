@@ -19,9 +19,11 @@ from ropeway.components.errors import InputError
 from ropeway.components.inertia import Inertia
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.carriage_corridor import Corridor
+from ropeway.fmu.exporting.section_solution import SectionSolution, room_of
 from ropeway.systems.dynamics.run_inputs import is_speed, require_no_events, started
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.intervention import INERTIAL, SWITCHED
+from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import loads_once, unpin
@@ -83,33 +85,57 @@ class ModelEquations:
         return ca.Function("rw_outputs", self.symbols, [ca.densify(self.model.outputs(*self.symbols))])
 
     @cached_property
-    def jacobian(self) -> ca.Function:
-        """(t, x, z, u, p, d) -> derivatives of (ode, alg) by (x, z); its pattern holds the diagonal of the states."""
+    def jacobian(self) -> ca.Function | None:
+        """(t, x, z, u, p, d) -> derivatives of (ode, alg) by (x, z); its pattern holds the diagonal of the states.
+
+        None where they are found by tangents in the directions of `groups`.
+        """
+        if self.groups:
+            return None
         x, z = self.symbols[1], self.symbols[2]
-        whole = ca.vertcat(*self.model.dae(*self.symbols))
         if self.corridor is None:
-            matrix = ca.horzcat(ca.jacobian(whole, x), ca.jacobian(whole, z))
+            matrix = ca.jacobian(ca.vertcat(*self.model.dae(*self.symbols)), ca.vertcat(x, z))
         else:
             matrix = self.corridor.united.jacobian(*self.symbols)
-        n, nx = matrix.shape[0], x.numel()
-        diagonal = ca.Sparsity.triplet(n, n, list(range(nx)), list(range(nx)))
+        diagonal = _diagonal(matrix.shape[0], x.numel())
         return ca.Function("rw_jacobian", self.symbols, [ca.project(matrix, matrix.sparsity() + diagonal)])
+
+    @cached_property
+    def groups(self) -> list[int]:
+        """Of each of (x, z) its group: no equation depends on two of a group. Empty unless the line is solved by
+        sections, which needs these derivatives rarely."""
+        if self.by_sections is None:
+            return []
+        colours = self.pattern.uni_coloring()
+        found = np.zeros(colours.shape[0], dtype=int)
+        found[np.array(colours.row(), dtype=int)] = colours.get_col()
+        groups: list[int] = found.tolist()
+        return groups
 
     @cached_property
     def tangent(self) -> ca.Function:
         """(t, x, z, u, p, d, and a change of each) -> changes of (ode, alg, y), dense."""
         seeds = [ca.MX.sym(f"d{name}", s.shape) for name, s in zip("txzupd", self.symbols, strict=True)]
-        changes = []
-        for f in (self.model.dae, self.model.outputs):
-            results = [ca.MX(*f.size_out(i)) for i in range(f.n_out())]
-            changes += f.forward(1).call([*self.symbols, *results, *seeds])
+        parts = [f.call(self.symbols, f.is_a("MXFunction"), False) for f in (self.model.dae, self.model.outputs)]
+        # Equations and outputs share the functions of their components.
+        whole = ca.Function("rw_all", self.symbols, ca.cse([result for part in parts for result in part]))
+        results = [ca.MX(*whole.size_out(i)) for i in range(whole.n_out())]
+        changes = whole.forward(1).call([*self.symbols, *results, *seeds])
         return ca.Function("rw_tangent", [*self.symbols, *seeds], [ca.densify(c) for c in changes])
 
     @property
     def functions(self) -> tuple[ca.Function, ...]:
         """All functions that the C core calls."""
         margins = () if self.corridor is None else (self.corridor.function,)
-        return (self.dae, self.outputs, self.jacobian, self.tangent, *self.clocks, *margins)
+        line = () if self.by_sections is None else self.by_sections.functions
+        jacobian = () if self.jacobian is None else (self.jacobian,)
+        return (self.dae, self.outputs, *jacobian, self.tangent, *self.clocks, *margins, *line)
+
+    @cached_property
+    def by_sections(self) -> SectionSolution | None:
+        """How a line is solved by its sections; None for other systems."""
+        sections = line_sections(self.model) if self.corridor is None else ""
+        return None if isinstance(sections, str) else SectionSolution(self.model, sections, coupled=self.coupled)
 
     @cached_property
     def clocks(self) -> tuple[ca.Function, ...]:
@@ -122,17 +148,17 @@ class ModelEquations:
     @cached_property
     def pattern(self) -> ca.Sparsity:
         """Pattern of the Jacobian."""
-        pattern: ca.Sparsity = self.jacobian.sparsity_out(0)
-        return pattern
+        if self.by_sections is None and self.jacobian is not None:
+            return self.jacobian.sparsity_out(0)
+        dae = self.model.dae
+        rows = [ca.horzcat(dae.jac_sparsity(i, 1), dae.jac_sparsity(i, 2)) for i in range(2)]
+        pattern = ca.vertcat(*rows)
+        return pattern + _diagonal(pattern.shape[0], len(self.model.x))
 
     @cached_property
     def factors(self) -> tuple[list[int], int, int]:
-        """Column order for LU, and an upper bound of the entries of L and U for any pivots, from the patterns of a QR
-        factorisation."""
-        if self.pattern.shape[0] == 0:
-            return [], 1, 1
-        v, r, _, order = self.pattern.qr_sparse()
-        return list(order), v.nnz() + r.shape[1], r.nnz() + r.shape[1]
+        """Column order for LU, and room for L and U (see `room_of`)."""
+        return room_of(self.pattern)
 
     @cached_property
     def coupled(self) -> bool:
@@ -291,3 +317,8 @@ def _entries(pattern: ca.Sparsity) -> Iterator[tuple[int, int]]:
     rows: Sequence[int] = pattern.row()
     columns: Sequence[int] = pattern.get_col()
     return zip(rows, columns, strict=True)
+
+
+def _diagonal(size: int, count: int) -> ca.Sparsity:
+    """The first entries of a diagonal."""
+    return ca.Sparsity.triplet(size, size, list(range(count)), list(range(count)))

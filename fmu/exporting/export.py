@@ -12,8 +12,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-import casadi as ca
-
 import ropeway
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
@@ -25,14 +23,16 @@ from ropeway.fmu.exporting import documentation, model_description, model_tables
 from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
+from ropeway.fmu.exporting.generated_code import c_files
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
 from ropeway.systems.dynamics.inertia.inertial_system import carries_loads
-from ropeway.systems.interrupts import interruptible, stop_if_interrupted
+from ropeway.systems.interrupts import interruptible
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.system import System
 from ropeway.systems.native import compiler
 from ropeway.systems.native.core import core_files
+from ropeway.systems.native.object_cache import ObjectCache
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
@@ -221,39 +221,14 @@ def write_sources(interface: Interface, fmi: str, settings: model_tables.Setting
 
 
 def _model_code(equations: ModelEquations) -> tuple[dict[str, str], str]:
-    """Generated C of the equations, a file for each function, and their declarations."""
-    files = {}
-    for function in equations.functions:
-        stop_if_interrupted()
-        name = f"{function.name()}.c"
-        generator = ca.CodeGenerator(name, {"casadi_int": "int", "with_export": False})
-        generator.add(function)
-        files[name] = _without_optimisation(generator.dump())
+    """Generated C of the equations, and their declarations."""
+    files = c_files(equations.functions)
+    if equations.by_sections is not None:
+        files |= equations.by_sections.sources
     declarations = "\n".join(
         f"int {f.name()}(const double **arg, double **res, int *iw, double *w, int mem);" for f in equations.functions
     )
     return files, declarations
-
-
-_LONG = 1_000_000
-"""Size of C code above which clang takes minutes [characters]."""
-_NO_OPTIMISATION = """#if defined(__clang__)
-#define RW_NOT_OPTIMISED __attribute__((optnone))
-#else
-#define RW_NOT_OPTIMISED
-#endif
-"""
-
-
-def _without_optimisation(code: str) -> str:
-    """Code in which clang does not optimise the long functions that only call others.
-
-    They make up most of a long file, and a step is slower by only a third.
-    """
-    if len(code) < _LONG:
-        return code
-    calls = r"(/\* (?:rw_\w+|fwd\d+_(?:dae|outputs)):.*\n)(static int)"
-    return _NO_OPTIMISATION + re.sub(calls, r"\1RW_NOT_OPTIMISED \2", code)
 
 
 def _about(rest: Equilibrium, data: str, tolerance: float) -> model_description.About:
@@ -297,7 +272,8 @@ def _binaries(
         for platform in platforms:
             library = Path(folder) / f"{platform}{compiler.suffix(platform)}"
             try:
-                compiler.compile_library(Path(folder), compiled, platform, library)
+                kept = ObjectCache(Path(folder), platform, "model_data.c")
+                compiler.compile_library(Path(folder), compiled, platform, library, kept)
             except CompilerError as error:
                 raise FmuExportError(error.cause, error.remedy) from error
             place = f"binaries/{binary_folder(fmi, platform, platforms)}/{identifier}{library.suffix}"

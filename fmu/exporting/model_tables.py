@@ -10,6 +10,7 @@ import numpy as np
 from ropeway.components.errors import InputError
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.interface import Interface
+from ropeway.fmu.exporting.section_solution import fill_line
 from ropeway.systems.dynamics.load_crossings import balances_of
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
@@ -68,7 +69,8 @@ def fill(interface: Interface, settings: Settings) -> Tables:
 def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     equations = interface.equations
     m = equations.model
-    order, room_l, room_u = equations.factors
+    order, *room = equations.factors
+    room_l, room_u = np.maximum(room, fill_line(tables, equations.by_sections, m)).tolist()
     sizes = {"NX": len(m.x), "NZ": len(m.z), "NU": len(m.u), "NP": len(m.p), "ND": len(m.d), "NY": len(m.y)}
     sizes |= {"NM": len(equations.masses), "NW": len(m.x) + len(m.z), "NNZ": equations.pattern.nnz()}
     sizes |= {"NK": len(interface.supports), "NL": len(m.limits.output), "NSW": len(equations.switches)}
@@ -84,6 +86,9 @@ def _equations(tables: Tables, interface: Interface, tolerance: float) -> None:
     tables.integers("colind", equations.pattern.colind())
     tables.integers("row", equations.pattern.row())
     tables.integers("column_order", order)
+    tables.functions("jacobian_of", [] if equations.jacobian is None else ["rw_jacobian"])
+    tables.size("GROUPS", 1 + max(equations.groups, default=-1))
+    tables.integers("group", equations.groups)
 
 
 def _access(interface: Interface) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""Compiled libraries, kept for the next time: in the user's cache folder, or the one that ROPEWAY_CACHE names.
+"""Compiled libraries and objects, kept for the next time: in the user's cache folder, or the one that ROPEWAY_CACHE
+names.
 
 A library's name is a hash of its sources or of what determines them, the compiler with its version and flags, and the
 processor. It is moved into
@@ -66,7 +67,8 @@ def clear_cache() -> int:
 
 def _libraries() -> list[Path]:
     folder = cache_folder()
-    return sorted(folder.glob(f"ropeway-*{compiler.suffix(compiler.host())}")) if folder.is_dir() else []
+    suffixes = (compiler.suffix(compiler.host()), OBJECT)
+    return sorted(path for path in folder.glob("ropeway-*") if path.suffix in suffixes) if folder.is_dir() else []
 
 
 def library(files: Mapping[str, str]) -> ctypes.CDLL:
@@ -144,7 +146,27 @@ def _built(files: dict[str, str], kept: Path, name: str) -> None:
         made = Path(folder) / f"library{compiler.suffix(compiler.host())}"
         compiler.compile_library(Path(folder), [n for n in files if n.endswith(".c")], compiler.host(), made)
         content = made.read_bytes()
-    path = kept / f"ropeway-{name}-{_digest(content)}{compiler.suffix(compiler.host())}"
+    _put(kept, name, content, compiler.suffix(compiler.host()))
+
+
+def read_object(name: str) -> bytes | None:
+    """The content of a compiled object that is kept, by the hash of what it is made from."""
+    path = _kept(cache_folder(), name)
+    return None if path is None else path.read_bytes()
+
+
+def keep_object(name: str, content: bytes) -> None:
+    """Keeps a compiled object. Raises WriteError."""
+    _put(cache_folder(), name, content, OBJECT)
+
+
+OBJECT = ".o"
+"""Suffix of compiled objects."""
+
+
+def _put(kept: Path, name: str, content: bytes, suffix: str) -> None:
+    """Writes a file of the cache. Raises WriteError."""
+    path = kept / f"ropeway-{name}-{_digest(content)}{suffix}"
     try:
         kept.mkdir(parents=True, exist_ok=True)
         number, part = tempfile.mkstemp(dir=kept, prefix=".part-")
@@ -172,11 +194,12 @@ def _not_writable(error: OSError) -> WriteError:
 
 def _compiler_mark() -> str:
     """The compiler and its version, flags, and the processor. Raises CompilerError."""
-    return repr((*_version(tuple(compiler.command(compiler.host()))), os.environ.get("CFLAGS", ""), _processor()))
+    return repr((*version_of(tuple(compiler.command(compiler.host()))), os.environ.get("CFLAGS", ""), processor()))
 
 
 @lru_cache(maxsize=8)
-def _version(command: tuple[str, ...]) -> tuple[str, ...]:
+def version_of(command: tuple[str, ...]) -> tuple[str, ...]:
+    """A compiler's command, flags and version. Raises CompilerError."""
     try:
         said = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False, timeout=60.0)
     except (OSError, subprocess.TimeoutExpired) as error:
@@ -187,7 +210,7 @@ def _version(command: tuple[str, ...]) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=1)
-def _processor() -> str:
+def processor() -> str:
     """What tells this processor from others."""
     parts = [platform.system(), platform.machine(), platform.processor()]
     with suppress(OSError):

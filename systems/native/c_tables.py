@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -14,9 +14,9 @@ class Tables:
         self._head: list[str] = []
         self._body: list[str] = []
 
-    def size(self, name: str, value: float) -> None:
-        """A number as a macro."""
-        self._head.append(f"#define RW_{name} {value!r}")
+    def size(self, name: str, value: float | str) -> None:
+        """A number, or an expression for one, as a macro."""
+        self._head.append(f"#define RW_{name} {value}")
 
     def numbers(self, name: str, values: Iterable[float]) -> None:
         """Doubles."""
@@ -42,6 +42,18 @@ class Tables:
         self._head.append(f"extern const rw_function rw_{name}[{len(cells)}];")
         self._body.append(f"const rw_function rw_{name}[{len(cells)}] = {{{', '.join(cells)}}};")
 
+    def kernels(self, name: str, values: Sequence[str]) -> None:
+        """Kernels of a line by sections; they are declared too."""
+        cells = list(values) or ["0"]
+        self._head += [f"void {kernel}(const double *v, double *r);" for kernel in dict.fromkeys(values)]
+        self._body.append(f"static const rs_kernel rw_{name}[{len(cells)}] = {{{', '.join(cells)}}};")
+
+    def structure(self, kind: str, name: str, fields: Mapping[str, str]) -> None:
+        """A structure with some fields; the others are 0."""
+        self._head.append(f"extern const {kind} rw_{name};")
+        cells = ", ".join(f".{field} = {value}" for field, value in fields.items())
+        self._body.append(f"const {kind} rw_{name} = {{{cells}}};")
+
     def fingerprint(self, value: str) -> None:
         """Identifies the content of this FMU."""
         self._head.append(f"extern const char rw_fingerprint[{len(value) + 1}];")
@@ -51,7 +63,7 @@ class Tables:
         """model_data.h."""
         lines = "\n".join(self._head)
         kind = "typedef int (*rw_function)(const double **arg, double **res, int *iw, double *w, int mem);"
-        guard = "#ifndef MODEL_DATA_H\n#define MODEL_DATA_H"
+        guard = '#ifndef MODEL_DATA_H\n#define MODEL_DATA_H\n\n#define RS_INSIDE\n#include "sections.h"'
         return f"/* Generated. */\n{guard}\n\n{kind}\n{functions}\n\n{lines}\n\n#endif\n"
 
     def source(self) -> str:

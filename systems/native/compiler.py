@@ -16,9 +16,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Protocol
 
 from ropeway.components.errors import CompilerError, InputError
 from ropeway.systems.interrupts import stop_if_interrupted
@@ -72,21 +73,40 @@ def command(platform: str) -> list[str]:
     return [sys.executable, "-m", "ziglang", "cc", "-target", _TARGETS[platform]]
 
 
-def compile_library(folder: Path, sources: Sequence[str], platform: str, library: Path) -> None:
-    """Compile C files in a folder to a shared library, in parallel.
+class KeptObjects(Protocol):
+    """Objects that were compiled before."""
+
+    def take(self, objects: Mapping[str, str]) -> list[str]:
+        """Puts those that are kept in place, by source; returns the sources of the others."""
+
+    def keep(self, objects: Mapping[str, str], sources: Iterable[str]) -> None:
+        """Keeps those of some sources."""
+
+
+def object_command(platform: str) -> list[str]:
+    """Command of the compiler with its flags. Raises CompilerError."""
+    more = shlex.split(os.environ.get("CFLAGS", "")) if platform == host() else []
+    return [*command(platform), *FLAGS, "-I.", *([] if "windows" in platform else ["-fPIC"]), *more]
+
+
+def compile_library(
+    folder: Path, sources: Sequence[str], platform: str, library: Path, kept: KeptObjects | None = None
+) -> None:
+    """Compile C files in a folder to a shared library, in parallel, but objects that are kept.
 
     Raises CompilerError with the compiler's messages, Interrupted.
     """
     windows = "windows" in platform
-    more = shlex.split(os.environ.get("CFLAGS", "")) if platform == host() else []
-    own = [*FLAGS, "-I.", *([] if windows else ["-fPIC"])]
-    run = [*command(platform), *own, *more]
-    objects = list(sources)
-    if "ziglang" not in run:  # zig compiles its files in parallel
-        objects = [f"{platform}-{name}.o" for name in sources]
-        each = [[*run, "-c", name, "-o", result] for name, result in zip(sources, objects, strict=True)]
-        _run(each, folder, platform)
-    _run([[*run, "-shared", *objects, "-o", str(library.resolve()), *([] if windows else ["-lm"])]], folder, platform)
+    run = object_command(platform)
+    linked = list(sources)
+    if "ziglang" not in run:  # zig compiles its files in parallel, and keeps them
+        objects = {name: f"{platform}-{name}.o" for name in sources}
+        missing = linked if kept is None else kept.take(objects)
+        _run([[*run, "-c", name, "-o", objects[name]] for name in missing], folder, platform)
+        if kept is not None:
+            kept.keep(objects, missing)
+        linked = list(objects.values())
+    _run([[*run, "-shared", *linked, "-o", str(library.resolve()), *([] if windows else ["-lm"])]], folder, platform)
 
 
 def _run(commands: Sequence[Sequence[str]], folder: Path, platform: str) -> None:

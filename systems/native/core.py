@@ -2,23 +2,29 @@
 
 from pathlib import Path
 
+SECTIONS = "sections.c"
+"""Lines by sections: below all others."""
 SOURCES = (
     "ropeway_sparse.c",
     "ropeway_log.c",
     "ropeway_slots.c",
+    "ropeway_functions.c",
+    "ropeway_lines.c",
     "ropeway_solve.c",
     "ropeway_places.c",
     "ropeway_evaluate.c",
+    "ropeway_integrator.c",
     "ropeway_loads.c",
+    "ropeway_trajectory.c",
     "ropeway_ahead.c",
     "ropeway_step.c",
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
+_HEADERS = ("sections.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 
 def core_files() -> dict[str, str]:
     """Text of each source and header, by name."""
-    headers = (path.name for path in sorted(_FOLDER.glob("*.h")))
-    return {name: (_FOLDER / name).read_text() for name in (*SOURCES, *headers)}
+    return {name: (_FOLDER / name).read_text() for name in (SECTIONS, *SOURCES, *_HEADERS)}

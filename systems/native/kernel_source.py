@@ -67,8 +67,7 @@ _OTHERS = {
     CHOICE: "{0} ? {1} : {2}",
 }
 
-_HEAD = """#include <math.h>
-#ifdef _WIN32
+_EXPORTED = """#ifdef _WIN32
 __declspec(dllexport)
 #else
 __attribute__((visibility("default")))
@@ -76,9 +75,9 @@ __attribute__((visibility("default")))
 """
 
 
-def kernel_source(function: ca.Function, name: str) -> str:
-    """A file with one function of that name, `void name(const double *v, double *r)`. Raises NotImplementedError
-    for an operation that it has no form for."""
+def kernel_source(function: ca.Function, name: str, *, exported: bool = True) -> str:
+    """A file with one function of that name, `void name(const double *v, double *r)`, visible outside of its library
+    if it is exported. Raises NotImplementedError for an operation that it has no form for."""
     steps = function_steps(function)
     divisors = Counter(step.read[1] for step in steps if step.op == ca.OP_DIV)
     lines = []
@@ -101,4 +100,5 @@ def kernel_source(function: ca.Function, name: str) -> str:
         if divisors[k] > 1:  # one division is as long as five products
             lines.append(f"    const double b{k} = 1.0 / a{k};")
     body = "\n".join(lines)
-    return f"{_HEAD}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"
+    head = f"#include <math.h>\n{_EXPORTED if exported else ''}"
+    return f"{head}void {name}(const double *v, double *r)\n{{\n{body}\n}}\n"

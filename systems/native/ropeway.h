@@ -22,6 +22,12 @@ typedef struct {
     double x[RW_NX + 1], z[RW_NZ + 1];
 } rw_point;
 
+/* A square sparse matrix by columns, and the order in which they are eliminated. */
+typedef struct {
+    int n;
+    const int *colind, *row, *order;
+} rw_pattern;
+
 /* The factors of the scaled matrix [I - hg df/dx, -hg df/dz; dg/dx, dg/dz]. */
 typedef struct {
     double hg;
@@ -57,8 +63,10 @@ typedef struct {
     double stop_time, stop_speed[RW_NE + 1];
     double u[RW_NU + 1], p[RW_NP + 1], d[RW_ND + 1], mass[RW_NM + 1];
     double rate[RW_NX + 1], zrate[RW_NZ + 1], y[RW_NY + 1];
-    rw_factors lu;
+    rw_factors lu; /* the last: a line by sections uses it within a call only */
 } rw_state;
+
+#define RW_STATE_SIZE (RW_SECTIONS ? offsetof(rw_state, lu) : sizeof(rw_state)) /* of what is saved */
 
 typedef void (*rw_log_function)(void *context, rw_status status, const char *category, const char *message);
 
@@ -79,6 +87,12 @@ typedef struct {
     double sample[RW_NQ + 1], fresh[RW_ND + 1];
     unsigned char changes[RW_ND + 1];
     double margin[RW_NG + 1];
+    double limit[RW_NL + 1];
+    double none[RW_NU + RW_NP + RW_ND + 1]; /* zeros */
+    double line_work[RW_LINE_WORK], rope[RW_NK + 1], us_rate[RW_NU + 1];
+    long long used[RW_NK + 1]; /* of each span: loads in it */
+    rw_factors drives;         /* of the drives of a line */
+    double coupling[RW_NCP + 1];
     double us[RW_NU + 1], stage[4][RW_NX + 1], base[RW_NX + 1];
     int mark[RW_NW + 1], stack[RW_NW + 1], place[RW_NW + 1], order[RW_NW + 1];
     const double *arg[RW_SZ_ARG];
@@ -93,15 +107,18 @@ typedef struct {
     int k, load, forward;
 } rw_crossing;
 
+extern const rw_pattern rw_whole, rw_drives; /* the whole line, and its drives alone */
+
 /* ropeway_sparse.c */
-int rw_factor(rw_instance *m, rw_factors *lu, const double *values);
-void rw_back(const rw_factors *lu, double *b, double *work);
+int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double *values);
+void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work);
 
 /* ropeway_log.c */
 void rw_message(rw_instance *m, rw_status status, const char *category, const char *format, ...);
 
 /* ropeway_slots.c */
-double rw_rope_start(const rw_instance *m, int k);
+void rw_place_loads(rw_instance *m);
+void rw_take_state(rw_instance *m, const rw_state *state);
 double rw_load_position(const rw_instance *m, int run, int i);
 double rw_load_mass(const rw_instance *m, int run, int i);
 double rw_drag_area(int run, int i);
@@ -115,7 +132,7 @@ void rw_slot_seeds(rw_instance *m);
 rw_status rw_check_slots(rw_instance *m);
 rw_status rw_lengths(rw_instance *m);
 
-/* ropeway_solve.c */
+/* ropeway_functions.c */
 void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u);
 int rw_all_finite(const double *v, int n);
 void rw_inputs_at(rw_instance *m, double t, double *u);
@@ -124,6 +141,20 @@ double rw_stop_end(const rw_instance *m, int i);
 int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate);
 int rw_sample(rw_instance *m, int clock);
+int rw_couplings(rw_instance *m);
+int rw_drives_alone(rw_instance *m);
+
+/* ropeway_lines.c */
+rw_status rw_solve_sections(rw_instance *m, const int *sections, int count);
+rw_status rw_solve_all_sections(rw_instance *m, int rates);
+rw_status rw_solve_line(rw_instance *m);
+rw_status rw_line_rates(rw_instance *m);
+void rw_through_line(rw_instance *m, const double *coupling, double factor, double *values);
+void rw_span_end(rw_instance *m, int span, double *force);
+double rw_line_law(rw_instance *m, int k, const double *load, double share);
+int rw_sections_beside(int k, int *sections, int count);
+
+/* ropeway_solve.c */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);
 rw_status rw_fail(rw_instance *m, const char *reason, double t);
@@ -141,19 +172,28 @@ rw_status rw_border_indicators(rw_instance *m, double *indicator);
 rw_status rw_solve(rw_instance *m);
 rw_status rw_show(rw_instance *m);
 rw_status rw_rates(rw_instance *m);
+rw_status rw_limit_values(rw_instance *m);
 rw_status rw_tangent_of(rw_instance *m);
+
+/* ropeway_integrator.c */
+rw_status rw_one_step(rw_instance *m, const rw_point *from, double h, int alone, double *error);
 
 /* ropeway_loads.c */
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind);
 int rw_next_crossing(const rw_instance *m, rw_crossing *found);
 rw_status rw_overrun_settle(rw_instance *m);
 rw_status rw_overrun_moving(rw_instance *m);
+void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held);
+rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing);
 rw_status rw_cross(rw_instance *m, const rw_crossing *first);
 int rw_standing(const rw_instance *m);
 rw_status rw_release_of(rw_instance *m, int k, rw_crossing *found, double *ahead);
 rw_status rw_release(rw_instance *m, rw_crossing *found, double *ahead);
 rw_status rw_let_go(rw_instance *m, const rw_crossing *found);
 rw_status rw_limits(rw_instance *m);
+
+/* ropeway_trajectory.c */
+rw_status rw_move_along(rw_instance *m, double h, double stop, int *moved);
 
 /* ropeway_ahead.c */
 rw_status rw_accept_point(rw_instance *m);

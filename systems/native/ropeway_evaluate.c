@@ -25,6 +25,23 @@ rw_status rw_show(rw_instance *m)
     return RW_OK;
 }
 
+/* Values of the limits' outputs at the present solution, in m->limit. */
+rw_status rw_limit_values(rw_instance *m)
+{
+    rw_status status = RW_SECTIONS ? rw_solve(m) : rw_show(m);
+    if (status != RW_OK) return status;
+    if (!RW_SECTIONS || m->s.shown) {
+        for (int i = 0; i < RW_NL; i++) m->limit[i] = m->s.y[rw_limit_output[i]];
+        return RW_OK;
+    }
+    rw_inputs_at(m, m->s.now.t, m->us);
+    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
+    m->res[0] = m->limit;
+    if (!rw_limits_alone[0](m->arg, m->res, m->iw, m->cw, 0) && rw_all_finite(m->limit, RW_NL)) return RW_OK;
+    rw_message(m, RW_DISCARD, "logStatusDiscard", "The limits are not finite at t = %.9g s", m->s.now.t);
+    return RW_DISCARD;
+}
+
 /* Factors of the matrix at the present solution. */
 static rw_status exact(rw_instance *m)
 {
@@ -46,6 +63,7 @@ rw_status rw_rates(rw_instance *m)
 {
     rw_status status = rw_solve(m);
     if (status != RW_OK || m->s.rated) return status;
+    if (RW_SECTIONS) return rw_line_rates(m);
     if (RW_COUPLED || !m->s.lu.valid || m->s.lu.hg != 0.0) {
         m->s.lu.exact = 0;
         status = exact(m);
@@ -55,7 +73,7 @@ rw_status rw_rates(rw_instance *m)
     for (int j = 0; j < RW_NX; j++)
         for (int p = rw_colind[j]; p < rw_colind[j + 1]; p++)
             if (rw_row[p] >= RW_NX) m->increment[rw_row[p]] -= m->s.lu.jac[p] * m->s.rate[j] / rw_r_nominal[rw_row[p] - RW_NX];
-    rw_back(&m->s.lu, m->increment, m->work);
+    rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
     for (int i = 0; i < RW_NZ; i++) m->s.zrate[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
     m->s.rated = 1;
     return RW_OK;
@@ -84,7 +102,7 @@ rw_status rw_tangent_of(rw_instance *m)
         if (pass == 0) {
             memset(m->increment, 0, sizeof m->increment);
             for (int i = 0; i < RW_NZ; i++) m->increment[RW_NX + i] = -m->dg[i] / rw_r_nominal[i];
-            rw_back(&m->s.lu, m->increment, m->work);
+            rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
             for (int i = 0; i < RW_NZ; i++) m->dz[i] = m->increment[RW_NX + i] * rw_z_nominal[i];
         }
     }

@@ -53,6 +53,7 @@ void rw_reset(rw_instance *m)
     memcpy(s->passed, rw_passed_start, RW_NK * sizeof(int));
     for (int i = 0; i < RW_NSW; i++) s->on[i] = s->d[rw_switch[i]] > 0.0;
     s->h = 1e9;
+    rw_place_loads(m);
     rw_start_place(m);
 }
 
@@ -128,7 +129,7 @@ rw_status rw_up_to_date(rw_instance *m)
         rw_status status = rw_look_ahead(m);
         if (status != RW_OK) return status;
     }
-    return rw_show(m);
+    return rw_solve(m);
 }
 
 rw_status rw_set_time(rw_instance *m, double t)
@@ -170,8 +171,11 @@ rw_status rw_get_real(rw_instance *m, unsigned vr, double *value)
         if (status != RW_OK) return status;
         if (vr < Z) *value = m->s.rate[vr - DX];
         else if (vr < U) *value = m->s.now.z[vr - Z];
-        else if (vr < EI) *value = m->s.y[vr - Y];
-        else {
+        else if (vr < EI) {
+            status = rw_show(m);
+            if (status != RW_OK) return status;
+            *value = m->s.y[vr - Y];
+        } else {
             double indicator[RW_NK + RW_NL + RW_NB + 1];
             status = rw_event_indicators(m, indicator);
             if (status != RW_OK) return status;
@@ -355,19 +359,19 @@ static uint64_t checksum(const unsigned char *bytes, size_t size)
 
 size_t rw_serialized_size(void)
 {
-    return sizeof(rw_fingerprint) + sizeof(uint64_t) + sizeof(rw_state);
+    return sizeof(rw_fingerprint) + sizeof(uint64_t) + RW_STATE_SIZE;
 }
 
 rw_status rw_serialize(rw_instance *m, const rw_state *state, unsigned char *bytes, size_t size)
 {
-    uint64_t sum = checksum((const unsigned char *)state, sizeof *state);
+    uint64_t sum = checksum((const unsigned char *)state, RW_STATE_SIZE);
     if (size < rw_serialized_size()) {
         rw_message(m, RW_ERROR, "logStatusError", "A state requires %lu bytes", (unsigned long)rw_serialized_size());
         return RW_ERROR;
     }
     memcpy(bytes, rw_fingerprint, sizeof rw_fingerprint);
     memcpy(bytes + sizeof rw_fingerprint, &sum, sizeof sum);
-    memcpy(bytes + sizeof rw_fingerprint + sizeof sum, state, sizeof *state);
+    memcpy(bytes + sizeof rw_fingerprint + sizeof sum, state, RW_STATE_SIZE);
     return RW_OK;
 }
 
@@ -380,12 +384,12 @@ rw_status rw_deserialize(rw_instance *m, const unsigned char *bytes, size_t size
         return RW_ERROR;
     }
     memcpy(&sum, bytes + sizeof rw_fingerprint, sizeof sum);
-    if (sum != checksum(kept, sizeof **state)) {
+    if (sum != checksum(kept, RW_STATE_SIZE)) {
         rw_message(m, RW_ERROR, "logStatusError", "These bytes of a state are damaged: their checksum differs");
         return RW_ERROR;
     }
-    if (!*state) *state = malloc(sizeof **state);
+    if (!*state) *state = malloc(RW_STATE_SIZE);
     if (!*state) return RW_ERROR;
-    memcpy(*state, kept, sizeof **state);
+    memcpy(*state, kept, RW_STATE_SIZE);
     return RW_OK;
 }

@@ -8,7 +8,7 @@
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind)
 {
     int run = rw_run_of[k], beyond = m->s.passed[k], around = rw_around[run];
-    double rope = rw_rope_start(m, k) - rw_support_travel(m, k);
+    double rope = m->rope[k] - rw_support_travel(m, k);
     *ahead = *behind = INFINITY;
     if (around && rw_is_last(k)) return; /* its loads cross with those of the first support */
     if (beyond < rw_load_count(run)) *ahead = rope - rw_load_position(m, run, beyond);
@@ -66,6 +66,10 @@ static rw_status law(rw_instance *m, int k, const double *load, double share, do
 {
     double *in = m->s.now.z + rw_force[k - 1], *out = m->s.now.z + rw_force[k], before[6], held = m->s.d[rw_held[k]];
     int failed;
+    if (RW_SECTIONS) {
+        *found = rw_line_law(m, k, load, share);
+        return RW_OK;
+    }
     rw_inputs_at(m, m->s.now.t, m->us);
     memcpy(before, in, 3 * sizeof(double));
     memcpy(before + 3, out, 3 * sizeof(double));
@@ -86,14 +90,18 @@ static rw_status law(rw_instance *m, int k, const double *load, double share, do
 /* The forces on the load at support k. */
 static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
 {
-    rw_status status = rw_show(m);
+    rw_status status = RW_SECTIONS ? rw_solve(m) : rw_show(m);
     double pull[3], coming[3], t_in, t_out, ahead = 0.0, behind = 1.0;
     const double *going = m->s.now.z + rw_force[k];
     if (status != RW_OK) return status;
     pull_of(m, rw_run_of[k], load, pull);
-    memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
-    if (rw_pull_b[k - 1] >= 0) memcpy(coming, m->s.y + rw_pull_b[k - 1], 2 * sizeof(double));
-    coming[2] = m->s.y[rw_vertical_b[k - 1]];
+    if (RW_SECTIONS)
+        rw_span_end(m, k - 1 - rw_run_of[k], coming);
+    else {
+        memcpy(coming, m->s.now.z + rw_force[k - 1], sizeof coming);
+        if (rw_pull_b[k - 1] >= 0) memcpy(coming, m->s.y + rw_pull_b[k - 1], 2 * sizeof(double));
+        coming[2] = m->s.y[rw_vertical_b[k - 1]];
+    }
     if (load >= m->s.passed[k]) { /* it hangs at the end of the span before the support */
         ahead = -1.0;
         behind = 0.0;
@@ -112,9 +120,17 @@ static rw_status beside(rw_instance *m, int k, int load, prevailing *s)
     return status;
 }
 
-/* Moves the load across the support, or leaves it there. The line is not solved. */
-static rw_status apply(rw_instance *m, int k, int load, int forward)
+/* Logs that a load has crossed a support, or is held there. */
+void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held)
 {
+    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", time, crossing->load + 1,
+               held ? "held at" : crossing->forward ? "crosses forward" : "crosses backward", rw_support_name[crossing->k]);
+}
+
+/* Moves the load across the support, or leaves it there. The line is not solved. */
+rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing)
+{
+    int k = crossing->k, load = crossing->load, forward = crossing->forward;
     int goes = 1;
     rw_status status;
     if (rw_held[k] >= 0 && !rw_is_last(k) && k > rw_run_first[rw_run_of[k]]) {
@@ -131,11 +147,10 @@ static rw_status apply(rw_instance *m, int k, int load, int forward)
         rw_write_slots(m);
     } else {
         m->s.d[rw_held[k]] = 1.0;
-        m->s.d[rw_held_travel[k]] = rw_rope_start(m, k) - rw_load_position(m, rw_run_of[k], load);
+        m->s.d[rw_held_travel[k]] = m->rope[k] - rw_load_position(m, rw_run_of[k], load);
         m->s.solved = m->s.rated = m->s.shown = 0;
     }
-    rw_message(m, RW_OK, "logEvents", "t = %.9f s: load %d %s %s", m->s.now.t, load + 1,
-               !goes ? "held at" : forward ? "crosses forward" : "crosses backward", rw_support_name[k]);
+    rw_tell_crossing(m, m->s.now.t, crossing, !goes);
     return RW_OK;
 }
 
@@ -160,7 +175,7 @@ static rw_status overrun(rw_instance *m, unsigned char *just)
         for (int k = 0; k < RW_NK; k++) {
             if (!forward[k] && !backward[k]) continue;
             if (rw_is_held(m, k)) continue;
-            status = apply(m, k, m->s.passed[k] - (forward[k] ? 0 : 1), forward[k]);
+            status = rw_put_across(m, &(rw_crossing){.k = k, .load = m->s.passed[k] - (forward[k] ? 0 : 1), .forward = forward[k]});
             if (status != RW_OK) return status;
             just[k] = 1;
             moved = 1;
@@ -207,7 +222,7 @@ rw_status rw_cross(rw_instance *m, const rw_crossing *first)
         }
     }
     for (int i = 0; i < count; i++) {
-        rw_status status = apply(m, due[i].k, due[i].load, due[i].forward);
+        rw_status status = rw_put_across(m, &due[i]);
         if (status != RW_OK) return status;
         just[due[i].k] = 1;
     }
@@ -223,7 +238,7 @@ int rw_standing(const rw_instance *m)
 
 static int load_on(const rw_instance *m, int k)
 {
-    double place = rw_rope_start(m, k) - m->s.d[rw_held_travel[k]];
+    double place = m->rope[k] - m->s.d[rw_held_travel[k]];
     int beyond = m->s.passed[k], run = rw_run_of[k];
     if (beyond == 0 && !rw_around[run]) return 0;
     if (beyond >= rw_load_count(run)) return beyond - 1;
@@ -280,10 +295,10 @@ rw_status rw_let_go(rw_instance *m, const rw_crossing *found)
 /* Updates the violated limits: tension above the breaking load, lift-off and others. */
 rw_status rw_limits(rw_instance *m)
 {
-    rw_status status = rw_show(m);
+    rw_status status = rw_limit_values(m);
     if (status != RW_OK) return status;
     for (int i = 0; i < RW_NL; i++) {
-        double value = m->s.y[rw_limit_output[i]], slack = m->s.broken[i] ? rw_limit_slack[i] : 0.0;
+        double value = m->limit[i], slack = m->s.broken[i] ? rw_limit_slack[i] : 0.0;
         int broken = value >= rw_limit_high[i] - slack || value <= rw_limit_low[i] + slack;
         if (broken && !m->s.broken[i])
             rw_message(m, RW_WARNING, "logStatusWarning", "t = %.9f s: %s", m->s.now.t, rw_limit_name[i]);

@@ -6,11 +6,22 @@
 #include <string.h>
 #include "ropeway.h"
 
-double rw_rope_start(const rw_instance *m, int k)
+/* What follows from lengths and loads passed: rope at each support at zero travel, in m->rope, and of a line by sections
+ * the loads in each span, in m->used. */
+void rw_place_loads(rw_instance *m)
 {
-    double sum = 0.0;
-    for (int i = rw_run_first[rw_run_of[k]]; i < k; i++) sum += m->s.p[rw_length_start[i]];
-    return sum;
+    for (int k = 0; k < RW_NK; k++) {
+        m->rope[k] = k == rw_run_first[rw_run_of[k]] ? 0.0 : m->rope[k - 1] + m->s.p[rw_length_start[k - 1]];
+        if (!rw_is_last(k)) m->used[k - rw_run_of[k]] = m->s.passed[k] - m->s.passed[k + 1];
+    }
+}
+
+/* Takes over a saved state. */
+void rw_take_state(rw_instance *m, const rw_state *state)
+{
+    memcpy(&m->s, state, RW_STATE_SIZE);
+    if (RW_SECTIONS) m->s.lu.valid = 0;
+    rw_place_loads(m);
 }
 
 /* Revolution of load i on an endless rope, rounded down; 0 on a rope with ends. */
@@ -23,7 +34,7 @@ static int revolution_of(int run, int i)
 double rw_load_position(const rw_instance *m, int run, int i)
 {
     int first = rw_load_first[run], n = rw_load_first[run + 1] - first, revolution = revolution_of(run, i);
-    if (rw_around[run]) return rw_load_place[first + i - revolution * n] - revolution * rw_rope_start(m, rw_run_first[run + 1] - 1);
+    if (rw_around[run]) return rw_load_place[first + i - revolution * n] - revolution * m->rope[rw_run_first[run + 1] - 1];
     if (i < n) return rw_load_place[first + i];
     return rw_load_place[first + n - 1] - rw_feed_spacing[run] * (i - n + 1);
 }
@@ -79,20 +90,18 @@ int rw_is_held(const rw_instance *m, int k)
 /* Puts the loads into the slots of their spans. */
 void rw_write_slots(rw_instance *m)
 {
-    double start = 0.0;
+    rw_place_loads(m);
     for (int k = 0; k < RW_NK; k++) {
         int run = rw_run_of[k];
-        if (k == rw_run_first[run]) start = 0.0;
         if (rw_is_last(k)) continue;
         for (int j = 0; j < rw_slot_count[k]; j++) {
             int load = m->s.passed[k] - 1 - j, full = load >= m->s.passed[k + 1];
             m->s.d[rw_slot_mass[k] + j] = full ? rw_load_mass(m, run, load) : 0.0;
-            m->s.d[rw_slot_at[k] + j] = full ? rw_load_position(m, run, load) - start : 0.0;
+            m->s.d[rw_slot_at[k] + j] = full ? rw_load_position(m, run, load) - m->rope[k] : 0.0;
             m->s.d[rw_slot_ride[k] + j] = full;
             m->s.d[rw_slot_empty[k] + j] = !full;
             if (rw_slot_drag[k] >= 0) m->s.d[rw_slot_drag[k] + j] = full ? rw_drag_area(run, load) : 0.0;
         }
-        start += m->s.p[rw_length_start[k]];
     }
     m->s.solved = m->s.rated = m->s.shown = 0;
 }

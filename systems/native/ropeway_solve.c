@@ -4,101 +4,9 @@
 #include <string.h>
 #include "ropeway.h"
 
+const rw_pattern rw_whole = {RW_NW, rw_colind, rw_row, rw_column_order};
+
 #define TOLERANCE 1e-12 /* of the predicted next Newton step, scaled */
-
-void rw_point_arguments(rw_instance *m, const double *t, const double *x, const double *z, const double *u)
-{
-    m->arg[0] = t;
-    m->arg[1] = x;
-    m->arg[2] = z;
-    m->arg[3] = u;
-    m->arg[4] = m->s.p;
-    m->arg[5] = m->s.d;
-}
-
-int rw_all_finite(const double *v, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(v[i])) return 0;
-    return 1;
-}
-
-/* Time at which a speed reaches zero in an emergency stop. */
-double rw_stop_end(const rw_instance *m, int i)
-{
-    return m->s.stop_time + fabs(m->s.stop_speed[i]) / RW_STOP_DECELERATION;
-}
-
-/* Inputs at a time: those of the FMU, piecewise linear schedules, the speeds of an emergency stop, and the rates of these
- * that are inputs too. */
-void rw_inputs_at(rw_instance *m, double t, double *u)
-{
-    for (int i = 0; i < RW_NU; i++) u[i] = m->s.u[i] + m->s.slope[i] * (t - m->s.slope_from);
-    for (int i = 0; i < RW_NS; i++) {
-        const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
-        int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
-        while (k < n && times[k] <= t) k++;
-        if (k == 0 || k == n)
-            u[rw_schedule_input[i]] = values[k == 0 ? 0 : n - 1];
-        else
-            u[rw_schedule_input[i]] = values[k - 1] + (values[k] - values[k - 1]) * (t - times[k - 1]) / (times[k] - times[k - 1]);
-        if (k == n && t > times[n - 1] + 1e-9 && !m->s.beyond_schedule) {
-            m->s.beyond_schedule = 1;
-            rw_message(m, RW_WARNING, "logStatusWarning", "The schedule of %s ended at %g s: its last value is kept",
-                       rw_input_name[rw_schedule_input[i]], times[n - 1]);
-        }
-    }
-    for (int i = 0; m->s.stopping && i < RW_NE; i++) {
-        double end = rw_stop_end(m, i), passed = t - m->s.stop_time, speed = m->s.stop_speed[i];
-        u[rw_stop_input[i]] = t >= end ? 0.0 : speed - copysign(RW_STOP_DECELERATION * passed, speed);
-    }
-    if (RW_NF) {
-        double rate[RW_NU + 1];
-        memcpy(rate, m->s.slope, sizeof rate);
-        rw_input_rates(m, t, 1.0, rate);
-        for (int i = 0; i < RW_NF; i++) u[rw_followed_input[i]] = rate[rw_followed_source[i]];
-    }
-}
-
-/* Rates of scheduled inputs and of an emergency stop, times a factor. */
-void rw_input_rates(const rw_instance *m, double t, double factor, double *du)
-{
-    for (int i = 0; i < RW_NS; i++) {
-        const double *times = rw_schedule_time + rw_schedule_first[i], *values = rw_schedule_value + rw_schedule_first[i];
-        int n = rw_schedule_first[i + 1] - rw_schedule_first[i], k = 0;
-        while (k < n && times[k] <= t) k++;
-        if (k > 0 && k < n)
-            du[rw_schedule_input[i]] = factor * (values[k] - values[k - 1]) / (times[k] - times[k - 1]);
-    }
-    for (int i = 0; m->s.stopping && i < RW_NE; i++)
-        du[rw_stop_input[i]] = t >= rw_stop_end(m, i) ? 0.0 : -factor * copysign(RW_STOP_DECELERATION, m->s.stop_speed[i]);
-}
-
-/* Rates and residuals at a point, in m->f and m->g; not 0 where they are not finite. */
-int rw_equations(rw_instance *m, double t, const double *x, const double *z, const double *u)
-{
-    rw_point_arguments(m, &t, x, z, u);
-    m->res[0] = m->f;
-    m->res[1] = m->g;
-    return rw_dae(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->f, RW_NX) || !rw_all_finite(m->g, RW_NZ);
-}
-
-int rw_rate_function(rw_instance *m, double t, const double *x, const double *z, const double *u, double *rate)
-{
-    if (rw_equations(m, t, x, z, u)) return 1;
-    memcpy(rate, m->f, RW_NX * sizeof(double));
-    return 0;
-}
-
-/* New values of a clock at the present point, in m->sample. */
-int rw_sample(rw_instance *m, int clock)
-{
-    int n = rw_clock_first[clock + 1] - rw_clock_first[clock];
-    rw_inputs_at(m, m->s.now.t, m->us);
-    rw_point_arguments(m, &m->s.now.t, m->s.now.x, m->s.now.z, m->us);
-    m->res[0] = m->sample;
-    return rw_clock_update[clock](m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->sample, n);
-}
 
 /* Scaled residuals of x - base - hg f = 0 and g = 0; their norm, INFINITY if they are not finite. */
 static double residual(rw_instance *m, double t, const double *x, const double *z, const double *u, const double *base,
@@ -112,13 +20,37 @@ static double residual(rw_instance *m, double t, const double *x, const double *
     return isfinite(sum) ? sqrt(sum) : INFINITY;
 }
 
+/* Derivatives of f and g by x and z at a point, by changes in the directions of groups of these: no equation depends on
+ * two of a group. */
+static int by_groups(rw_instance *m)
+{
+    const double zero = 0.0;
+    double *direction = m->work;
+    for (int group = 0; group < RW_GROUPS; group++) {
+        for (int j = 0; j < RW_NW; j++) direction[j] = rw_group[j] == group;
+        m->arg[6] = &zero;
+        m->arg[7] = direction;
+        m->arg[8] = direction + RW_NX;
+        m->arg[9] = m->arg[10] = m->arg[11] = m->none;
+        m->res[0] = m->f;
+        m->res[1] = m->g;
+        m->res[2] = NULL;
+        if (rw_tangent(m->arg, m->res, m->iw, m->cw, 0)) return 1;
+        for (int j = 0; j < RW_NW; j++)
+            for (int p = rw_colind[j]; rw_group[j] == group && p < rw_colind[j + 1]; p++)
+                m->s.lu.jac[p] = rw_row[p] < RW_NX ? m->f[rw_row[p]] : m->g[rw_row[p] - RW_NX];
+    }
+    return 0;
+}
+
 /* Derivatives of f and g by x and z at a point, in m->s.lu.jac. */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u)
 {
     rw_point_arguments(m, &t, x, z, u);
     m->res[0] = m->s.lu.jac;
     m->s.lu.valid = 0;
-    return rw_jacobian(m->arg, m->res, m->iw, m->cw, 0) || !rw_all_finite(m->s.lu.jac, RW_NNZ);
+    if (RW_GROUPS ? by_groups(m) : rw_jacobian_of[0](m->arg, m->res, m->iw, m->cw, 0)) return 1;
+    return !rw_all_finite(m->s.lu.jac, RW_NNZ);
 }
 
 /* Factors of the scaled matrix from m->s.lu.jac. */
@@ -136,7 +68,7 @@ int rw_factor_matrix(rw_instance *m, double hg)
                 values[p] = m->s.lu.jac[p] * scale / rw_r_nominal[i - nx];
         }
     }
-    m->s.lu.valid = rw_factor(m, &m->s.lu, values) == 0;
+    m->s.lu.valid = rw_factor(m, &rw_whole, &m->s.lu, values) == 0;
     m->s.lu.hg = hg;
     m->s.lu.exact = 0;
     return !m->s.lu.valid;
@@ -209,7 +141,7 @@ rw_status rw_newton(rw_instance *m, double t, double *x, double *z, const double
             fresh = 1;
         }
         memcpy(m->increment, m->residual, sizeof m->residual);
-        rw_back(&m->s.lu, m->increment, m->work);
+        rw_back(&rw_whole, &m->s.lu, m->increment, m->work);
         if (hg == 0.0) memset(m->increment, 0, RW_NX * sizeof(double)); /* x is given and stays unchanged */
         for (int i = 0; i < RW_NW; i++)
             if (!(fabs(m->increment[i]) <= size)) size = fabs(m->increment[i]);
@@ -237,11 +169,13 @@ failed:
     return status;
 }
 
-/* Solves the equations of the active place. */
+/* Solves the equations of the active place, or the sections of a line. */
 rw_status rw_solve_here(rw_instance *m)
 {
     rw_point *q = &m->s.now;
     rw_status status;
+    m->s.lu.exact = 0;
+    if (RW_SECTIONS) return rw_solve_line(m);
     rw_inputs_at(m, q->t, m->us);
     status = rw_newton(m, q->t, q->x, q->z, m->us, q->x, 0.0);
     if (status != RW_OK) return status;
@@ -251,7 +185,6 @@ rw_status rw_solve_here(rw_instance *m)
     }
     m->s.solved = 1;
     m->s.rated = m->s.shown = 0;
-    m->s.lu.exact = 0;
     return RW_OK;
 }
 

@@ -5,14 +5,14 @@
 
 /* Rows that column `col` of the matrix reaches through the columns of L found so far, in the order in which
  * they must be eliminated, at m->order[top...]. */
-static int reach(rw_instance *m, const rw_factors *lu, int col, int stamp)
+static int reach(rw_instance *m, const rw_pattern *a, const rw_factors *lu, int col, int stamp)
 {
-    int top = RW_NW;
-    for (int p = rw_colind[col]; p < rw_colind[col + 1]; p++) {
+    int top = a->n;
+    for (int p = a->colind[col]; p < a->colind[col + 1]; p++) {
         int depth = 0;
-        if (m->mark[rw_row[p]] == stamp) continue;
-        m->stack[0] = rw_row[p];
-        m->mark[rw_row[p]] = stamp;
+        if (m->mark[a->row[p]] == stamp) continue;
+        m->stack[0] = a->row[p];
+        m->mark[a->row[p]] = stamp;
         m->place[0] = -1;
         while (depth >= 0) {
             int i = m->stack[depth], j = lu->pinv[i], next = -1;
@@ -40,21 +40,21 @@ static int reach(rw_instance *m, const rw_factors *lu, int col, int stamp)
 }
 
 /* Factors of the matrix with these nonzero `values`; 1 when it is singular or not finite. */
-int rw_factor(rw_instance *m, rw_factors *lu, const double *values)
+int rw_factor(rw_instance *m, const rw_pattern *a, rw_factors *lu, const double *values)
 {
     double *x = m->work;
     int nl = 0, nu = 0;
     lu->lp[0] = lu->up[0] = 0;
-    for (int i = 0; i < RW_NW; i++) {
+    for (int i = 0; i < a->n; i++) {
         lu->pinv[i] = -1;
         m->mark[i] = -1;
         x[i] = 0.0;
     }
-    for (int k = 0; k < RW_NW; k++) {
-        int col = rw_column_order[k], top = reach(m, lu, col, k), pivot = -1;
+    for (int k = 0; k < a->n; k++) {
+        int col = a->order[k], top = reach(m, a, lu, col, k), pivot = -1;
         double largest = 0.0, value;
-        for (int p = rw_colind[col]; p < rw_colind[col + 1]; p++) x[rw_row[p]] = values[p];
-        for (int s = top; s < RW_NW; s++) {
+        for (int p = a->colind[col]; p < a->colind[col + 1]; p++) x[a->row[p]] = values[p];
+        for (int s = top; s < a->n; s++) {
             int i = m->order[s], j = lu->pinv[i];
             if (j < 0) continue;
             for (int q = lu->lp[j]; q < lu->lp[j + 1]; q++) x[lu->li[q]] -= lu->lx[q] * x[i];
@@ -63,7 +63,7 @@ int rw_factor(rw_instance *m, rw_factors *lu, const double *values)
             lu->ux[nu++] = x[i];
             x[i] = 0.0;
         }
-        for (int s = top; s < RW_NW; s++) {
+        for (int s = top; s < a->n; s++) {
             int i = m->order[s];
             if (lu->pinv[i] >= 0) continue;
             if (!isfinite(x[i])) return 1;
@@ -77,7 +77,7 @@ int rw_factor(rw_instance *m, rw_factors *lu, const double *values)
         lu->pinv[pivot] = k;
         lu->ui[nu] = k; /* the diagonal is the last of its column */
         lu->ux[nu++] = value;
-        for (int s = top; s < RW_NW; s++) {
+        for (int s = top; s < a->n; s++) {
             int i = m->order[s];
             if (lu->pinv[i] < 0) {
                 if (x[i] != 0.0) {
@@ -95,21 +95,21 @@ int rw_factor(rw_instance *m, rw_factors *lu, const double *values)
 }
 
 /* Solves in place. */
-void rw_back(const rw_factors *lu, double *b, double *work)
+void rw_back(const rw_pattern *a, const rw_factors *lu, double *b, double *work)
 {
     /* L has original row numbers: work[k] is the unknown of the k-th pivot. */
     int row_of[RW_NW + 1];
-    for (int i = 0; i < RW_NW; i++) row_of[lu->pinv[i]] = i;
-    for (int k = 0; k < RW_NW; k++) {
+    for (int i = 0; i < a->n; i++) row_of[lu->pinv[i]] = i;
+    for (int k = 0; k < a->n; k++) {
         double v = b[row_of[k]];
         work[k] = v;
         if (v != 0.0)
             for (int q = lu->lp[k]; q < lu->lp[k + 1]; q++) b[lu->li[q]] -= lu->lx[q] * v;
     }
-    for (int k = RW_NW - 1; k >= 0; k--) {
+    for (int k = a->n - 1; k >= 0; k--) {
         double v = work[k] /= lu->ux[lu->up[k + 1] - 1];
         if (v != 0.0)
             for (int q = lu->up[k]; q < lu->up[k + 1] - 1; q++) work[lu->ui[q]] -= lu->ux[q] * v;
     }
-    for (int k = 0; k < RW_NW; k++) b[rw_column_order[k]] = work[k];
+    for (int k = 0; k < a->n; k++) b[a->order[k]] = work[k];
 }

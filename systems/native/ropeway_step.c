@@ -1,83 +1,14 @@
-/* Time integration: one-step method with error control, crossings located within the step (Co-Simulation); event
- * indicators and event update (Model Exchange).
- *
- * The integrator is ARK3(2)4L[2]SA-ESDIRK (Kennedy and Carpenter 2003): four stages, stiffly accurate: a
- * restart at a communication point costs nothing, and the end point satisfies the algebraic equations. Where
- * rates depend on inputs only (commanded speeds) they are integrated exactly. */
+/* Time integration with crossings located within the step (Co-Simulation); event indicators and event update (Model
+ * Exchange). */
 #include <math.h>
 #include <string.h>
 #include "ropeway.h"
 
-#define GAMMA (1767732205903.0 / 4055673282236.0)
 #define STANDING_STEP 0.02 /* s, while a load stands on a sheave */
 #define LEAST_STEP 1e-11   /* s */
 #define RELEASE_FORCE (30.0 * RW_FORCE_NEAR) /* N, force at which a load is released: well above rounding errors */
 #define MOST_STEPS 200000          /* within one step of the importer */
 #define CHECK_TRAVEL 0.01          /* of a mean span: largest travel of the rope between two checks of the limits */
-
-static const double stage_time[4] = {0.0, 2.0 * GAMMA, 0.6, 1.0};
-static const double stage_weight[4][3] = {
-    {0.0, 0.0, 0.0},
-    {GAMMA, 0.0, 0.0},
-    {2746238789719.0 / 10658868560708.0, -640167445237.0 / 6845629431997.0, 0.0},
-    {1471266399579.0 / 7840856788654.0, -4482444167858.0 / 7529755066697.0, 11266239266428.0 / 11593286722821.0},
-};
-static const double lower_order[4] = {
-    2756255671327.0 / 12835298489170.0,
-    -10771552573575.0 / 22201958757719.0,
-    9247589265047.0 / 10645013368117.0,
-    2193209047091.0 / 5459859503100.0,
-};
-
-/* One step of h from the present point, whose rates are known; `error` relative to the tolerance. */
-static rw_status driven_step(rw_instance *m, const rw_point *from, double h, double *error)
-{
-    rw_point *q = &m->s.now;
-    double rate[RW_NX + 1];
-    rw_status status;
-    *error = 0.0;
-    memcpy(rate, m->s.rate, sizeof rate);
-    q->t = from->t + h;
-    for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h * rate[i];
-    for (int i = 0; i < RW_NZ; i++) q->z[i] = from->z[i] + h * m->s.zrate[i];
-    m->s.solved = m->s.rated = m->s.shown = 0;
-    status = rw_solve(m);
-    if (status != RW_OK || memcmp(rate, m->s.rate, RW_NX * sizeof(double)) == 0) return status;
-    for (int i = 0; i < RW_NX; i++) q->x[i] = from->x[i] + h / 2.0 * (rate[i] + m->s.rate[i]);
-    m->s.solved = m->s.rated = m->s.shown = 0;
-    return rw_solve(m);
-}
-
-static rw_status coupled_step(rw_instance *m, const rw_point *from, double h, double *error)
-{
-    rw_point *q = &m->s.now;
-    double hg = h * GAMMA;
-    rw_status status;
-    memcpy(m->stage[0], m->s.rate, RW_NX * sizeof(double));
-    if (rw_factor_matrix(m, hg)) return RW_DISCARD;
-    for (int i = 1; i < 4; i++) {
-        double part = i == 1 ? stage_time[1] : i == 2 ? 0.6 - stage_time[1] : 0.4;
-        q->t = from->t + stage_time[i] * h;
-        rw_inputs_at(m, q->t, m->us);
-        for (int n = 0; n < RW_NX; n++) {
-            m->base[n] = from->x[n];
-            for (int j = 0; j < i; j++) m->base[n] += h * stage_weight[i][j] * m->stage[j][n];
-            q->x[n] = m->base[n] + hg * m->stage[i - 1][n];
-        }
-        for (int n = 0; n < RW_NZ; n++) q->z[n] += part * h * m->s.zrate[n];
-        status = rw_newton(m, q->t, q->x, q->z, m->us, m->base, hg);
-        if (status != RW_OK) return status;
-        for (int n = 0; n < RW_NX; n++) m->stage[i][n] = (q->x[n] - m->base[n]) / hg;
-    }
-    *error = 0.0;
-    for (int n = 0; n < RW_NX; n++) {
-        double e = 0.0, allowed = m->tolerance * (rw_x_nominal[n] + fmax(fabs(from->x[n]), fabs(q->x[n])));
-        for (int i = 0; i < 4; i++) e += h * ((i < 3 ? stage_weight[3][i] : GAMMA) - lower_order[i]) * m->stage[i][n];
-        if (!(fabs(e) / allowed <= *error)) *error = fabs(e) / allowed;
-    }
-    m->s.solved = m->s.rated = m->s.shown = 0;
-    return rw_solve(m);
-}
 
 /* Restores the point before a rejected step, with its rates. */
 static rw_status restore(rw_instance *m, const rw_point *from)
@@ -95,7 +26,7 @@ static rw_status step(rw_instance *m, const rw_point *from, double *h, double st
 {
     for (;;) {
         double error;
-        rw_status status = RW_COUPLED ? coupled_step(m, from, *h, &error) : driven_step(m, from, *h, &error);
+        rw_status status = rw_one_step(m, from, *h, 0, &error);
         if (status == RW_OK && error <= 1.0) {
             double next = *h * fmin(5.0, 0.9 / cbrt(fmax(error, 1e-9)));
             if (from->t + *h >= stop - LEAST_STEP) m->s.now.t = stop;
@@ -235,7 +166,7 @@ static rw_status advance(rw_instance *m, double end)
     for (int trial = 0; status == RW_OK && trial < MOST_STEPS; trial++) {
         double t = m->s.now.t, stop = fmin(end, rw_next_time_event(m)), h = stop - t;
         rw_crossing coming;
-        int some = rw_next_crossing(m, &coming);
+        int some = rw_next_crossing(m, &coming), moved = 0;
         rw_changes before;
         int crosses = some && coming.gap <= RW_NEAR * rw_span_scale[rw_run_of[coming.k]];
         if (crosses || tick_due(m)) m->event = 1;
@@ -252,14 +183,17 @@ static rw_status advance(rw_instance *m, double end)
             m->s.now.t = end;
             return rw_limits(m);
         }
-        if (some) h = fmin(h, coming.time);
-        if (rw_standing(m)) h = fmin(h, STANDING_STEP);
         if (RW_COUPLED) h = fmin(h, m->s.h);
         if (RW_NL) h = fmin(h, next_limit_check(m));
         memcpy(before.passed, m->s.passed, sizeof before.passed);
         memcpy(before.broken, m->s.broken, sizeof before.broken);
         before.place = m->s.place;
-        status = step_to_event(m, h, stop);
+        if (RW_SECTIONS && !rw_standing(m)) status = rw_move_along(m, h, stop, &moved);
+        if (status == RW_OK && !moved) {
+            if (some) h = fmin(h, coming.time);
+            if (rw_standing(m)) h = fmin(h, STANDING_STEP);
+            status = step_to_event(m, h, stop);
+        }
         if (status == RW_OK) status = rw_overrun_moving(m);
         if (status == RW_OK && RW_NL) status = rw_limits(m);
         note_changes(m, &before);
@@ -277,11 +211,11 @@ static rw_status advance(rw_instance *m, double end)
 rw_status rw_do_step(rw_instance *m, double end)
 {
     rw_status status;
-    m->backup = m->s;
+    memcpy(&m->backup, &m->s, RW_STATE_SIZE);
     m->event = 0;
     status = advance(m, end);
     if (status > RW_WARNING) {
-        m->s = m->backup;
+        rw_take_state(m, &m->backup);
         m->s.lu.valid = 0;
         return status;
     }
@@ -308,7 +242,7 @@ double rw_next_time_event(const rw_instance *m)
 rw_status rw_event_indicators(rw_instance *m, double *indicator)
 {
     rw_status status = rw_look_ahead(m);
-    if (status == RW_OK) status = rw_show(m);
+    if (status == RW_OK) status = rw_limit_values(m);
     if (status != RW_OK) return status;
     for (int k = 0; k < RW_NK; k++) {
         double ahead, behind, gap;
@@ -325,7 +259,7 @@ rw_status rw_event_indicators(rw_instance *m, double *indicator)
         indicator[k] = rw_travel[k] < 0 || !isfinite(gap) ? 1.0 : gap;
     }
     for (int i = 0; i < RW_NL; i++) {
-        double value = m->s.y[rw_limit_output[i]], slack = rw_limit_slack[i];
+        double value = m->limit[i], slack = rw_limit_slack[i];
         double inside = fmin(rw_limit_high[i] - value, value - rw_limit_low[i]);
         indicator[RW_NK + i] = (m->s.broken[i] ? slack - inside : inside) / rw_limit_scale[i];
     }

@@ -5,6 +5,7 @@
 
 #define CLOSE 1e-12  /* scaled step that the next iteration would make at a root */
 #define SMALL 1e-11  /* scaled residual of a root */
+#define LARGE 1e9       /* scaled step of a matrix that is singular but for rounding */
 #define ITERATIONS 50
 
 /* Room for one section. */
@@ -34,7 +35,7 @@ static room room_of(const rs_line *l, double *work)
 
 int rs_work_size(const rs_line *l)
 {
-    return (RS_SPAN + 3 * 8) * l->spans + (RS_SUPPORT + 5) * l->supports + 2 * l->nz + 4 * (l->slots + 8) + 256;
+    return RS_WORK_SIZE(l->spans, l->supports, l->nz, l->slots);
 }
 
 double rs_travel(const rs_line *l, const rs_point *q, int k)
@@ -248,11 +249,43 @@ static void keep(const rs_line *l, const rs_point *q, int section, double *to)
     }
 }
 
+/* Kernels of a section at the present point, and its matrix, for rs_rates. */
+void rs_linearise(const rs_line *l, rs_point *q, int section)
+{
+    room r = room_of(l, q->work);
+    double largest;
+    evaluate(l, q, section, &r, &largest);
+    eliminate(l, section, &r);
+}
+
+/* Rates of a section's algebraic variables, from the kernels as they are. */
+void rs_rates(const rs_line *l, rs_point *q, int section)
+{
+    room r = room_of(l, q->work);
+    rates_of(l, q, section, &r);
+}
+
+/* The kernel of a span at the present point. */
+void rs_span(const rs_line *l, const rs_point *q, int span, double *result)
+{
+    room r = room_of(l, q->work);
+    span_at(l, q, span, r.input, result);
+}
+
+/* The kernel of a support at the present point, for forces of the rope coming in, on the support, and going out. */
+void rs_support(const rs_line *l, const rs_point *q, int k, const double *coming, const double *going, double *result)
+{
+    room r = room_of(l, q->work);
+    double span[6] = {0};
+    memcpy(span + 3, coming, 3 * sizeof(double));
+    support_at(l, q, k, span, going, r.input, result);
+}
+
 /* Solves a section in place; with `rates`, those of its variables too. */
 int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
 {
     room r = room_of(l, q->work);
-    double before = INFINITY, last = INFINITY, largest;
+    double before = INFINITY, last = INFINITY, taken = 0.0, largest;
     int n = 3 * (l->last[section] - l->first[section]) + 1;
     for (int turn = 0; turn < ITERATIONS; turn++) {
         double norm = evaluate(l, q, section, &r, &largest), size, coming;
@@ -264,7 +297,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
             keep(l, q, section, r.move);
             for (int i = 0; i < l->nz; i++) r.move[i] -= r.before[i];
             for (;; share *= 0.5) {
-                if (share < 1e-7) return RS_STUCK;
+                if (share < 1e-7) return taken > LARGE ? RS_SINGULAR : RS_STUCK;
                 put(l, q, section, &r, share);
                 norm = evaluate(l, q, section, &r, &largest);
                 if (norm <= (1.0 - 0.1 * share) * before) break;
@@ -285,7 +318,7 @@ int rs_solve(const rs_line *l, rs_point *q, int section, int rates)
             if (largest <= SMALL) return RS_OK;
         }
         before = norm;
-        last = size;
+        last = taken = size;
     }
     return RS_SLOW;
 solved:

@@ -4,7 +4,9 @@
 #ifndef SECTIONS_H
 #define SECTIONS_H
 
-#ifdef _WIN32
+#ifdef RS_INSIDE /* of another library: not visible outside of it */
+#define RS_API
+#elif defined(_WIN32)
 #define RS_API __declspec(dllexport)
 #else
 #define RS_API __attribute__((visibility("default")))
@@ -51,7 +53,14 @@ typedef struct {
     int worst;    /* of a failure: the residual that is worst */
 } rs_point;
 
+#define RS_WORK_SIZE(spans, supports, nz, slots) /* doubles of rs_point.work */ \
+    ((RS_SPAN + 3 * 8) * (spans) + (RS_SUPPORT + 5) * (supports) + 2 * (nz) + 4 * ((slots) + 8) + 256)
+
 RS_API int rs_work_size(const rs_line *line);
+void rs_linearise(const rs_line *line, rs_point *q, int section);
+void rs_rates(const rs_line *line, rs_point *q, int section);
+void rs_span(const rs_line *line, const rs_point *q, int span, double *result);
+void rs_support(const rs_line *line, const rs_point *q, int k, const double *coming, const double *going, double *result);
 RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
 RS_API int rs_solve_all(const rs_line *line, rs_point *q, int rates);
 RS_API int rs_solve_many(const rs_line *line, rs_point *q, int cases, const long long *stride, unsigned char *good);

@@ -35,15 +35,12 @@ class CompiledLine:
 
     def __init__(self, model: Model, sections: LineSections) -> None:
         self.model, self.sections = model, sections
-        counts = np.concatenate([layout.slots.count for layout in model.layouts])
-        slots = int(counts.max(initial=0))
         self._kept: list[Any] = []  # arrays that the tables point to
         self.core = section_library()
-        spans, supports = len(sections.form), len(sections.travel)
-        numbers = {**_by_span(sections, counts), **_by_support(model, sections), **_by_section(sections)}
-        sizes = (spans, supports, len(numbers["first"]), slots, *(len(t) for t in (model.x, model.z, model.u, model.p)))
+        sizes, numbers = line_tables(model, sections)
+        slots = sizes["slots"]
         self.tables = LineTables()
-        for name, size in zip(LINE_SIZES, (*sizes, len(sections.shared), len(model.runs)), strict=True):
+        for name, size in sizes.items():
             setattr(self.tables, name, size)
         for name in LINE_INTEGERS:
             self._keep(name, np.ascontiguousarray(numbers[name], dtype=np.int32))
@@ -167,6 +164,22 @@ def compiled_line(model: Model) -> CompiledLine:
     return CompiledLine(model, sections)
 
 
+def line_tables(model: Model, sections: LineSections) -> tuple[dict[str, int], dict[str, np.ndarray]]:
+    """The sizes of a line and its tables of integers, as rs_line has them."""
+    counts = np.concatenate([layout.slots.count for layout in model.layouts])
+    numbers = {**_by_span(sections, counts), **_by_support(model, sections), **_by_section(sections)}
+    vectors = (len(table) for table in (model.x, model.z, model.u, model.p))
+    spans, supports = len(sections.form), len(sections.travel)
+    own = (spans, supports, len(numbers["first"]), int(counts.max(initial=0)))
+    sizes = (*own, *vectors, len(sections.shared), len(model.runs))
+    return dict(zip(LINE_SIZES, sizes, strict=True)), numbers
+
+
+def slots_of_kernel(used: int) -> int:
+    """Slots of the kernel for so many loads in a span: above 8 those of multiples of 8 serve, with empty slots."""
+    return used if used <= 8 else (used + 7) // 8 * 8
+
+
 def _by_span(sections: LineSections, counts: np.ndarray) -> dict[str, np.ndarray]:
     names = ("form", "parameters", "force", "closure", "mass", "at", "ride", "drag", "empty", "length_start", "start")
     return {
@@ -225,7 +238,7 @@ def _by_section(sections: LineSections) -> dict[str, np.ndarray]:
 
 
 def _span_addresses(form: SpanForm, most: int) -> list[int]:
-    """Where the kernels for 0 to `most` used slots are: above 8 those of multiples of 8 serve, with empty slots."""
+    """Where the kernels for 0 to `most` used slots are (see `slots_of_kernel`)."""
     found = list[int]()
     for first in (0, 3, 6):
         if first <= most:

@@ -60,16 +60,16 @@ FMI(Status) FMI(Reset)(void *c)
 FMI(Status) FMI_GET_STATE(void *c, void **state)
 {
     NEEDS(state, "GetFMUstate");
-    if (!*state) *state = malloc(sizeof(rw_state));
+    if (!*state) *state = malloc(RW_STATE_SIZE);
     if (!*state) return FMI(Error);
-    memcpy(*state, &CORE->s, sizeof(rw_state));
+    memcpy(*state, &CORE->s, RW_STATE_SIZE);
     return FMI(OK);
 }
 
 FMI(Status) FMI_SET_STATE(void *c, void *state)
 {
     NEEDS(state, "SetFMUstate");
-    memcpy(&CORE->s, state, sizeof(rw_state));
+    rw_take_state(CORE, state);
     return FMI(OK);
 }
 

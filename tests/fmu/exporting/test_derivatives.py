@@ -115,12 +115,10 @@ def test_casadi_sees_the_same_system(tmp_path: Path) -> None:
     start = ca.DM([float(builder.start(n)[0]) for n in names])
     given = ca.DM([float(builder.start(n)[0]) for n in builder.u()])
     jacobian = rates.jacobian()(start, given, 0)[0].full()
-    from ropeway.fmu.exporting.equations import ModelEquations
-    from ropeway.systems.statics.equilibrium_solver import equilibrium
-
-    rest = equilibrium(line)
-    equations = ModelEquations.at(rest)
-    whole = equations.jacobian(*rest.point.arguments).full()
+    rest = rw.equilibrium(line)
+    symbols = rest.model.dae.mx_in()
+    by_unknowns = ca.jacobian(ca.vertcat(*rest.model.dae(*symbols)), ca.vertcat(symbols[1], symbols[2]))
+    whole = ca.Function("whole", symbols, [by_unknowns])(*rest.point.arguments).full()
     n = len(rest.model.x)
     reduced = whole[:n, :n] - whole[:n, n:] @ np.linalg.solve(whole[n:, n:], whole[n:, :n])
     order = [rest.model.x.names.index(name) for name in names]

@@ -73,7 +73,7 @@ def test_a_truncated_file_is_compiled_again(folder: Path) -> None:
 
 def test_another_processor_or_compiler_has_separate_libraries(monkeypatch: pytest.MonkeyPatch) -> None:
     assert answer(43) == 43
-    monkeypatch.setattr(binary_cache, "_processor", lambda: "another")
+    monkeypatch.setattr(binary_cache, "processor", lambda: "another")
     assert answer(43) == 43
     monkeypatch.setenv("CFLAGS", "-O1")
     assert answer(43) == 43
