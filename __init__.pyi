@@ -7,12 +7,7 @@ from .components.carriage_on_shoe import CarriageOnShoe as CarriageOnShoe
 from .components.component import Component as Component, RopeEnd as RopeEnd, Seat as Seat
 from .components.control_sheave import ControlSheave as ControlSheave
 from .components.diesel_unit import DieselHydraulicUnit as DieselHydraulicUnit
-from .components.drive import (
-    Drive as Drive,
-    DriveMotion as DriveMotion,
-    HydraulicDrive as HydraulicDrive,
-    IdealDrive as IdealDrive,
-)
+from .components.drive import Drive as Drive, DriveMotion as DriveMotion, IdealDrive as IdealDrive
 from .components.drum import Drum as Drum
 from .components.environment import Environment as Environment
 from .components.errors import (
@@ -36,6 +31,7 @@ from .components.errors import (
     WriteError as WriteError,
 )
 from .components.guyed_spar import GuyedSpar as GuyedSpar, Guyline as Guyline
+from .components.hydraulic_drive import HydraulicDrive as HydraulicDrive
 from .components.inertia import Inertia as Inertia
 from .components.intermediate_support import IntermediateSupport as IntermediateSupport
 from .components.joint import Joint as Joint

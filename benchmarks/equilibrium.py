@@ -26,7 +26,7 @@ from ropeway.systems.modelling.assembly import assemble
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.solvers.model_functions import Buffered
 from ropeway.systems.solvers.newton import Newton, newton_of
-from ropeway.systems.statics.certificate import certify
+from ropeway.systems.statics.certificate.certify import certify
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 

@@ -14,8 +14,9 @@ from ropeway.components.annotation_checks import Unbounded
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import Vector, namespace, norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Seat, remade
+from ropeway.components.component import Component, Seat
 from ropeway.components.errors import InputError
+from ropeway.components.form import remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import (
     across_force,

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, TypeVar
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import UnknownNameError
 from ropeway.components.external_events import ExternalEvents
+from ropeway.components.form import by_values
 from ropeway.components.inertia import Inertia
 from ropeway.components.laws import Law
 from ropeway.components.schedule import Schedule
@@ -117,39 +118,6 @@ class Seat(Port):
     speed: str | None = None
     acceleration: str | None = None
     rates: str = ""
-
-
-def _alone(component: Any) -> Hashable:
-    """All values of a component as a key; the component itself if a value has no hash."""
-    try:
-        hash(component)
-    except TypeError:
-        return _Alone(component)
-    return component
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Alone:
-    """A key that equals only itself. It holds the component, so that no other object reuses its address."""
-
-    component: Any
-
-
-def form_of(part: Any) -> Hashable:
-    """Key of a part, such as a drive: its type and what determines its equations.
-
-    A class states that in its own `structure`; for others all values count. Frozen dataclasses compare and hash by
-    these.
-    """
-    return (type(part), part.structure) if "structure" in vars(type(part)) else part
-
-
-_Kind = TypeVar("_Kind", bound="Component")
-
-
-def remade(component: Component, kind: type[_Kind]) -> _Kind:
-    """A component of another kind with the values of this one."""
-    return kind(**{f.name: getattr(component, f.name) for f in fields(component)})
 
 
 @checked
@@ -413,7 +381,7 @@ class Component(ABC):
         hashable
             By default all values of the component.
         """
-        return _alone(self)
+        return by_values(self)
 
     def form(self, site: Site) -> Hashable:
         """Key of the equations: components of equal form have equal equations.
@@ -429,4 +397,4 @@ class Component(ABC):
             Class, structure, number of load slots, and whether there is weather.
         """
         shared = "structure" in vars(type(self))
-        return (type(self), self.structure(site) if shared else _alone(self), site.slots, site.weather)
+        return (type(self), self.structure(site) if shared else by_values(self), site.slots, site.weather)

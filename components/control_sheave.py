@@ -12,8 +12,9 @@ from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import namespace
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Seat, form_of, remade
+from ropeway.components.component import Component, Seat
 from ropeway.components.drive import Drive, IdealDrive
+from ropeway.components.form import form_of, remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.response import Response
 from ropeway.components.schedule import Schedule

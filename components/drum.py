@@ -10,9 +10,10 @@ from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.catenary import norm
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, Seat, remade
+from ropeway.components.component import Component, Seat
 from ropeway.components.control_sheave import Speed, check_speed
 from ropeway.components.errors import InputError
+from ropeway.components.form import remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energy_outputs
 from ropeway.components.node import Node

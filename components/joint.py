@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE
-from ropeway.components.component import Component, Seat, remade
+from ropeway.components.component import Component, Seat
+from ropeway.components.form import remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energies, energy_outputs, inertial_force, motion_rates, motion_variables
 from ropeway.components.node import Node

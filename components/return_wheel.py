@@ -11,8 +11,9 @@ import numpy as np
 from ropeway.components import check, laws
 from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
-from ropeway.components.component import Component, remade
+from ropeway.components.component import Component
 from ropeway.components.errors import InputError
+from ropeway.components.form import remade
 from ropeway.components.inertia import Inertia
 from ropeway.components.moving_node import energy_outputs
 from ropeway.components.sheave import (

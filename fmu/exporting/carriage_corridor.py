@@ -14,7 +14,7 @@ from ropeway.components import check, shoe
 from ropeway.components.errors import EquilibriumError, InputError
 from ropeway.components.rounding import at_least
 from ropeway.fmu.exporting.switched_model import Read, SwitchedModel, SwitchedPart
-from ropeway.systems.modelling.dae_model import Limits, VariableTable
+from ropeway.systems.modelling.model_tables import Limits, VariableTable
 from ropeway.systems.rigs.rig_builder import with_supports
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.points import Point

@@ -12,7 +12,8 @@ import numpy as np
 from ropeway.components.errors import InputError, UnknownNameError
 from ropeway.components.schedule import Schedule
 from ropeway.fmu.exporting.equations import Dependencies, ModelEquations
-from ropeway.systems.modelling.dae_model import VariableTable, nearest
+from ropeway.systems.modelling.dae_model import nearest
+from ropeway.systems.modelling.model_tables import VariableTable
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,8 @@ import numpy as np
 
 from ropeway.components.check import ANY
 from ropeway.components.variable import Kind
-from ropeway.systems.modelling.dae_model import Limits, Model, VariableTable
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.model_tables import Limits, VariableTable
 from ropeway.systems.modelling.structure import Structure
 from ropeway.systems.solvers.points import VECTORS, Point
 

@@ -9,11 +9,12 @@ from ropeway.components.carriage import Carriage
 from ropeway.components.carriage_on_shoe import CarriageOnShoe
 from ropeway.components.control_sheave import ControlSheave
 from ropeway.components.diesel_unit import DieselHydraulicUnit
-from ropeway.components.drive import HydraulicDrive, IdealDrive
+from ropeway.components.drive import IdealDrive
 from ropeway.components.drum import Drum
 from ropeway.components.environment import Environment
 from ropeway.components.ground import Ground
 from ropeway.components.guyed_spar import GuyedSpar, Guyline
+from ropeway.components.hydraulic_drive import HydraulicDrive
 from ropeway.components.inertia import Inertia
 from ropeway.components.intermediate_support import IntermediateSupport
 from ropeway.components.joint import Joint

@@ -19,19 +19,11 @@ from ropeway.components.weather import SHARED, shared_variables, signals_of
 from ropeway.systems.interrupts import interruptible, stop_if_interrupted
 from ropeway.systems.modelling.connections.ports import require_connected
 from ropeway.systems.modelling.connections.signals import with_links, with_residuals
-from ropeway.systems.modelling.dae_model import (
-    Balance,
-    Limits,
-    LoadSlots,
-    Model,
-    RunLayout,
-    Travel,
-    VariableTable,
-    component_of,
-)
+from ropeway.systems.modelling.dae_model import Model, component_of
 from ropeway.systems.modelling.declarations import north_of, require_weather, thin_ropes
 from ropeway.systems.modelling.equation_graph import EquationGraph
 from ropeway.systems.modelling.initial_guess import RunStart, run_start
+from ropeway.systems.modelling.model_tables import Balance, Limits, LoadSlots, RunLayout, Travel, VariableTable
 from ropeway.systems.modelling.rope_path import Run, find_runs, slot_counts
 from ropeway.systems.modelling.sampled_control import clocks, responses_of
 from ropeway.systems.modelling.structure import KNOWN, Structure, key_of

@@ -16,7 +16,7 @@ from ropeway.components.weather import Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.component_functions import INERTIA, SYMBOLS, ComponentFunctions, rope_size
 from ropeway.systems.modelling.connections.signals import differences
-from ropeway.systems.modelling.dae_model import VariableTable, shared_places
+from ropeway.systems.modelling.model_tables import VariableTable, shared_places
 from ropeway.systems.modelling.rope_path import Run, drive_speeds
 from ropeway.systems.modelling.structure import Closures, Structure
 from ropeway.systems.modelling.system import System

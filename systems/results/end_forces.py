@@ -10,9 +10,9 @@ import numpy as np
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.points import Point
-from ropeway.systems.statics.certificate import shape_of
+from ropeway.systems.statics.certificate.certify import shape_of
+from ropeway.systems.statics.certificate.spans import hung, pulls, read_spans
 from ropeway.systems.statics.certificate_layout import layout_of
-from ropeway.systems.statics.certificate_spans import hung, pulls, read_spans
 
 
 class EndForces(NamedTuple):

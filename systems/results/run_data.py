@@ -24,7 +24,8 @@ from ropeway.systems.solvers.compiled_rows import compiled_outputs, solve_rows
 from ropeway.systems.solvers.condensed_newton import solve_points
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.state_rows import StateRows
-from ropeway.systems.statics.certificate import Certificate, certify_records, certify_rows
+from ropeway.systems.statics.certificate.certify import certify_records, certify_rows
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_records import AnyRecord, restored, restored_rows
 from ropeway.systems.statics.line_state import LineState

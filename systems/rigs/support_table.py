@@ -12,8 +12,9 @@ import numpy as np
 import pandas as pd
 
 from ropeway.components import table
-from ropeway.components.drive import Drive, HydraulicDrive
+from ropeway.components.drive import Drive
 from ropeway.components.errors import InputError
+from ropeway.components.hydraulic_drive import HydraulicDrive
 from ropeway.components.identifier import identifier
 from ropeway.components.map_frame import MapFrame
 from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse

@@ -16,7 +16,8 @@ from ropeway.components.node import Node
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.modelling.component_functions import component_function
-from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.model_tables import shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.array_function import ArrayFunction
 from ropeway.systems.solvers.newton import outputs_of

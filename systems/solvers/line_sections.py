@@ -21,7 +21,8 @@ from ropeway.components.span import Span
 from ropeway.components.variable import Kind, Site
 from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.modelling.component_functions import closure_function, component_function
-from ropeway.systems.modelling.dae_model import Model, kept_with_model, shared_places
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
+from ropeway.systems.modelling.model_tables import shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.solvers.points import VECTORS
 

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
-from ropeway.systems.modelling.dae_model import Balance, Model, kept_with_structure
+from ropeway.systems.modelling.dae_model import Model, kept_with_structure
+from ropeway.systems.modelling.model_tables import Balance
 from ropeway.systems.solvers.kernels.compiled_network import CompiledPivots
 from ropeway.systems.solvers.newton import Functions, Newton
 from ropeway.systems.statics.certificate_layout import layout_of

@@ -22,7 +22,8 @@ from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.newton import outputs_of
 from ropeway.systems.solvers.points import Point
-from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.certificate.certify import certify
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.line_state import find, load_force, load_outputs, span_rope, support_points
 from ropeway.systems.statics.pending_events import Pending
 

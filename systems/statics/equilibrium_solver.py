@@ -21,7 +21,8 @@ from ropeway.systems.progress_bar import bar
 from ropeway.systems.solvers.compiled_line import compiled_line
 from ropeway.systems.solvers.kernels.compiled_newton import require_kernels
 from ropeway.systems.solvers.line_sections import line_sections
-from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.certificate.certify import certify
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.given_values import solve_swapped
 from ropeway.systems.statics.line_state import LineState

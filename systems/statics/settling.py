@@ -11,7 +11,8 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.solvers.section_newton import solve_line
-from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.certificate.certify import certify
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.continuation import solve_algebraic
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.load_positions import assign_loads, require_pinned

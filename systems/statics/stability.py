@@ -8,7 +8,8 @@ import numpy as np
 
 from ropeway.components.errors import EquilibriumError
 from ropeway.components.node import Node
-from ropeway.systems.modelling.dae_model import Balance, Model, component_of, kept_with_model
+from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
+from ropeway.systems.modelling.model_tables import Balance
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.points import Point
 from ropeway.systems.statics.condensed_stiffness import CondensedStiffness

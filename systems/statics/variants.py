@@ -17,7 +17,7 @@ from ropeway.systems.solvers.compiled_line import CompiledCases, compiled_line
 from ropeway.systems.solvers.condensed_newton import Cases, CondensedNewton
 from ropeway.systems.solvers.line_sections import line_sections
 from ropeway.systems.solvers.state_rows import StateRows
-from ropeway.systems.statics.certificate import certified_variants, stacked
+from ropeway.systems.statics.certificate.certify import certified_variants, stacked
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.statics.stability import SLACK
 

@@ -15,7 +15,8 @@ from ropeway.components.component import Component, Seat
 from ropeway.components.node import Node
 from ropeway.components.variable import Kind
 from ropeway.systems.modelling.component_functions import port_size, rope_size
-from ropeway.systems.modelling.dae_model import Model, shared_places
+from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.model_tables import shared_places
 from ropeway.systems.modelling.rope_path import drive_speeds
 from ropeway.systems.native.inertial_library import BLOCKS, SIZES
 from ropeway.systems.solvers.kernels.component_kernels import (

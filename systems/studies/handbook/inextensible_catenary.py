@@ -337,10 +337,11 @@ def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight:
 
 def minimum_tension(span: float, rise: float, weight: float) -> float:
     """The least possible tension at the start of a rope from (0, 0) to (span, rise) under its own weight."""
-    best = minimize_scalar(
-        lambda v: float(_start_tension(np.exp(v), span, -rise)), bounds=(-20.0, 5.0), method="bounded"
-    )
-    return weight * float(best.fun)
+
+    def tension(v: float) -> float:
+        return float(_start_tension(np.exp(v), span, -rise))
+
+    return weight * float(minimize_scalar(tension, bounds=(-20.0, 5.0), method="bounded").fun)
 
 
 def taut_u(span: Numbers, drop: Numbers, tension: Numbers, weight: Numbers) -> Array:

@@ -22,7 +22,8 @@ from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.rigs.turn import GROUND, LEAST_MASS
 from ropeway.systems.solvers.newton import Newton, newton_of, outputs_of
 from ropeway.systems.solvers.points import Point, Slot
-from ropeway.systems.statics.certificate import Certificate, certify_records
+from ropeway.systems.statics.certificate.certify import certify_records
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.line_state import LineState
 from ropeway.systems.studies.skyline.rig_check import RigCheck

@@ -10,7 +10,8 @@ import numpy as np
 from ropeway.components.errors import EquilibriumError, OutOfReachError
 from ropeway.components.guyed_spar import GuyedSpar
 from ropeway.components.intermediate_support import IntermediateSupport
-from ropeway.systems.modelling.dae_model import Balance, Model, component_of
+from ropeway.systems.modelling.dae_model import Model, component_of
+from ropeway.systems.modelling.model_tables import Balance
 from ropeway.systems.rigs.rope_paths import roller_name
 from ropeway.systems.rigs.skyline_rig import SkylineRig
 from ropeway.systems.solvers.newton import Newton, outputs_of

@@ -12,7 +12,7 @@ import ropeway as rw
 from ropeway.systems.dynamics import load_crossings
 from ropeway.systems.dynamics.chattering import ChatterGuard, FinalError
 from ropeway.systems.dynamics.event_stepper import EventStepper
-from ropeway.systems.statics.certificate import certify
+from ropeway.systems.statics.certificate.certify import certify
 from ropeway.systems.statics.stability import free_balances
 
 ROPE = rw.Rope(mass_per_length=2.9, axial_stiffness=28e6, breaking_load=480e3)

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import ropeway as rw
-from ropeway.systems.statics.certificate import IN_SPAN
+from ropeway.systems.statics.certificate.checks import IN_SPAN
 
 ROPE = rw.Rope(mass_per_length=3.36, axial_stiffness=30e6, breaking_load=600e3)
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"

@@ -13,8 +13,9 @@ import ropeway as rw
 from ropeway.components.laws import Law, ratio, wrap
 from ropeway.systems.solvers.newton import newton_of
 from ropeway.systems.solvers.points import Point
-from ropeway.systems.statics import certificate as checks
-from ropeway.systems.statics.certificate import Certificate, certify
+from ropeway.systems.statics.certificate import checks
+from ropeway.systems.statics.certificate.certify import certify
+from ropeway.systems.statics.certificate.checks import Certificate
 from ropeway.systems.statics.line_state import LineState
 
 ROPE = rw.Rope(mass_per_length=2.1, axial_stiffness=19e6, breaking_load=330e3)

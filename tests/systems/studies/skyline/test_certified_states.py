@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import ropeway as rw
-from ropeway.systems.statics.certificate import ROPE_SUM, Certificate
+from ropeway.systems.statics.certificate.checks import ROPE_SUM, Certificate
 from ropeway.systems.studies.skyline.carriage_model import Place, Solved
 from ropeway.systems.studies.skyline.certified_states import certified
 from ropeway.systems.studies.skyline.station_solver import Stations

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg.lapack import dpttrf
 
+from ropeway.systems.statics.certificate.spans import Shape, Spans
 from ropeway.systems.statics.certificate_layout import CertificateLayout
-from ropeway.systems.statics.certificate_spans import Shape, Spans
 
 
 def _stiffness(spans: Spans, found: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
