@@ -2,8 +2,8 @@
 
 Harvey (2013), eq. 25-26 and "y = y_p cosh((x + x_p)/y_p)", corrected: the general curve is
 y = y0 + a cosh((x - x0)/a) with the catenary parameter a = H/w; his Appendix 1 divides H by w times the span,
-which draws the 300 kN rope of Figure 3 with a sag of 372 m instead of 0.82 m. Written with
-u = span/(2 a) and beta = asinh(rise/(2 a sinh u)), so that nothing cancels for a taut rope.
+which draws the 300 kN rope of Figure 3 with a sag of 372 m instead of 0.82 m. Written with u = span/(2 a) and
+beta = asinh(rise/(2 a sinh u)), so that nothing cancels for a taut rope.
 
 Arguments are numbers or arrays. Weights and tensions are in any consistent unit of force.
 """
@@ -23,10 +23,8 @@ from ropeway.systems.studies.handbook.array_roots import Array, Numbers, complex
 
 
 class EndForces(NamedTuple):
-    """Forces of the rope at its ends, in the unit of weight times metres.
-
-    Vertical forces are upward forces of the supports on the rope, negative where the rope leaves its support upwards.
-    """
+    """Forces of the rope at its ends, in the unit of weight times metres. Vertical ones are upward forces of the
+    supports on the rope, negative where the rope leaves its support upwards."""
 
     horizontal: Array
     vertical_start: Array
@@ -337,11 +335,8 @@ def catenary_for_tension(span: Numbers, rise: Numbers, tension: Numbers, weight:
 
 def minimum_tension(span: float, rise: float, weight: float) -> float:
     """The least possible tension at the start of a rope from (0, 0) to (span, rise) under its own weight."""
-
-    def tension(v: float) -> float:
-        return float(_start_tension(np.exp(v), span, -rise))
-
-    return weight * float(minimize_scalar(tension, bounds=(-20.0, 5.0), method="bounded").fun)
+    best = minimize_scalar(lambda v: float(_start_tension(np.exp(v), span, -rise)), bounds=(-20.0, 5.0))
+    return weight * float(best.fun)
 
 
 def taut_u(span: Numbers, drop: Numbers, tension: Numbers, weight: Numbers) -> Array:
