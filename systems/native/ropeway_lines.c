@@ -90,7 +90,7 @@ rw_status rw_line_rates(rw_instance *m)
     put_inputs(m);
     for (int i = 0; i < rw_line.sections; i++) {
         rs_linearise(&rw_line, &q, i);
-        rs_rates(&rw_line, &q, i);
+        rs_section_rates(&rw_line, &q, i);
     }
     if (!rw_all_finite(m->s.zrate, RW_NZ)) {
         rw_message(m, RW_DISCARD, "logStatusDiscard", "The equations are singular at t = %.9g s", m->s.now.t);
@@ -114,7 +114,7 @@ void rw_through_line(rw_instance *m, const double *coupling, double factor, doub
         memset(m->df, 0, sizeof m->df);
         for (int s = rw_state_section_first[j]; s < rw_state_section_first[j + 1]; s++) {
             int section = rw_state_section[s], a = rw_line.first[section], span = rw_line.first_span[section];
-            rs_rates(&rw_line, &q, section);
+            rs_section_rates(&rw_line, &q, section);
             for (int k = a; k <= rw_line.last[section]; k++) {
                 int places[4], count = 0;
                 for (int i = 0; k < rw_line.last[section] && i < 3; i++) places[count++] = rw_line.force[span + k - a] + i;

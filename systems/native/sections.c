@@ -249,7 +249,7 @@ static void keep(const rs_line *l, const rs_point *q, int section, double *to)
     }
 }
 
-/* Kernels of a section at the present point, and its matrix, for rs_rates. */
+/* Kernels of a section at the present point, and its matrix, for rs_section_rates. */
 void rs_linearise(const rs_line *l, rs_point *q, int section)
 {
     room r = room_of(l, q->work);
@@ -259,7 +259,7 @@ void rs_linearise(const rs_line *l, rs_point *q, int section)
 }
 
 /* Rates of a section's algebraic variables, from the kernels as they are. */
-void rs_rates(const rs_line *l, rs_point *q, int section)
+void rs_section_rates(const rs_line *l, rs_point *q, int section)
 {
     room r = room_of(l, q->work);
     rates_of(l, q, section, &r);

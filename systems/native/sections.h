@@ -58,7 +58,7 @@ typedef struct {
 
 RS_API int rs_work_size(const rs_line *line);
 void rs_linearise(const rs_line *line, rs_point *q, int section);
-void rs_rates(const rs_line *line, rs_point *q, int section);
+void rs_section_rates(const rs_line *line, rs_point *q, int section);
 void rs_span(const rs_line *line, const rs_point *q, int span, double *result);
 void rs_support(const rs_line *line, const rs_point *q, int k, const double *coming, const double *going, double *result);
 RS_API int rs_solve(const rs_line *line, rs_point *q, int section, int rates);
