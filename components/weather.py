@@ -67,7 +67,8 @@ class Weather(NamedTuple):
         """Dynamic pressure of the air on a body with a velocity [m/s], less that on a body at rest, as a vector [Pa];
         `along`: unit vector of a rope, of which only what is across it counts."""
         xp = namespace(self.pressure, *velocity)
-        speed = xp.sqrt(2 * self.pressure / AIR_DENSITY + _NO_WIND)
+        # Integrators look a little before the time at which a wind rises from nothing.
+        speed = xp.sqrt(2 * xp.fmax(self.pressure, 0) / AIR_DENSITY + _NO_WIND)
         wind = _across((speed * self.wind_x, speed * self.wind_y, 0.0), along)
         seen = _across((wind[0] - velocity[0], wind[1] - velocity[1], wind[2] - velocity[2]), along)
         moving, still = (xp.sqrt(sum(c * c for c in w) + _NO_WIND) for w in (seen, wind))
