@@ -138,8 +138,15 @@ def optimise(
     with errors_on_one_line():
         system, limits = line.system(safety_factor), rw.ScheduleLimits(force=plan.force, power=plan.power)
         folder_for(out)
-        how = {"minimise": plan.minimise, "intervals": plan.intervals, "settle": plan.settle, "compiled": plan.compiled}
-        found = rw.optimise_schedule(system, plan.until, limits=limits, **how)
+        found = rw.optimise_schedule(
+            system,
+            plan.until,
+            limits=limits,
+            minimise=plan.minimise,
+            intervals=plan.intervals,
+            settle=plan.settle,
+            compiled=plan.compiled,
+        )
         if report is not None:
             found.report(report)
         report_plan(found, out)
@@ -218,9 +225,14 @@ def payload(
         folder_for(out)
         if cli_projects.is_project(corridor):
             project = rw.load(corridor)
-            environment = weather.environment()
-            how = {"environment": environment, "compiled": limits.compiled}
-            study = cli_projects.study_of(project, limits.safety_factor, limits.clearance, limits.spacing, **how)
+            study = cli_projects.study_of(
+                project,
+                limits.safety_factor,
+                limits.clearance,
+                limits.spacing,
+                environment=weather.environment(),
+                compiled=limits.compiled,
+            )
             paths = write_payload(study, out)
         else:
             study, paths = payload_command(_request(corridor, rig, limits, weather), out)
