@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from typing import Any
 
@@ -14,12 +14,15 @@ from scipy.optimize import differential_evolution
 from ropeway.components import check
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import EquilibriumError, InputError, SimulationError
+from ropeway.components.form import form_of
 from ropeway.components.response import Response, check_precedence
+from ropeway.components.variable import Kind
 from ropeway.systems.dynamics.simulation import simulate
 from ropeway.systems.interrupts import interruptible, keeping
 from ropeway.systems.modelling.system import System
 from ropeway.systems.progress_bar import bar
 from ropeway.systems.statics.equilibrium import Equilibrium
+from ropeway.systems.statics.equilibrium_solver import equilibrium
 from ropeway.systems.statics.warm_start import carried_over
 from ropeway.systems.studies.control.control_sheaves import control_sheaves, with_responses
 from ropeway.systems.studies.control.objectives import objective_weights, objectives
@@ -303,15 +306,31 @@ class _Trial:
     every: float
     start: Equilibrium | None
     compiled: bool
+    known: dict[Hashable, Equilibrium] = field(default_factory=dict)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "known": {}}
 
     def __call__(self, **changes: Any) -> dict[str, float]:
-        line = self.line_with(*self.variant(changes))
-        start = None if self.start is None else carried_over(self.start, line)
-        result = simulate(
-            line if start is None else start.model, self.until, every=self.every, start=start, compiled=self.compiled
-        )
+        start = self._started(*self.variant(changes))
+        result = simulate(start.model, self.until, every=self.every, start=start, compiled=self.compiled)
         found = objectives(result, settle=self.settle, target=self.target)
         return {"objective": sum(weight * found[name] for name, weight in self.weights.items())}
+
+    def _started(self, response: Response, precedence: str) -> Equilibrium:
+        """The state from which a trial begins. Responses that differ in their parameters only share a model."""
+        key = (precedence, form_of(response), response.period, response.delay)
+        if key not in self.known:
+            line = self.line_with(response, precedence)
+            rest = equilibrium(line, compiled=self.compiled) if self.start is None else carried_over(self.start, line)
+            self.known[key] = rest
+        rest = self.known[key]
+        point, places = rest.point.copy(), rest.model.p.index
+        for sheave in self.sheaves:
+            for own in response.variables():
+                if own.kind is Kind.PARAMETER:
+                    point.p[places[f"{sheave}.{own.name}"]] = own.value
+        return replace(rest, point=point)
 
     def line_with(self, response: Response, precedence: str) -> System:
         """The line with one response at all the sheaves."""
