@@ -26,5 +26,6 @@ _FOLDER = Path(__file__).parent
 
 
 def core_files() -> dict[str, str]:
-    """Text of each source and header, by name."""
-    return {name: (_FOLDER / name).read_text() for name in (SECTIONS, *SOURCES, *_HEADERS)}
+    """Text of each source and header, by name. Of an FMU's library only the standard's functions are visible."""
+    files = {name: (_FOLDER / name).read_text() for name in (SECTIONS, *SOURCES, *_HEADERS)}
+    return {**files, SECTIONS: f"#define RS_INSIDE\n{files[SECTIONS]}"}
