@@ -14,7 +14,7 @@ Changing = float | Schedule
 """A value that may change during a run."""
 
 ABSOLUTE_ZERO = -273.15
-TEMPERATURES = Range(ABSOLUTE_ZERO, above=True, named="a temperature above -273.15")
+TEMPERATURES = Range(ABSOLUTE_ZERO, 1000.0, above=True, named="a temperature above -273.15, at most 1000")
 
 
 @checked
