@@ -64,6 +64,6 @@ def test_other_rigs_need_no_compiler() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("study", ["load_path", "inhaul"])
 def test_a_rig_with_a_shoe(study: str) -> None:
-    how: dict[str, Any] = {"start": 125.0, "end": 95.0} if study == "inhaul" else {"stations": np.arange(95.0, 126.0)}
+    how: dict[str, Any] = {"start": 118.0, "end": 95.0} if study == "inhaul" else {"stations": np.arange(95.0, 126.0)}
     found = [getattr(rw, study)(shod_rig(), payload=900.0, **how, compiled=compiled) for compiled in (True, False)]
     require_same_table(*(one.frame.reset_index() if study == "inhaul" else one for one in found))
