@@ -298,8 +298,8 @@ def test_a_hundred_spans_with_two_hundred_loads(tmp_path: Path) -> None:
     line = rw.System("hundred spans")
     line.feed(line.string(ROPE, *nodes, tension=45e3), spacing=50.0, masses=300.0)
     path = export(line, tmp_path / "hundred.fmu")
-    with zipfile.ZipFile(path) as archive:  # else clang takes minutes
-        assert b"RW_NOT_OPTIMISED static int" in archive.read("sources/rw_jacobian.c")
+    with zipfile.ZipFile(path) as archive:  # a line is solved by sections: its whole Jacobian would compile for minutes
+        assert "sources/rw_jacobian.c" not in archive.namelist()
     where, error = deviation(path, line, 60.0, "CoSimulation")
     assert error < 1e-7, where
 
