@@ -84,6 +84,12 @@ class Slot(NamedTuple):
     load: Vector
 
 
+def in_span(v: Any) -> tuple[Any, Any]:
+    """Of a span the unstretched length between its supports, and the distance of each load slot from end a."""
+    length = v.length_start + v.a.travel - v.b.travel
+    return length, v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
+
+
 class MovingRope:
     """The pieces of a span with inertia, and its slots, on the symbols of its variables and ports."""
 
@@ -93,8 +99,7 @@ class MovingRope:
         self.shares = (2 + v.lumped) / 6, (1 - v.lumped) / 6  # of a piece's mass: at the same end, and across
         self.n = v.slot_at.numel()
         self.force = weight.force if isinstance(weight, Uniform) else (0.0, 0.0, -weight)  # on each metre of rope
-        self.length = v.length_start + v.a.travel - v.b.travel
-        self.distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * self.length
+        self.length, self.distance = in_span(v)
         self.free = 1 - v.tied_a - v.tied_b - v.joined
         self.mass = v.slot_mass * (1 - v.lost)
         self.yields = (v.compliance + _LEAST_STRAIN * 1e-5) * v.length_start  # metres of stretch for each newton

@@ -11,7 +11,7 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.check import NOT_NEGATIVE, POSITIVE
 from ropeway.components.component import Component, RopeEnd
 from ropeway.components.inertia import Inertia
-from ropeway.components.moving_rope import MovingRope, slot_variables, typical_stretch
+from ropeway.components.moving_rope import MovingRope, in_span, slot_variables, typical_stretch
 from ropeway.components.rope import Rope
 from ropeway.components.variable import Equations, Kind, Limit, Site, Variable
 from ropeway.components.weather import Weather
@@ -146,8 +146,7 @@ class Span(Component):
 
     def equations(self, v: Any) -> Equations:
         force = (v.force_x, v.force_y, v.force_z)
-        length = v.length_start + v.a.travel - v.b.travel
-        distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
+        length, distance = in_span(v)
         n = distance.numel()
         weight, strain, loads = self._hung(v, v.slot_mass)
         stations = catenary.loaded(force, weight, strain, length, [distance[j] for j in range(n)], loads)
@@ -190,12 +189,10 @@ class Span(Component):
     def closure_moves(self, v: Any) -> tuple[tuple[Any, ...], ...]:
         """Derivatives of the closure, each (3,): by the components of the tension vector, and by the travels at a and
         b. What differentiation of `equations` gives, in fewer operations."""
-        force = (v.force_x, v.force_y, v.force_z)
-        length = v.length_start + v.a.travel - v.b.travel
-        distance = v.slot_at + v.slot_ride * v.a.travel + v.slot_empty * length
-        n = distance.numel()
+        length, distance = in_span(v)
+        distances = [distance[j] for j in range(distance.numel())]
         weight, strain, loads = self._hung(v, v.slot_mass)
-        found = compliance.moves(force, weight, strain, length, [distance[j] for j in range(n)], loads)
+        found = compliance.moves((v.force_x, v.force_y, v.force_z), weight, strain, length, distances, loads)
         at_a, at_b = list(found.by_length), [-move for move in found.by_length]
         for j, moved in enumerate(found.by_distance):
             for i in range(3):

@@ -84,9 +84,10 @@ class ComponentFunctions:
             lambda: component_function(component, variables, weather=site.weather),
         )
 
-    def closures(self, span: Span, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
+    def closure(self, span: Span, site: Site, variables: tuple[Variable, ...]) -> ca.Function:
         """The closure of a span with its derivatives in closed form."""
-        return self._known(("closures", *_form(span, site, variables)), lambda: closures_function(span, variables))
+        key = ("closure", *_form(span, site, variables))
+        return self._known(key, lambda: closure_function(span, variables, weather=site.weather))
 
     def _known(self, key: tuple[Hashable, ...], make: Callable[[], ca.Function]) -> ca.Function:
         stop_if_interrupted()
@@ -171,21 +172,12 @@ def component_function(component: Component, variables: tuple[Variable, ...], *,
 
 
 def closure_function(span: Span, variables: tuple[Variable, ...], *, weather: bool) -> ca.Function:
-    """Derivatives (3, 5) of a span's closure by its tension vector and the travels at its ends, of the same inputs as
-    its `component_function`."""
+    """A span's closure (3,), and its derivatives (3, 5) by its tension vector and the travels at its ends, of the same
+    inputs as its `component_function`."""
     v, inputs = _symbols(span, variables, weather=weather)
+    closure = ca.vertcat(*span.equations(v).residuals.values())
     columns = [ca.vertcat(*column) for column in span.closure_moves(v)]
-    return ca.Function("closure", inputs, [ca.horzcat(*columns)])
-
-
-def closures_function(span: Span, variables: tuple[Variable, ...]) -> ca.Function:
-    """The closure (3,) of a span in calm, and its derivatives (3, 11) by the tension vector, and by position and travel
-    at a and at b; of the same inputs as its `component_function`."""
-    v, inputs = _symbols(span, variables, weather=False)
-    (closure,) = [ca.vertcat(*span.equations(v).residuals.values())]
-    *by_force, by_a, by_b = (ca.vertcat(*column) for column in span.closure_moves(v))
-    one = ca.SX.eye(3)
-    return ca.Function("closures", inputs, ca.cse([closure, ca.horzcat(*by_force, one, by_a, -one, by_b)]))
+    return ca.Function("closure", inputs, ca.cse([closure, ca.horzcat(*columns)]))
 
 
 def _inertia_at(eq: Equations, end: str) -> tuple[Any, ...]:

@@ -76,13 +76,13 @@ class EquationGraph:
         if self.weather or self.external or not spans:
             return None
         residuals = {name: results[_RESIDUALS] for name, results in self.results.items()}
-        quantities, derivatives = list[ca.MX](), list[ca.MX]()
+        quantities, derivatives, one = list[ca.MX](), list[ca.MX](), ca.MX.eye(3)
         for span in spans:
             ends = self._ends(span)
-            f = self.component_functions.closures(span, self.sites[span.name], self.variables[span.name])
+            f = self.component_functions.closure(span, self.sites[span.name], self.variables[span.name])
             residuals[span.name], by = f.call(self._inputs(span, ca.MX(0, 1), ends))
             quantities += [self.parts[Kind.ALGEBRAIC][span.name], *ends]
-            derivatives.append(by)
+            derivatives += [by[:, :3], one, by[:, 3], -one, by[:, 4]]
         alg = self._residuals(outputs, residuals)
         arguments = [self.time, *(self.vectors[kind] for kind in SYMBOLS)]
         results = [ode, alg, ca.vertcat(*quantities), ca.horzcat(*derivatives)]

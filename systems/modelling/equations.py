@@ -85,18 +85,12 @@ class Residuals:
 def equations(model: Model, arguments: Sequence[Any], *, closed: bool = True) -> tuple[Any, Residuals]:
     """Rates of the states and algebraic equations of a model at arguments (t, x, z, u, p, d). Not closed: all of them
     are differentiated, also by parameters and loads."""
-    known = _closures(model) if closed else None
-    if known is None or model.structure.closures is None:
+    closures = model.structure.closures if closed else None
+    if closures is None:
         ode, alg = expanded(model)(*arguments)
         return ode, Residuals(alg, np.zeros(0, dtype=int), None, None)
-    ode, alg, quantities, derivatives = known(*arguments)
-    return ode, Residuals(alg, np.array(model.structure.closures.rows), quantities, derivatives)
-
-
-@kept_with_structure
-def _closures(model: Model) -> ca.Function | None:
-    closures = model.structure.closures
-    return None if closures is None else closures.function.expand()
+    ode, alg, quantities, derivatives = closures.expanded(*arguments)
+    return ode, Residuals(alg, np.array(closures.rows), quantities, derivatives)
 
 
 @kept_with_structure

@@ -10,7 +10,8 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
@@ -24,12 +25,22 @@ MOST = 20_000
 """Variables of all structures that a thread keeps: the least recently used are dropped."""
 
 
-class Closures(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Closures:
     """Equations whose derivatives have a closed form: (t, x, z, u, p, d) -> (ode, alg, quantities, derivatives), and
-    their `rows` in alg. Each three rows depend on eleven of the quantities; (3, 11) derivatives follow each other."""
+    their `rows` in alg. Each three rows depend on eleven of the quantities: the tension vector of a span, and position
+    and travel at each of its ends; (3, 11) derivatives follow each other."""
 
     function: ca.Function
     rows: tuple[int, ...]
+
+    @cached_property
+    def expanded(self) -> ca.Function:
+        """The function as one scalar graph."""
+        return self.function.expand()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Closures, (self.function, self.rows)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from functools import lru_cache
-from pathlib import Path
 
-from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.c_library import core_library
 
-_FOLDER = Path(__file__).parent
 FILES = ("inertial.h", "inertial_system.c", "inertial_steps.c")
 BLOCKS = 8
 """Blocks of the matrix of a piece."""
@@ -64,15 +61,7 @@ FAILURES = {
 }
 
 
-@lru_cache(maxsize=1)
-def _source() -> tuple[tuple[str, str], ...]:
-    return tuple((name, (_FOLDER / name).read_text()) for name in FILES)
-
-
 def inertial_library() -> ctypes.CDLL:
     """The compiled core. Raises CompilerError, WriteError."""
-    found = library(dict(_source()))
-    pointer = ctypes.c_void_p
-    found.ri_solve.argtypes, found.ri_solve.restype = [pointer, pointer], ctypes.c_int
-    found.ri_move.argtypes, found.ri_move.restype = [pointer, pointer, pointer], ctypes.c_int
-    return found
+    pointer, code = ctypes.c_void_p, ctypes.c_int
+    return core_library(FILES, {"ri_solve": (code, pointer, pointer), "ri_move": (code, pointer, pointer, pointer)})

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from functools import lru_cache
-from pathlib import Path
 
-from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.c_library import core_library
 
-_FOLDER = Path(__file__).parent
 FILES = ("network.h", "network.c", "sparse_lu.c")
 
 NETWORK_SIZES = ("calls", "values", "sums", "drifts", "entries", "balances")
@@ -58,21 +55,13 @@ FAILURES = {
 }
 
 
-@lru_cache(maxsize=1)
-def _source() -> tuple[tuple[str, str], ...]:
-    return tuple((name, (_FOLDER / name).read_text()) for name in FILES)
-
-
 def network_library() -> ctypes.CDLL:
     """The compiled core. Raises CompilerError, WriteError."""
-    found = library(dict(_source()))
     pointer = ctypes.c_void_p
-    for name, types, result in (
-        ("rn_evaluate", (pointer, pointer), None),
-        ("rn_matrix", (pointer, pointer, pointer, pointer), None),
-        ("rn_pivots", (pointer, pointer, pointer, pointer), ctypes.c_int),
-        ("rn_solve", (pointer, pointer, pointer, pointer, pointer), ctypes.c_int),
-    ):
-        function = getattr(found, name)
-        function.argtypes, function.restype = list(types), result
-    return found
+    functions = {
+        "rn_evaluate": (None, *(pointer,) * 2),
+        "rn_matrix": (None, *(pointer,) * 4),
+        "rn_pivots": (ctypes.c_int, *(pointer,) * 4),
+        "rn_solve": (ctypes.c_int, *(pointer,) * 5),
+    }
+    return core_library(FILES, functions)

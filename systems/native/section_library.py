@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
-from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.c_library import core_library
 
-_FOLDER = Path(__file__).parent
 FILES = (
     *("sections.h", "clocks.h", "drives.h", "moving.h"),
     *("sections.c", "crossings.c", "moving.c", "drives.c", "clocks.c", "running.c", "rows.c"),
@@ -154,16 +151,10 @@ FAILURES = {
 }
 
 
-@lru_cache(maxsize=1)
-def _source() -> tuple[tuple[str, str], ...]:
-    return tuple((name, (_FOLDER / name).read_text()) for name in FILES)
-
-
 def section_library() -> ctypes.CDLL:
     """The compiled core. Raises CompilerError, WriteError."""
-    found = library(dict(_source()))
     pointer = ctypes.c_void_p
-    for name, types in {
+    functions = {
         "rs_work_size": (pointer,),
         "rs_solve": (pointer, pointer, ctypes.c_int, ctypes.c_int),
         "rs_solve_all": (pointer, pointer, ctypes.c_int),
@@ -177,7 +168,5 @@ def section_library() -> ctypes.CDLL:
         "rs_rates": (pointer,) * 4,
         "rs_drives_size": (pointer, pointer),
         "rs_saved_size": (pointer, ctypes.c_int),
-    }.items():
-        function = getattr(found, name)
-        function.argtypes, function.restype = list(types), ctypes.c_int
-    return found
+    }
+    return core_library(FILES, {name: (ctypes.c_int, *arguments) for name, arguments in functions.items()})

@@ -13,6 +13,7 @@ import numpy as np
 from ropeway.components.errors import CompiledError, EquilibriumError
 from ropeway.systems.modelling.dae_model import Model, component_of, kept_with_model
 from ropeway.systems.native.binary_cache import library, named_library
+from ropeway.systems.native.c_library import address
 from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.kernel_source import kernel_source
 from ropeway.systems.native.section_library import (
@@ -268,4 +269,4 @@ def addresses_of(mark: str | None, count: int, kernels: Callable[[], Sequence[ca
         return {f"{name}.c": kernel_source(kernel, name) for name, kernel in zip(names, kernels(), strict=True)}
 
     found = library(files()) if mark is None else named_library(mark, files)
-    return [int(ctypes.cast(getattr(found, name), ctypes.c_void_p).value or 0) for name in names]
+    return [address(found, name) for name in names]

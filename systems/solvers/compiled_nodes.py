@@ -20,7 +20,7 @@ from ropeway.systems.native.kernel_marks import kernel_mark
 from ropeway.systems.native.section_library import ClockTables, DriveTables
 from ropeway.systems.solvers.compiled_line import addresses_of, compiled_line
 from ropeway.systems.solvers.drive_trajectories import DERIVATIVE, NODES, WEIGHTS
-from ropeway.systems.solvers.driven_nodes import NodeForm, NodePlaces, drive_kernel, response_kernel
+from ropeway.systems.solvers.driven_nodes import NodeForm, NodePlaces, drive_kernel, node_places, response_kernel
 from ropeway.systems.solvers.line_sections import UnfitError
 
 
@@ -46,8 +46,8 @@ class CompiledDrives:
         self._model = model
         if model.system.supplies:
             raise UnfitError("drives share a source")
-        nodes = [node for node in _nodes(model) if any(v.kind is Kind.STATE for v in _variables(model, node))]
-        places = NodePlaces(model)
+        places = node_places(model)
+        nodes = [node for node in _nodes(model) if any(v.kind is Kind.STATE for v in places.form(node).variables)]
         tables = _NodeTables(places, nodes, [places.form(node) for node in nodes])
         if int((tables.sizes[0][tables.form]).sum()) != len(model.x):
             raise UnfitError("a component beside its ropes has states")
@@ -80,7 +80,7 @@ class CompiledClocks:
     def __init__(self, model: Model) -> None:
         components, index = model.system.components, model.d.index
         self.names = [name for clock in model.clocks for name in clock.members]
-        found, own = NodePlaces(model), [components[name] for name in self.names]
+        found, own = node_places(model), [components[name] for name in self.names]
         nodes = [node for node in own if isinstance(node, Node)]
         tables = _NodeTables(found, nodes, [found.responding(node) for node in nodes])
         rules = [response_kernel(form) for form in tables.forms]
@@ -165,10 +165,6 @@ def _unless_unfit(make: Callable[[Model], _Made], model: Model) -> _Made | None:
 def _nodes(model: Model) -> list[Node]:
     """The nodes of all runs, each once."""
     return list({node.name: node for run in model.runs for node in run.nodes}.values())
-
-
-def _variables(model: Model, node: Node) -> Sequence[Any]:
-    return NodePlaces(model).form(node).variables
 
 
 class _NodeTables:

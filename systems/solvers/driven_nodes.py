@@ -17,7 +17,7 @@ from ropeway.components.response import Response, response_of
 from ropeway.components.variable import Kind, Site, Variable
 from ropeway.components.weather import Weather
 from ropeway.systems.modelling.component_functions import component_function, rope_size
-from ropeway.systems.modelling.dae_model import Model
+from ropeway.systems.modelling.dae_model import Model, kept_with_model
 from ropeway.systems.modelling.sampled_control import rule_of
 from ropeway.systems.solvers.line_sections import UnfitError, shared_count
 
@@ -82,6 +82,12 @@ class NodePlaces:
     def ports(self, node: Node) -> list[tuple[int, int]]:
         """The span at each of its ports, -1 for none, and which end of it."""
         return [self.spans.get((node.name, port.name), (-1, 0)) for port in node.ports]
+
+
+@kept_with_model
+def node_places(model: Model) -> NodePlaces:
+    """Those of a model, made once."""
+    return NodePlaces(model)
 
 
 @dataclass(frozen=True)

@@ -116,7 +116,7 @@ _OF_SUPPORTS = ("state", "travel", "balance", "support_form", "support_parameter
 
 
 class UnfitError(Exception):
-    """A model has unknowns besides those of spans and idlers; the text says which."""
+    """A model or a component does not fit the compiled core; the text says why."""
 
 
 @kept_with_model
@@ -288,7 +288,7 @@ def _span_kernel(form: SpanForm, slots: int) -> ca.Function:
         raise UnfitError(f"the force of {form.first.name!r} at its start is not its tension vector")
     if type(form.first) is Span:
         moves = closure_function(form.first, variables, weather=form.weather)
-        matrix = _called(form.first, moves, shared, given, ends)[0]
+        matrix = _called(form.first, moves, shared, given, ends)[1]
     else:
         matrix = ca.jacobian(closure, unknowns)
     pull = ca.jacobian(coming, unknowns)

@@ -24,7 +24,7 @@ def derivatives(span: rw.Span, variables: tuple[Variable, ...], *, weather: bool
     closure, (a, b) = function.call(inputs)[1], inputs[-2:]
     unknowns = [inputs[3], a[3], b[3]]
     by_rules = ca.horzcat(*(ca.jacobian(closure, one) for one in unknowns))
-    own = closure_function(span, variables, weather=weather).call(inputs)[0]
+    own = closure_function(span, variables, weather=weather).call(inputs)[1]
     return ca.Function("both", inputs, [by_rules, own])
 
 

@@ -8,7 +8,6 @@ places do on velocities.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -22,11 +21,9 @@ from ropeway.components.weather import SHARED, Weather
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.modelling.structure import KNOWN
 from ropeway.systems.native.binary_cache import library
+from ropeway.systems.native.c_library import address
 from ropeway.systems.native.kernel_source import kernel_source
-
-
-class UnfitError(Exception):
-    """A component or system has no kernels; the text says why."""
+from ropeway.systems.solvers.line_sections import UnfitError
 
 
 class Block(NamedTuple):
@@ -122,7 +119,7 @@ def _made(component: Component, site: Site) -> ComponentKernels:
     value = _kernel("value", [s.x, s.z, s.ports, s.known], [s.rates, s.residuals, s.given])
     matrix = _kernel("matrix", inputs, entries)
     compiled = library({f"{k.name()}.c": _source(k) for k in (value, matrix)})
-    first, second = (ctypes.cast(getattr(compiled, k.name()), ctypes.c_void_p).value or 0 for k in (value, matrix))
+    first, second = (address(compiled, k.name()) for k in (value, matrix))
     return ComponentKernels(sizes, first, second, tuple(blocks), order_r, order_z, frozenset(blocks[1].columns))
 
 

@@ -17,8 +17,8 @@ from ropeway.systems.native.inertial_library import (
     SystemTables,
     inertial_library,
 )
-from ropeway.systems.solvers.kernels.component_kernels import UnfitError
 from ropeway.systems.solvers.kernels.inertial_tables import tables_of
+from ropeway.systems.solvers.line_sections import UnfitError
 from ropeway.systems.solvers.points import Point
 
 

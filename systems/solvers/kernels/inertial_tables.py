@@ -22,10 +22,10 @@ from ropeway.systems.native.inertial_library import BLOCKS, SIZES
 from ropeway.systems.solvers.kernels.component_kernels import (
     Block,
     ComponentKernels,
-    UnfitError,
     component_kernels,
     is_piece,
 )
+from ropeway.systems.solvers.line_sections import UnfitError
 
 _RATES = tuple(f"{what}_{axis}" for what in ("velocity", "acceleration") for axis in "xyz")
 _KINDS = (Kind.STATE, Kind.ALGEBRAIC, Kind.INPUT, Kind.PARAMETER)

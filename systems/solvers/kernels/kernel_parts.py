@@ -6,7 +6,6 @@ entries. Components of one kind that are joined alike share it; how many they ar
 
 from __future__ import annotations
 
-import ctypes
 import threading
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -17,6 +16,7 @@ import casadi as ca
 from ropeway.components.errors import CompiledError
 from ropeway.systems.interrupts import stop_if_interrupted
 from ropeway.systems.native.binary_cache import libraries
+from ropeway.systems.native.c_library import address
 from ropeway.systems.native.kernel_source import kernel_source
 
 MOST = 2_000
@@ -37,7 +37,7 @@ def compile_all(kernels: Iterable[Kernel]) -> None:
     """Compiles the kernels that are not compiled yet. Raises CompilerError, WriteError, Interrupted."""
     missing = list(dict.fromkeys(kernel for kernel in kernels if not kernel.address))
     for kernel, found in zip(missing, libraries([{"kernel.c": one.source} for one in missing]), strict=True):
-        kernel.address = int(ctypes.cast(found.kernel, ctypes.c_void_p).value or 0)
+        kernel.address = address(found, "kernel")
 
 
 @dataclass(eq=False)

@@ -10,6 +10,7 @@ from fmpy import simulate_fmu
 import ropeway as rw
 from ropeway.fmu import Slave, load
 from support.fmus import corridor
+from support.held_carriage import held_carriage
 
 INERTIA = rw.Inertia()
 RAMP = rw.Schedule((0.0, 0.25, 0.75, 9.0), (0.0, 0.0, 1.0, 1.0))
@@ -20,17 +21,7 @@ NAMES = ["head_carriage.tension_a", "carriage.z", "carriage.velocity_x"]
 def rest() -> rw.Equilibrium:
     """A carriage on a skyline, held by a mainline whose drum can turn."""
     rope = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3)
-    rig = rw.standing_skyline(
-        None,
-        headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
-        tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
-        skyline=rope,
-        tension=70e3,
-        carriage=rw.Carriage("carriage", mass=450.0),
-        mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
-    )
-    system = rig.system(0, 150.0, 700.0)
-    return rw.equilibrium(system, given={"carriage.x": 150.0}, solve_for="mainline.travel")
+    return held_carriage(rope)[1]
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,7 @@ import ropeway as rw
 from ropeway.components.node import Node
 from ropeway.systems.dynamics.result import Result
 from support.drives import hydraulic_drive
+from support.held_carriage import held_carriage
 
 LINE = Path(__file__).resolve().parents[3] / "examples" / "line.csv"
 
@@ -146,17 +147,7 @@ def test_a_pendulum_swings_when_its_tagline_breaks(degrees: float) -> None:
 
 
 def test_a_payload_dropped_from_a_skyline_keeps_the_energy() -> None:
-    rig = rw.standing_skyline(
-        None,
-        headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
-        tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
-        skyline=ROPE,
-        tension=70e3,
-        carriage=rw.Carriage("carriage", mass=450.0),
-        mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
-    )
-    system = rig.system(0, 150.0, 700.0)
-    rest = rw.equilibrium(system, given={"carriage.x": 150.0}, solve_for="mainline.travel")
+    system, rest = held_carriage(ROPE)
     drop = rw.Intervention(1.0, "payload dropped", "carriage")
     result = rw.simulate(system, 12.0, every=0.5, start=rest, inertia=UNDAMPED, interventions=[drop])
     before = result.full_frame.loc[:1.0].iloc[:-1]

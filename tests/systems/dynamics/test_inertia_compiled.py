@@ -12,6 +12,7 @@ import pytest
 import ropeway as rw
 from ropeway.systems.dynamics.result import Result
 from support.drives import hydraulic_drive
+from support.held_carriage import held_carriage
 
 ROPE = rw.Rope(mass_per_length=2.4, axial_stiffness=24.026e6, breaking_load=450e3, diameter=0.0254)
 TIGHT: dict[str, Any] = {"tolerance": 1e-7, "inertia": rw.Inertia()}
@@ -58,21 +59,6 @@ def hydraulic_line() -> rw.System:
     return s
 
 
-def skyline() -> tuple[rw.System, rw.Equilibrium]:
-    """A carriage on a skyline, held by its mainline."""
-    rig = rw.standing_skyline(
-        None,
-        headspar=rw.HeadSpar("head", at=(0.0, 15.0)),
-        tailspar=rw.TailSpar("tail", at=(300.0, -20.0)),
-        skyline=ROPE,
-        tension=70e3,
-        carriage=rw.Carriage("carriage", mass=450.0),
-        mainline=rw.Rope(mass_per_length=0.73, axial_stiffness=8e6, breaking_load=120e3),
-    )
-    system = rig.system(0, 150.0, 700.0)
-    return system, rw.equilibrium(system, given={"carriage.x": 150.0}, solve_for="mainline.travel")
-
-
 def both(system: rw.System, until: float, **more: Any) -> tuple[Result, Result]:
     """The same run with IDAS and in compiled code."""
     found = [rw.simulate(system, until, compiled=compiled, **{**TIGHT, **more}) for compiled in (False, True)]
@@ -117,7 +103,7 @@ def test_hydraulic_drives_stop_as_with_idas() -> None:
 
 
 def test_a_payload_dropped_from_a_carriage_is_that_of_idas() -> None:
-    system, rest = skyline()
+    system, rest = held_carriage(ROPE)
     drop = [rw.Intervention(0.5, "payload dropped", "carriage")]
     assert apart(both(system, 2.0, every=0.25, start=rest, interventions=drop)) < 1e-6
 
