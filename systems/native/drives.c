@@ -199,17 +199,20 @@ static int collocate(const rs_line *l, const rs_point *q, const rs_motion *m, co
     return 0;
 }
 
-/* Whether a polynomial of the window's degree follows the states of a drive. */
-static int resolved(const rs_line *l, const rs_drives *s, int i)
+/* Whether a polynomial of the window's degree follows the states of a drive. The rates at the window's start, where it
+ * is not made to agree, show what changes before the next point. */
+static int resolved(const rs_line *l, const rs_drives *s, int i, double h)
 {
     for (int a = s->x[i]; a < s->x[i] + s->states[s->form[i]]; a++) {
-        double last = 0.0, before = 0.0;
+        double last = 0.0, before = 0.0, start = -h * s->rates[a];
         for (int j = 0; j < RS_NODES; j++) {
-            double part = s->weights[j] * (s->window[j * l->nx + a] - s->window[a]);
+            double moved = s->window[j * l->nx + a] - s->window[a], part = s->weights[j] * moved;
             last += part / (RS_NODES - 1);
             before += 2.0 * part * (1.0 - 2.0 * s->nodes[j]) / (RS_NODES - 1);
+            start += s->derivative[j] * moved;
         }
         if (!(fabs(last) + fabs(before) <= RESOLVED * s->nominal[a])) return 0;
+        if (!(fabs(start) <= (RS_NODES - 1) * (RS_NODES - 1) * RESOLVED * s->nominal[a])) return 0;
     }
     return 1;
 }
@@ -267,7 +270,8 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, r
             s->window[j * l->nx + s->x[i] + a] = q->x[s->x[i] + a] + tau * x;
             s->rates[j * l->nx + s->x[i] + a] = rate / h;
         }
-    for (int j = 3; j < RS_NODES && linear; j += 3) {
+    int step = terms > 2 ? 1 : 3; /* what is no parabola can reach a limit and leave it between two points */
+    for (int j = step; j < RS_NODES && linear; j += step) {
         evaluate(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         for (int a = 0; a < n; a++) {
             double away = h * fabs(r->result[a] - s->rates[j * l->nx + s->x[i] + a]) / s->nominal[s->x[i] + a];
@@ -277,7 +281,7 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, r
     }
     if (!linear && !collocate(l, q, m, s, r, i, h)) return RS_PASSED;
     if (terms > 2 || !linear) /* else a polynomial already */
-        if (!resolved(l, s, i)) return RS_PASSED;
+        if (!resolved(l, s, i, h)) return RS_PASSED;
     for (int j = 3; j < RS_NODES && !linear && s->tied[form]; j += 3) {
         evaluate(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         if (feels(l, s, r, i)) return RS_COUPLED;
