@@ -110,16 +110,15 @@ int rs_drive_sections(const rs_line *l, const rs_drives *s, int i, int *sections
 
 static int is_beside(const rs_line *l, const rs_drives *s, int i, const int *sections, int count)
 {
-    int own[RS_MOST], n = rs_drive_sections(l, s, i, own, 0);
-    for (int j = 0; j < n; j++)
+    for (int port = s->port_first[i]; port < s->port_first[i + 1]; port++)
         for (int k = 0; k < count; k++)
-            if (own[j] == sections[k]) return 1;
+            if (s->port_span[port] >= 0 && l->section_of[s->port_span[port]] == sections[k]) return 1;
     return 0;
 }
 
 /* Whether a drive that is moved by itself feels the ropes here. */
-static int has_reached_limit(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s,
-                             const rs_drive_room *r, int i)
+static int reaches_limit(const rs_line *l, const rs_point *q, const rs_motion *m, const rs_drives *s,
+                         const rs_drive_room *r, int i)
 {
     if (!s->tied[s->form[i]] || s->limited[i]) return 0;
     rs_pull(l, q, m, s, r, i);
@@ -132,7 +131,7 @@ int rs_coupled(const rs_line *l, const rs_point *q, const rs_motion *m, const rs
 {
     rs_drive_room r = rs_room_of(l, s);
     for (int i = 0; i < s->drives; i++)
-        if ((!sections || is_beside(l, s, i, sections, count)) && has_reached_limit(l, q, m, s, &r, i)) return 1;
+        if ((!sections || is_beside(l, s, i, sections, count)) && reaches_limit(l, q, m, s, &r, i)) return 1;
     return 0;
 }
 
@@ -141,7 +140,7 @@ int rs_note_limits(const rs_line *l, const rs_point *q, const rs_motion *m, cons
     rs_drive_room r = rs_room_of(l, s);
     int found = 0;
     for (int i = 0; i < s->drives; i++)
-        if (has_reached_limit(l, q, m, s, &r, i)) found = s->limited[i] = 1;
+        if (reaches_limit(l, q, m, s, &r, i)) found = s->limited[i] = 1;
     return found;
 }
 

@@ -214,7 +214,7 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, c
             s->window[j * l->nx + s->x[i] + a] = q->x[s->x[i] + a] + tau * x;
             s->rates[j * l->nx + s->x[i] + a] = rate / h;
         }
-    int step = terms > 2 ? 1 : 3; /* what is no parabola can reach a limit and leave it between two points */
+    int step = terms > 2 ? 1 : 3; /* what is no parabola may reach a limit and leave it between two of fewer points */
     for (int j = step; j < RS_NODES && linear; j += step) {
         rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         for (int a = 0; a < n; a++) {
@@ -226,7 +226,7 @@ static int trajectory(const rs_line *l, const rs_point *q, const rs_motion *m, c
     if (!linear && !collocate(l, q, m, s, r, i, h)) return RS_PASSED;
     if (terms > 2 || !linear) /* else a polynomial already */
         if (!resolved(l, s, i, h)) return RS_PASSED;
-    for (int j = 3; j < RS_NODES && !linear && s->tied[form]; j += 3) {
+    for (int j = 1; j < RS_NODES && !linear && s->tied[form]; j++) {
         rs_drive(l, q, m, s, r, i, h * s->nodes[j], s->window + j * l->nx + s->x[i]);
         if (rs_feels(l, s, r, i)) return RS_COUPLED;
     }
