@@ -63,7 +63,7 @@ class RecordBlock(Sequence[Record]):
     def rows(self, which: np.ndarray) -> RecordRows:
         """Records of numbers `which`."""
         own = (values[which] for values in (self.time, self.x, self.z, self.u, self.passed))
-        return RecordRows(*own, self.kept[self.epoch[which]])
+        return RecordRows(*own, kept=self.kept[self.epoch[which]])
 
 
 class Records(Sequence[AnyRecord]):
