@@ -50,8 +50,8 @@ _OTHERS = {
     ca.OP_DIV: "{0} / {1}",
     ca.OP_POW: "pow({0}, {1})",
     ca.OP_CONSTPOW: "pow({0}, {1})",
-    ca.OP_FMIN: "fmin({0}, {1})",
-    ca.OP_FMAX: "fmax({0}, {1})",
+    ca.OP_FMIN: "{0} < {1} ? {0} : {1}",  # one instruction; fmin and fmax are calls
+    ca.OP_FMAX: "{0} > {1} ? {0} : {1}",
     ca.OP_ATAN2: "atan2({0}, {1})",
     ca.OP_HYPOT: "hypot({0}, {1})",
     ca.OP_FMOD: "fmod({0}, {1})",
