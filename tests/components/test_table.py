@@ -139,6 +139,8 @@ def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> Non
         ('time,speed\n0,"1\n2,3\n', "line 3"),
         ("time [h],speed [furlong]\n0,1\n", "column speed [furlong]: The unit 'furlong' is unknown"),
         ("time [h],speed [N]\n0,1\n", "measure different quantities"),
+        ("time,speed\n0,1\n#REF!,2\n9,3\n", "line 3, column time: '#REF!' is not a number"),
+        ("time;speed\n0;1\n#NV;2\n9;3\n", "line 3, column time: '#NV' is not a number"),
         ("time;speed\n3;1\n2;1\n", "line 3: time does not increase: 2 s after 3 s"),
     ],
 )
