@@ -209,12 +209,18 @@ def _together(one: Numbers, other: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def require_projected(crs: str) -> None:
-    """Raises InputError for a system of degrees, which has no azimuths and no eastings."""
+    """Raises InputError for a system without eastings and northings: of degrees, or with axes to the west or south."""
     system = horizontal(f"Coordinate system {crs!r}", crs)
     if system.is_geographic:
         raise InputError(
             f"Coordinate system {crs!r} ({system.name}) is geographic: its coordinates are degrees",
             'Give eastings and northings of a projected one, such as UTM "EPSG:32632"',
+        )
+    directions = [axis.direction for axis in system.axis_info]
+    if "west" in directions or set(directions) == {"east", "south"}:
+        raise InputError(
+            f"Coordinate system {crs!r} ({system.name}) has axes that point {' and '.join(directions)}",
+            "Azimuths need eastings and northings: transform the coordinates, for example to UTM",
         )
 
 

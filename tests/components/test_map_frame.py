@@ -159,6 +159,8 @@ def test_rasters_that_do_not_say_their_system(tmp_path: Path) -> None:
         (lambda: rw.MapFrame.straight("EPSG:4326", (7.0, 46.0), (7.1, 46.0)), "geographic"),
         (lambda: rw.Profile.from_points([[7.0, 46.0, 800.0], [7.1, 46.0, 810.0]], "EPSG:4326"), "geographic"),
         (lambda: rw.MapFrame.straight("EPSG:99999", START, END), "cannot be read"),
+        (lambda: rw.MapFrame.straight("EPSG:2053", (-90e3, 33e5), (-89e3, 33e5)), "point west and south"),
+        (lambda: rw.MapFrame.straight("EPSG:5513", (1.04e6, 7.4e5), (1.05e6, 7.4e5)), "point south and west"),
         (lambda: rw.MapFrame.straight("EPSG:2056", START, START), "one point"),
         (lambda: rw.Profile.from_points([[0.0, 0.0, 1.0]], "EPSG:2056"), "at least two"),
         (lambda: rw.Profile.from_points([[0.0, 0.0], [9.0, 1.0]], "EPSG:2056"), "easting, northing and elevation"),
