@@ -305,7 +305,7 @@ def ropes(
                 f"{r.diameter * 1e3:.2f}",
                 f"{r.mass_per_length:.2f}",
                 f"{r.axial_stiffness / 1e6:.1f}",
-                f"{r.breaking_load / 1e3:.1f}",
+                at_most(r.breaking_load / 1e3, 1),
                 str(r.source).partition(";")[0],
             ]
             for name, r in zip(table.index, table.itertuples(), strict=True)
