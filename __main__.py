@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ropeway import cli_cases, cli_projects
-from ropeway.cli_options import LineOptions, WeatherOptions, errors_on_one_line, folder_for, grouped
+from ropeway.cli_options import (
+    LineOptions,
+    WeatherOptions,
+    errors_on_one_line,
+    folder_for,
+    grouped,
+    require_defaults,
+    require_paths,
+)
 from ropeway.cli_plan import print_table, report_plan
 from ropeway.components.errors import Interrupted, SimulationError
 from ropeway.components.rounding import at_least, at_most
@@ -138,6 +146,7 @@ def optimise(
     with errors_on_one_line():
         system, limits = line.system(safety_factor), rw.ScheduleLimits(force=plan.force, power=plan.power)
         folder_for(out)
+        require_paths(report)
         found = rw.optimise_schedule(
             system,
             plan.until,
@@ -147,9 +156,7 @@ def optimise(
             settle=plan.settle,
             compiled=plan.compiled,
         )
-        if report is not None:
-            found.report(report)
-        report_plan(found, out)
+        report_plan(found, out, report)
 
 
 @dataclass(frozen=True)
@@ -223,7 +230,9 @@ def payload(
 
     with errors_on_one_line():
         folder_for(out)
+        require_paths(*(report or ()), gis=gis or ())
         if cli_projects.is_project(corridor):
+            require_defaults(rig, corridor)
             project = rw.load(corridor)
             study = cli_projects.study_of(
                 project,
@@ -296,7 +305,7 @@ def ropes(
                 f"{r.diameter * 1e3:.2f}",
                 f"{r.mass_per_length:.2f}",
                 f"{r.axial_stiffness / 1e6:.1f}",
-                f"{r.breaking_load / 1e3:.1f}",
+                at_most(r.breaking_load / 1e3, 1),
                 str(r.source).partition(";")[0],
             ]
             for name, r in zip(table.index, table.itertuples(), strict=True)
@@ -330,6 +339,7 @@ def _simulate(run: Callable[[], Result], out: Path, report: Path | None = None) 
     from ropeway.systems.dynamics.result import Result
 
     folder_for(out)
+    require_paths(report)
     try:
         result = run()
     except (Interrupted, SimulationError) as error:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped
+from ropeway.cli_options import LineOptions, errors_on_one_line, folder_for, grouped, require_defaults, require_paths
 from ropeway.cli_plan import print_table
 from ropeway.cli_projects import is_project
 from ropeway.components.errors import InputError
@@ -53,6 +53,7 @@ def cases(
         counts = _counts(rollers or [])
         of = _subject(line, safety_factor)
         folder_for(out)
+        require_paths(report)
         study = rw.load_cases(of, table, loadings=loading, safety_factor=safety_factor, payload=payload)
         written = {
             "cases.csv": study.frame,
@@ -77,7 +78,9 @@ def _subject(line: LineOptions, safety_factor: float) -> System | SkylineRig:
     if is_project(line.line):
         found = load(line.line)
         if isinstance(found, SkylineRig):
+            require_defaults(line, line.line)
             return found
+        return line.system()
     return line.system(safety_factor)
 
 

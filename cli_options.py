@@ -6,7 +6,7 @@ import inspect
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from pathlib import Path
@@ -53,6 +53,7 @@ class LineOptions:
             found = load(self.line)
             if not isinstance(found, System):
                 raise InputError(f"{self.line} holds a {type(found).__name__}", "Name a project file of a line")
+            require_defaults(self, self.line, safety_factor)
             return found
         own = None if self.catalogue is None else str(self.catalogue)
         return monocable(
@@ -90,6 +91,28 @@ class WeatherOptions:
             wind_pressure=self.wind_pressure,
             wind_from=self.wind_from,
         )
+
+
+def require_defaults(options: Any, project: Path, safety_factor: float = 3.0) -> None:
+    """Raises InputError for options that would not count, as a project file has its own values."""
+    values = {f.name: (getattr(options, f.name), f.default) for f in fields(options) if f.default is not MISSING}
+    given = [name for name, (value, default) in values.items() if value not in (default, [])]
+    given += [] if safety_factor == 3.0 else ["safety_factor"]
+    if given:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        raise InputError(f"{project} is a project file with values of its own", f"Edit it, and leave out {names}")
+
+
+def require_paths(*reports: Path | None, gis: Sequence[Path] = ()) -> None:
+    """Raises InputError, WriteError where a report or a map file cannot be written, before a study is run."""
+    from ropeway.systems.exchange.gis import require_gis_path
+    from ropeway.systems.reporting.document import require_report_path
+
+    for report in reports:
+        if report is not None:
+            require_report_path(report)
+    for path in gis:
+        require_gis_path(path)
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:

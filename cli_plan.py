@@ -17,14 +17,16 @@ if TYPE_CHECKING:
     from ropeway.systems.studies.control.scheduling.schedule_plan import SchedulePlan
 
 
-def report_plan(plan: SchedulePlan, out: Path) -> None:
-    """Writes schedules, active limits, robustness and a picture; prints the objectives."""
+def report_plan(plan: SchedulePlan, out: Path, report: Path | None) -> None:
+    """Writes schedules, active limits, robustness, a picture and the report; prints the objectives."""
     robust = plan.robustness()
     plan.to_csv(out / "schedule.csv")
     for name, table in (("limits.csv", plan.active), ("robustness.csv", robust)):
         write_table(table, out / name)
     with whole(out / "schedule.png") as file:
         plan.plot().savefig(file, dpi=130)
+    if report is not None:
+        plan.report(report)
     _print_plan(plan, robust)
     typer.echo(f"Written to {out.resolve()}: schedule.csv, limits.csv, robustness.csv, schedule.png")
 

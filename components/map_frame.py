@@ -12,7 +12,7 @@ from ropeway.components import check
 from ropeway.components.annotation_checks import Numbers
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
-from ropeway.components.map_lengths import as_pyproj, ground_steps, horizontal
+from ropeway.components.map_lengths import as_pyproj, ground_steps, horizontal, is_local
 from ropeway.components.plan_axis import PlanAxis
 
 _PIECE = 50.0
@@ -191,10 +191,17 @@ class MapFrame:
         Raises
         ------
         InputError
-            It is unknown.
+            It is unknown, or the line lies far outside the area where it is used.
         """
         if not self.crs:
             raise InputError("The coordinate system of the map is unknown", _NO_CRS)
+        system = horizontal("The map", self.crs)
+        if system.is_projected and is_local("The map", system, np.array(self.axis.x), np.array(self.axis.y)):
+            raise InputError(
+                f"The line lies far outside the area of {self.crs} ({system.name}): its first point is "
+                f"{self.axis.x[0]:.6g}, {self.axis.y[0]:.6g}",
+                "Give the coordinate system of its points, eastings first; or none where they are local",
+            )
         return self.crs
 
 
@@ -209,12 +216,18 @@ def _together(one: Numbers, other: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def require_projected(crs: str) -> None:
-    """Raises InputError for a system of degrees, which has no azimuths and no eastings."""
+    """Raises InputError for a system without eastings and northings: of degrees, or with axes to the west or south."""
     system = horizontal(f"Coordinate system {crs!r}", crs)
     if system.is_geographic:
         raise InputError(
             f"Coordinate system {crs!r} ({system.name}) is geographic: its coordinates are degrees",
             'Give eastings and northings of a projected one, such as UTM "EPSG:32632"',
+        )
+    directions = [axis.direction for axis in system.axis_info]
+    if "west" in directions or set(directions) == {"east", "south"}:
+        raise InputError(
+            f"Coordinate system {crs!r} ({system.name}) has axes that point {' and '.join(directions)}",
+            "Azimuths need eastings and northings: transform the coordinates, for example to UTM",
         )
 
 

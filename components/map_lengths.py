@@ -48,9 +48,9 @@ def ground_steps(name: str, crs: Any, east: np.ndarray, north: np.ndarray) -> np
         metres = flat * float(system.axis_info[0].unit_conversion_factor)
         if system.is_engineering:
             return metres
-        longitude, latitude = _degrees(name, system, east, north)
-        if _is_local(system, longitude, latitude):
+        if is_local(name, system, east, north):
             return metres
+        longitude, latitude = _degrees(name, system, east, north)
     geod = system.get_geod()
     return np.asarray(geod.inv(longitude[:-1], latitude[:-1], longitude[1:], latitude[1:])[2], dtype=float)
 
@@ -111,10 +111,11 @@ def _degrees(name: str, system: Any, east: np.ndarray, north: np.ndarray) -> tup
     return np.asarray(longitude, dtype=float), np.asarray(latitude, dtype=float)
 
 
-def _is_local(system: Any, longitude: np.ndarray, latitude: np.ndarray) -> bool:
-    """Whether points are invalid, or far outside the area of use of a coordinate system."""
+def is_local(name: str, system: Any, east: np.ndarray, north: np.ndarray) -> bool:
+    """Whether points are invalid, or far outside the area of use of a projected system of pyproj. Raises InputError."""
     import pyproj
 
+    longitude, latitude = _degrees(name, system, east, north)
     if not np.all(np.isfinite(longitude)) or not np.all(np.isfinite(latitude)):
         return True
     code = system.to_epsg()

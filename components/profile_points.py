@@ -15,6 +15,7 @@ import pandas as pd
 
 from ropeway.components import table
 from ropeway.components.errors import InputError, RopewayWarning
+from ropeway.components.map_columns import in_map_unit
 from ropeway.components.map_frame import WGS84, MapFrame, require_projected, transformed, utm_of
 
 LAYOUTS = tuple(
@@ -104,7 +105,9 @@ def of_table(read: table.Table, crs: str) -> Points:
     """Points of a table. Raises InputError with the line of points that repeat."""
     if len(read) < 2:
         raise read.error("it has 1 point", "Give at least two")
-    at = read.numbers(*read.layout.columns)
+    keys = list(read.layout.columns)
+    at = read.numbers(*keys)
+    at[:, :2] = in_map_unit(read, crs, keys[:2], keys[2], at[:, :2])
     flat = np.hypot(*np.diff(at[:, :2], axis=0).T)
     read.require_increase(np.concatenate([[0.0], np.cumsum(flat)]), "station", "m")
     return Points(read.source, crs, at)

@@ -295,6 +295,7 @@ class Rope:
             stretch=Elastic() if stretch is None else stretch,
             safety_factor=safety_factor,
             name=entry.name,
+            **entry.weather,
         )
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from difflib import get_close_matches
 from functools import cache
 from importlib.resources import as_file, files
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ropeway.components import table
 from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
+from ropeway.components.table_file import name_and_unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +30,9 @@ SIZES = (8, 9, 10, 11, 12, 13, 14, 16, 18, 19, 20, 22, 24, 26, 28, 32, 36, 40)
 """Diameters of the catalogue's ropes by factors [mm]."""
 
 _NUMBERS = {"diameter": "m", "mass_per_length": "kg/m", "breaking_load": "N"}
-_MORE = {"axial_stiffness": "N", "modulus": "Pa"}
+_WEATHER = {"thermal_expansion": "1/K", "drag_coefficient": "1"}
+_MORE = {"axial_stiffness": "N", "modulus": "Pa", **_WEATHER}
+_TEXTS = ("use", "source")
 _EXAMPLE = "name,diameter [mm],mass_per_length [kg/m],breaking_load [kN]\nskyline A,22,2.4,425"
 _ROPE = table.TableLayout({"name": None, **_NUMBERS}, _EXAMPLE)
 _FULL_ROPE = table.TableLayout({"name": None, **_NUMBERS, **_MORE}, _EXAMPLE)
@@ -58,7 +62,8 @@ class Construction:
 
 @dataclass(frozen=True, slots=True)
 class CatalogueRope:
-    """A rope of the catalogue, with its source. `use`: what it is meant for, or its construction."""
+    """A rope of the catalogue, with its source. `use`: what it is meant for, or its construction; `weather`: its
+    thermal_expansion [1/K] and drag_coefficient, where its table has them."""
 
     name: str
     diameter: float
@@ -67,6 +72,7 @@ class CatalogueRope:
     breaking_load: float
     use: str
     source: str
+    weather: Mapping[str, float] = field(default_factory=dict)
 
 
 @cache
@@ -128,7 +134,7 @@ def all_ropes(own: Sequence[table.Source] = ()) -> Mapping[str, CatalogueRope]:
 def _ropes_of(read: table.Table) -> list[CatalogueRope]:
     more = [name for name in _MORE if name in read.keys]
     values = read.numbers(*_NUMBERS, optional=more)
-    texts = {name: read.texts(name) if name in read.keys else [""] * len(read) for name in ("use", "source")}
+    texts = {name: read.texts(name) if name in read.keys else [""] * len(read) for name in _TEXTS}
     found = []
     for i, name in enumerate(read.texts("name")):
         if not name:
@@ -141,7 +147,8 @@ def _ropes_of(read: table.Table) -> list[CatalogueRope]:
             if own[key] <= 0.0:
                 raise read.error(f"{name!r}: {key} is {own[key]:g}", "Give a number above zero", i, key)
         numbers = own["diameter"], own["mass_per_length"], stiffness, own["breaking_load"]
-        found.append(CatalogueRope(name, *numbers, texts["use"][i], texts["source"][i]))
+        weather = {key: own[key] for key in _WEATHER if not math.isnan(own.get(key, math.nan))}
+        found.append(CatalogueRope(name, *numbers, texts["use"][i], texts["source"][i], weather))
     return found
 
 
@@ -266,8 +273,28 @@ def _own_table(name: str, *layouts: table.TableLayout) -> table.Table:
 
 def _user_table(source: table.Source, *layouts: table.TableLayout) -> table.Table:
     """A table of a user, in TOML too: an array of tables, such as [[rope]]. Raises InputError."""
-    if not (isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml"):
-        return table.read(source, *layouts)
+    if isinstance(source, str | Path) and Path(source).suffix.lower() == ".toml":
+        return _toml_table(source, *layouts)
+    return _clear(table.read(source, *layouts), layouts)
+
+
+def _clear(read: table.Table, layouts: Sequence[table.TableLayout]) -> table.Table:
+    """The table. Raises InputError for a name that occurs twice, and for a misspelt column."""
+    names = read.texts("name")
+    for i, name in enumerate(names):
+        if name and name in names[:i]:
+            raise read.error(
+                f"{name!r} is also in {read.lines[names.index(name)]}", "Give each its own name", i, "name"
+            )
+    known = {*_TEXTS, *(column for layout in layouts for column in layout.columns)}
+    for key, column in zip(read.keys, read.columns, strict=True):
+        near = get_close_matches(name_and_unit(column)[0].casefold(), known - {*read.keys}, n=1, cutoff=0.8)
+        if key not in known and near:
+            raise read.error(f"there is no quantity {column!r}", f"Is it {near[0]}?", table.HEADER, key)
+    return read
+
+
+def _toml_table(source: str | Path, *layouts: table.TableLayout) -> table.Table:
     import pandas as pd
 
     try:
@@ -280,6 +307,6 @@ def _user_table(source: table.Source, *layouts: table.TableLayout) -> table.Tabl
     if len(entries) != 1:
         raise InputError(f"{source} has {len(entries)} arrays of tables", "Give one, as [[rope]] with name = ...")
     try:
-        return table.read(pd.DataFrame(entries[0]), *layouts)
+        return _clear(table.read(pd.DataFrame(entries[0]), *layouts), layouts)
     except InputError as error:
         raise InputError(f"{source}: {error.cause}", error.remedy) from error

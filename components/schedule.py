@@ -13,6 +13,9 @@ from ropeway.components.argument_checks import checked
 from ropeway.components.errors import InputError
 from ropeway.components.whole_files import whole
 
+_UNITS = {"speed": "m/s", "temperature": "degC", "wind_from": "deg"}
+"""Units of quantities that a model takes in other than SI units, and that of a speed."""
+
 
 @checked
 @dataclass(frozen=True)
@@ -106,8 +109,8 @@ class Schedule:
         path : str, Path or DataFrame
             A table with a column time [s] and the column of the speeds.
         column : str, default "speed"
-            The column of the speeds [m/s], or of another quantity in SI units; a header such as "c1.speed [km/h]" is
-            converted.
+            The column of the speeds [m/s], or of another quantity in SI units, but temperature [degrees C] and
+            wind_from [degrees]; a header such as "c1.speed [km/h]" or "temperature [K]" is converted.
 
         Returns
         -------
@@ -119,9 +122,8 @@ class Schedule:
         InputError
             The table is invalid; the message has file, line and column.
         """
-        layout = table.TableLayout(
-            {"time": "s", column: "m/s" if column == "speed" else ""}, f"time,{column}\n0,0.5\n10,1"
-        )
+        unit = _UNITS.get(column.rpartition(".")[2], "")
+        layout = table.TableLayout({"time": "s", column: unit}, f"time,{column}\n0,0.5\n10,1")
         read = table.read(path, layout)
         values = read.numbers("time", column)
         read.require_increase(values[:, 0], "time", "s")

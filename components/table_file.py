@@ -16,6 +16,8 @@ from ropeway.components.text_encoding import decoded
 _SEPARATORS = (";", "\t", "|", ",")
 _HINT = re.compile(r"\s*sep=(.)\s*", re.IGNORECASE)
 _WITH_UNIT = re.compile(r"(.*?)\s*(?:\[([^\]]+)\]|\(([^()]+)\))")
+_COMMENT = re.compile(r"\s*#(?!(?:N/A|NV|[A-ZÄÖÜÉ][A-ZÄÖÜÉ_/0]*[!?])\s*(?:[;,\t|]|$))")
+"""Start of a comment: a # that does not begin an error of a spreadsheet, such as #N/A, #REF! or #BEZUG!."""
 _OTHERS = (
     (b"\xd0\xcf\x11\xe0", "an Excel file from before 2007", "Save it as .xlsx or CSV"),
     (b"\x1f\x8b", "compressed", "Unpack it"),
@@ -103,14 +105,14 @@ def _text(source: str, content: str, layouts: Sequence[Sequence[str]]) -> RawTab
 
 def _skipped(line: str) -> bool:
     """Whether a line is blank or a comment."""
-    return not line.strip() or line.lstrip().startswith("#")
+    return not line.strip() or _COMMENT.match(line) is not None
 
 
 def _cleaned(lines: Sequence[str], separator: str) -> Iterator[str]:
     """Lines without comments, and without blanks between a closing quote and a separator."""
     padded = re.compile(rf'"[ \xa0]+(?={re.escape(separator)}|\r?\n|$)')
     for line in lines:
-        yield "\n" if line.lstrip().startswith("#") else padded.sub('"', line)
+        yield "\n" if _COMMENT.match(line) else padded.sub('"', line)
 
 
 def name_and_unit(column: str) -> tuple[str, str]:
@@ -152,7 +154,7 @@ def _excel(path: Path, data: bytes, layouts: Sequence[Sequence[str]]) -> RawTabl
 def _sheet(source: str, rows: list[list[object]]) -> RawTable | None:
     """The table in the cells of a sheet; None if it is blank."""
     cells: list[list[Cell]] = [["" if value is None else _stripped(value) for value in row] for row in rows]
-    filled = [i for i, row in enumerate(cells) if any(v != "" for v in row) and not text(row[0]).startswith("#")]
+    filled = [i for i, row in enumerate(cells) if any(v != "" for v in row) and not _COMMENT.match(text(row[0]))]
     if not filled:
         return None
     width = max(k + 1 for i in filled for k, value in enumerate(cells[i]) if value != "")

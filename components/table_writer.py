@@ -116,6 +116,8 @@ def _require_sheet(table: pd.DataFrame) -> None:
 def _write_excel(table: pd.DataFrame, file: Path, labels: bool) -> None:
     try:
         import openpyxl
+        from openpyxl.cell import WriteOnlyCell
+        from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
         from openpyxl.utils import get_column_letter
     except ImportError as error:
         raise InputError("Writing Excel files needs openpyxl", "pip install ropeway[excel]") from error
@@ -125,9 +127,18 @@ def _write_excel(table: pd.DataFrame, file: Path, labels: bool) -> None:
     header = [*([""] if labels else []), *table.columns]
     for i, name in enumerate(header, 1):
         sheet.column_dimensions[get_column_letter(i)].width = min(max(len(name) + 2, 11), 40)
-    sheet.append(header)
+
+    def cell(value: Any) -> Any:
+        found = _cell(value)
+        if not isinstance(found, str):
+            return found
+        text = WriteOnlyCell(sheet, ILLEGAL_CHARACTERS_RE.sub("", found))
+        text.data_type = "s"  # also of a name such as =1+1, which would be a formula
+        return text
+
+    sheet.append([cell(name) for name in header])
     for label, row in zip(table.index, table.itertuples(index=False, name=None), strict=True):
-        sheet.append([*([str(label)] if labels else []), *map(_cell, row)])
+        sheet.append([*([cell(str(label))] if labels else []), *map(cell, row)])
     book.save(file)
 
 

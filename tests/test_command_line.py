@@ -89,6 +89,10 @@ def test_ropes(command: Command) -> None:
         (("simulate", "no.csv"), "There is no file no.csv"),
         (("simulate", str(EXAMPLES / "line.csv"), "--rope", "string"), "No rope 'string'"),
         (("simulate", str(EXAMPLES / "line.csv"), "--tension", "100"), "Raise the tension"),
+        (("simulate", str(EXAMPLES / "line.csv"), "--report", "run.doc"), "run.doc is no report"),
+        (("optimise", str(EXAMPLES / "line.csv"), "--report", "none/plan.html"), "there is no folder none"),
+        (("payload", str(EXAMPLES / "corridor.csv"), "--gis", "map.shp"), "'map.shp' ends in '.shp'"),
+        (("payload", str(EXAMPLES / "corridor.csv"), "--spacing", "1e-9"), "would make 5.3e+11 stations"),
     ],
 )
 def test_errors_are_one_line(arguments: tuple[str, ...], message: str, command: Command) -> None:
@@ -293,6 +297,9 @@ def test_a_new_line_is_simulated_with_a_report(tmp_path: Path, command: Command)
     done = command("simulate", "line.json", "--until", "3", "--report", "line.html", "--out", "o")
     assert done.exit_code == 0, done.stderr
     assert (tmp_path / "line.html").stat().st_size > 1e6
+    ignored = command("simulate", "line.json", "--load-mass", "500", "--safety-factor", "5")
+    assert "leave out --load-mass, --safety-factor" in ignored.stderr
+    assert "leave out --tension" in command("payload", "line.json", "--tension", "8e4").stderr
     wrong = command("payload", "line.json")
     assert "The project holds a System" in wrong.stderr
     (tmp_path / "line.json").write_text((tmp_path / "line.json").read_text().replace('"tension": 45', '"tensoin": 45'))

@@ -71,6 +71,19 @@ def export_gis(
     >>> rw.export_gis(rig, "corridor.dxf").name
     'corridor.dxf'
     """
+    target = require_gis_path(path)
+    ending = target.suffix.lower()
+    drawing = _drawing(what, stations)
+    with whole(target) as beside:
+        if ending == ".dxf":
+            write_dxf(drawing, beside, view)
+        else:
+            _WRITERS[ending](drawing, beside)
+    return target
+
+
+def require_gis_path(path: str | Path) -> Path:
+    """A path for a map file. Raises InputError for its ending, WriteError where its folder does not exist."""
     target = Path(path)
     ending = target.suffix.lower()
     if ending not in (*_WRITERS, ".dxf"):
@@ -79,12 +92,6 @@ def export_gis(
         )
     if not target.parent.is_dir():
         raise WriteError(f"{target} cannot be written: there is no folder {target.parent}", "Make the folder first")
-    drawing = _drawing(what, stations)
-    with whole(target) as beside:
-        if ending == ".dxf":
-            write_dxf(drawing, beside, view)
-        else:
-            _WRITERS[ending](drawing, beside)
     return target
 
 

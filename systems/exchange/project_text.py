@@ -47,7 +47,7 @@ def parsed(source: str, text: str) -> ProjectText:
         return dict(found)
 
     def constant(word: str) -> Json:
-        raise InputError(f"{source}: {word} is no number of JSON", f'Write it in quotes, as "{word.lower()[:4]}"')
+        raise InputError(f"{source}: {word} is no number of JSON", f'Write it in quotes, as "{float(word)}"')
 
     try:
         return ProjectText(source, plain, json.loads(plain, object_pairs_hook=pairs, parse_constant=constant))

@@ -26,12 +26,7 @@ _SECONDS = 180.0
 
 def print_to_pdf(page: str, path: Path) -> None:
     """Print a page in HTML to a PDF file. Raises InputError where there is no browser, WriteError where it fails."""
-    browser = next(_browsers(), None)
-    if browser is None:
-        raise InputError(
-            "No browser was found that can print the report to PDF",
-            "Install Chromium, Chrome or Edge, or name one in the environment variable ROPEWAY_BROWSER; or write .html",
-        )
+    browser = require_browser()
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "report.html", Path(folder) / "report.pdf"
         source.write_text(page, encoding="utf-8")
@@ -49,6 +44,17 @@ def print_to_pdf(page: str, path: Path) -> None:
             said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
             raise WriteError(f"{browser} made no PDF: {''.join(said)}", "Write .html and print that")
         shutil.copyfile(target, path)
+
+
+def require_browser() -> str:
+    """The browser that prints. Raises InputError where there is none."""
+    browser = next(_browsers(), None)
+    if browser is None:
+        raise InputError(
+            "No browser was found that can print the report to PDF",
+            "Install Chromium, Chrome or Edge, or name one in the environment variable ROPEWAY_BROWSER; or write .html",
+        )
+    return browser
 
 
 def _browsers() -> Iterator[str]:

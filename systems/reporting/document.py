@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ropeway.components.argument_checks import checked
-from ropeway.components.errors import InputError
+from ropeway.components.errors import InputError, WriteError
 from ropeway.components.whole_files import whole
 from ropeway.systems.reporting.blocks import Section, Table, Text
-from ropeway.systems.reporting.browser import print_to_pdf
+from ropeway.systems.reporting.browser import print_to_pdf, require_browser
 from ropeway.systems.reporting.style import Style, Units
 
 
@@ -61,16 +61,25 @@ class ReportOptions:
 def write_report(path: str | Path, title: str, sections: Sequence[Section], options: ReportOptions) -> Path:
     """Write a report as HTML, or as PDF where the path ends with .pdf; returns the path. Raises InputError,
     WriteError."""
-    suffix = Path(path).suffix.lower()
-    if suffix not in (".html", ".htm", ".pdf"):
-        raise InputError(f"{path} is no report", "Let its name end with .html or .pdf")
+    require_report_path(path)
     page = html(title, sections, options)
     with whole(path) as file:
-        if suffix == ".pdf":
+        if Path(path).suffix.lower() == ".pdf":
             print_to_pdf(page, file)
         else:
             file.write_text(page, encoding="utf-8", newline="\n")
     return Path(path)
+
+
+def require_report_path(path: str | Path) -> None:
+    """Raises InputError, WriteError where no report can be written to a path: asked before a study, none is lost."""
+    target = Path(path)
+    if target.suffix.lower() not in (".html", ".htm", ".pdf"):
+        raise InputError(f"{path} is no report", "Let its name end with .html or .pdf")
+    if not target.parent.is_dir():
+        raise WriteError(f"{target} cannot be written: there is no folder {target.parent}", "Make the folder first")
+    if target.suffix.lower() == ".pdf":
+        require_browser()
 
 
 def html(title: str, sections: Sequence[Section], options: ReportOptions) -> str:

@@ -16,6 +16,7 @@ from ropeway.components.drive import Drive
 from ropeway.components.errors import InputError
 from ropeway.components.hydraulic_drive import HydraulicDrive
 from ropeway.components.identifier import identifier
+from ropeway.components.map_columns import in_map_unit
 from ropeway.components.map_frame import MapFrame
 from ropeway.components.response import ProportionalResponse, Response, ThresholdResponse
 
@@ -54,8 +55,8 @@ def read_supports(
     endless : bool, default False
         Whether the rope is endless: it begins and ends at the first support, a control sheave.
     crs : str, optional
-        Projected coordinate system of the supports; x and y are then eastings and northings. By default the value of a
-        column crs.
+        Projected coordinate system of the supports; x and y are then eastings and northings, in its unit where their
+        headers have none. By default the value of a column crs.
 
     Returns
     -------
@@ -83,7 +84,8 @@ def read_supports(
     words = [key for key in own if _holds_words(read, key)]
     held = [key for key in own if key not in words]
     on_map = read.layout is _MAP_LAYOUT
-    supports[["x", "y", "z", *held]] = read.numbers(*(("easting", "northing") if on_map else "xy"), "z", optional=held)
+    plan = ("easting", "northing") if on_map else ("x", "y")
+    supports[["x", "y", "z", *held]] = read.numbers(*plan, "z", optional=held)
     for key in words:
         supports[key] = [_WORDS.get(text.casefold(), math.nan) for text in read.texts(key)]
     supports["kind"] = kinds
@@ -94,8 +96,11 @@ def read_supports(
         if len(unused):
             i = int(unused[0])
             raise read.error(f"{labels[i]!r} is not a control sheave", "Leave its cell blank", i, key)
-    crs = crs or _named_crs(read)
-    return supports, _in_own_axes(read, supports, crs or "") if crs or on_map else None
+    crs = crs or _named_crs(read) or ""
+    if not (crs or on_map):
+        return supports, None
+    supports[["x", "y"]] = in_map_unit(read, crs, plan, "z", supports[["x", "y"]].to_numpy())
+    return supports, _in_own_axes(read, supports, crs)
 
 
 def _named_crs(read: table.Table) -> str | None:

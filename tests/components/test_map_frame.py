@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pyproj
 import pytest
 import rasterio
@@ -159,6 +160,8 @@ def test_rasters_that_do_not_say_their_system(tmp_path: Path) -> None:
         (lambda: rw.MapFrame.straight("EPSG:4326", (7.0, 46.0), (7.1, 46.0)), "geographic"),
         (lambda: rw.Profile.from_points([[7.0, 46.0, 800.0], [7.1, 46.0, 810.0]], "EPSG:4326"), "geographic"),
         (lambda: rw.MapFrame.straight("EPSG:99999", START, END), "cannot be read"),
+        (lambda: rw.MapFrame.straight("EPSG:2053", (-90e3, 33e5), (-89e3, 33e5)), "point west and south"),
+        (lambda: rw.MapFrame.straight("EPSG:5513", (1.04e6, 7.4e5), (1.05e6, 7.4e5)), "point south and west"),
         (lambda: rw.MapFrame.straight("EPSG:2056", START, START), "one point"),
         (lambda: rw.Profile.from_points([[0.0, 0.0, 1.0]], "EPSG:2056"), "at least two"),
         (lambda: rw.Profile.from_points([[0.0, 0.0], [9.0, 1.0]], "EPSG:2056"), "easting, northing and elevation"),
@@ -173,6 +176,31 @@ def test_rasters_that_do_not_say_their_system(tmp_path: Path) -> None:
 def test_bad_maps_are_refused(call, words: str) -> None:
     with pytest.raises(rw.InputError, match=words):
         call()
+
+
+@pytest.mark.parametrize("unit", ["", " [ft]", " [ftUS]", " [m]", " [yd]"])
+def test_columns_are_in_the_unit_of_their_map(unit: str) -> None:
+    """California's zones are in feet of the US survey: those of a header are the same."""
+    size = {"": 1.0, " [ft]": 1.0, " [ftUS]": 1.0, " [m]": 3937.0 / 1200.0, " [yd]": 3.0 * 0.3048 * 3937.0 / 1200.0}[
+        unit
+    ]
+    east, north = np.array([6.0e6, 6.0003e6]), np.array([2.1e6, 2.1004e6])
+    table = pd.DataFrame({f"easting{unit}": east / size, f"northing{unit}": north / size, "elevation [ft]": [0.0, 9.0]})
+    ground = rw.Profile.from_points(table, "EPSG:2227")
+    assert ground.coordinates[:, :2] == pytest.approx(np.column_stack([east, north]), abs=1e-6)
+    assert ground.elevation == pytest.approx([0.0, 2.7432])
+    named = table.assign(name=["a", "b"], kind="drum").rename(columns={"elevation [ft]": "z [ft]"})
+    line = rw.monocable(rw.Rope.named("RHOL-IWRC 29"), named, tension=45e3, speed=0.0, crs="EPSG:2227")
+    assert line.map_frame.to_map(ground.station[-1]) == pytest.approx((6.0003e6, 2.1004e6), abs=1e-6)
+    with pytest.raises(rw.InputError, match=r"column elevation: its map is in US survey foot.*elevation \[ft\]"):
+        rw.Profile.from_points(table.rename(columns={"elevation [ft]": "elevation"}), "EPSG:2227")
+
+
+def test_points_far_outside_their_system_have_no_place() -> None:
+    old = rw.Profile.from_points([[6e5, 2e5, 800.0], [6.003e5, 2.004e5, 700.0]], "EPSG:2056")  # those of EPSG:21781
+    assert old.station[-1] == pytest.approx(500.0)
+    with pytest.raises(rw.InputError, match="far outside the area of EPSG:2056"):
+        old.map_frame.to_degrees(0.0)
 
 
 def test_crooked_points_are_warned_of() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 import ropeway as rw
@@ -113,6 +114,32 @@ def test_ropes_of_ones_own(tmp_path: Path) -> None:
         rw.ropes(toml)
     with pytest.raises(rw.UnknownNameError, match=r"Near are .*'RHOL-IWRC 29'"):
         rw.Rope.named("RHOL-IWRC 28")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("name,diameter,mass_per_length,breaking_load\nA,0.02,2,3e5\nB,0.02,2,3e5\nA,0.022,2,4e5\n",
+         "line 4, column name: 'A' is also in line 2"),
+        ("name,diameter,mass_per_length,breaking_load,axial_stifness [MN]\nA,0.02,2,3e5,20\n", "Is it axial_stiffness"),
+        ("name,diameter,mass_per_length,breaking_load,Modulus [GPa],elastic_modulus\nA,0.02,2,3e5,100,1\n", ""),
+    ],
+)  # fmt: skip
+def test_names_and_columns_of_a_table_of_ones_own(text: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "own.csv").write_text(text)
+    if words:
+        with pytest.raises(rw.InputError, match=words):
+            rw.ropes(tmp_path / "own.csv")
+    else:
+        assert rw.ropes(tmp_path / "own.csv").loc["A", "axial_stiffness"] == pytest.approx(100e9 * 2.0 / 9300.0)
+
+
+def test_weather_of_a_rope_of_ones_own() -> None:
+    own = pd.DataFrame({"name": ["A", "B"], "diameter": 0.02, "mass_per_length": 2.0, "breaking_load": 3e5,
+                        "thermal_expansion": [1.2e-5, None], "Drag_Coefficient": [None, 0.9]})  # fmt: skip
+    one, other = (rw.Rope.named(name, catalogue=own) for name in "AB")
+    assert (one.thermal_expansion, one.drag_coefficient) == (1.2e-5, 1.1)
+    assert (other.thermal_expansion, other.drag_coefficient) == (11.5e-6, 0.9)
 
 
 def test_machines(tmp_path: Path) -> None:

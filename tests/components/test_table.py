@@ -139,6 +139,8 @@ def test_numbers(cells: list[str], expected: list[float], tmp_path: Path) -> Non
         ('time,speed\n0,"1\n2,3\n', "line 3"),
         ("time [h],speed [furlong]\n0,1\n", "column speed [furlong]: The unit 'furlong' is unknown"),
         ("time [h],speed [N]\n0,1\n", "measure different quantities"),
+        ("time,speed\n0,1\n#REF!,2\n9,3\n", "line 3, column time: '#REF!' is not a number"),
+        ("time;speed\n0;1\n#NV;2\n9;3\n", "line 3, column time: '#NV' is not a number"),
         ("time;speed\n3;1\n2;1\n", "line 3: time does not increase: 2 s after 3 s"),
     ],
 )
@@ -190,6 +192,9 @@ def test_units_in_a_header_are_converted(tmp_path: Path) -> None:
     ground = rw.Profile.from_csv(path)
     np.testing.assert_allclose(ground.station, [0.0, 30.48])
     np.testing.assert_allclose(ground.elevation, [1500.0, 1600.0])
+    path.write_text("time;Temperature [degF];wind_from [rad]\n0;14;3,141592653589793\n")
+    assert rw.Schedule.from_csv(path, "temperature").speeds == pytest.approx([-10.0])  # degrees C, as in an Environment
+    assert rw.Schedule.from_csv(path, "wind_from").speeds == pytest.approx([180.0])
     path.write_text("time [min],c1.speed [km/h]\n0,3.6\n2,7.2\n")
     assert rw.Schedule.from_csv(path, "c1.speed") == rw.Schedule([0.0, 120.0], [1.0, 2.0])
 
@@ -222,6 +227,9 @@ def test_excel_files(tmp_path: Path) -> None:
     bad: list[list[object]] = [["station", "elevation"], [0, 846.4], [10, True]]
     with pytest.raises(rw.InputError, match="sheet S, row 3, column elevation: True is not a number"):
         rw.Profile.from_csv(excel(tmp_path / "bad.xlsx", {"S": bad}))
+    lost: list[list[object]] = [["station", "elevation"], [0, 846.4], ["#DIV/0!", 840], [10, 835]]
+    with pytest.raises(rw.InputError, match="row 3, column station: '#DIV/0!' is not a number"):
+        rw.Profile.from_csv(excel(tmp_path / "lost.xlsx", {"S": lost}))
     beyond: list[list[object]] = [["station", "elevation"], [0, 846.4], [10, 840, 1]]
     with pytest.raises(rw.InputError, match="row 1: column 3 has no name"):
         rw.Profile.from_csv(excel(tmp_path / "beyond.xlsx", {"S": beyond}))

@@ -38,6 +38,14 @@ def test_excel_and_parquet_hold_the_same(tmp_path: Path) -> None:
     assert read.attrs["units"]["a.force"] == "N"
 
 
+def test_texts_stay_texts_in_excel(tmp_path: Path) -> None:
+    names = ["=1+1", "#N/A", "a\x01b", "-5", "1e5"]
+    table = pd.DataFrame({"=name": names, "x": range(5)})
+    sheet = openpyxl.load_workbook(rw.write_table(table, tmp_path / "t.xlsx")).active
+    assert [cell.value for cell in sheet["A"]] == ["=name", "=1+1", "#N/A", "ab", "-5", "1e5"]
+    assert {cell.data_type for cell in sheet["A"]} == {"s"}
+
+
 def test_levels_become_one_row(tmp_path: Path) -> None:
     columns = pd.MultiIndex.from_product([["open loop", "trimmed"], ["highest", "energy"]])
     frame = pd.DataFrame(np.ones((2, 4)), index=pd.Index(["masses +10 %", "late"], name="case"), columns=columns)

@@ -129,7 +129,8 @@ class Problem:
         scaled = (rates * self.prior.scale)[:, inner]
         step = np.linalg.lstsq(scaled, off, rcond=1e-8)[0]
         spread = np.sqrt(variance) if np.isfinite(variance) else 1.0
-        if np.linalg.norm(scaled @ step) > _CLOSE * spread + 1e-6 * np.linalg.norm(off):
+        rounding = _ACCURACY * np.linalg.norm(self.measured / self.sigma)  # all that is left of values without noise
+        if np.linalg.norm(scaled @ step) > _CLOSE * spread + 1e-6 * np.linalg.norm(off) + rounding:
             raise FitError(
                 "The fit stopped before its minimum" + (f": {lost[-1]}" if lost else ""),
                 "Give bounds within which the system has an equilibrium, or declarations nearer to the measured values",

@@ -8,6 +8,7 @@ from functools import cached_property
 import pandas as pd
 
 from ropeway.components.argument_checks import checked
+from ropeway.components.rounding import at_least
 from ropeway.components.table_writer import Tabular
 from ropeway.systems.modelling.system import System
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -32,7 +33,7 @@ class CasesData(Tabular):
     def __repr__(self) -> str:
         worst = self.frame["utilisation"].idxmax()
         used = 100.0 * float(self.frame.loc[worst, "utilisation"])
-        most = f"{used:.0f} % of the tension allowed in {worst!r}"
+        most = f"{at_least(used)} % of the tension allowed in {worst!r}"
         return f"<LoadCases of {self.of.name!r}: {len(self.cases)} cases, {most}>"
 
     @cached_property

@@ -11,6 +11,7 @@ import pandas as pd
 
 from ropeway.components.ground import Ground
 from ropeway.components.notebook_figure import new_figure
+from ropeway.components.rounding import at_least
 from ropeway.systems.modelling.rope_path import Run
 from ropeway.systems.results.limit_lines import ABOVE
 from ropeway.systems.rigs.skyline_rig import SkylineRig
@@ -64,7 +65,7 @@ def cases_figure(study: CasesData) -> Figure:
 
 def _headline(study: CasesData) -> str:
     worst = study.frame.loc[study.frame["utilisation"].idxmax()]
-    used = f"{100.0 * worst['utilisation']:.0f} % of the tension allowed"
+    used = f"{at_least(100.0 * worst['utilisation'])} % of the tension allowed"
     return f"{study.of.name}: {len(study.cases)} load cases; most is used in {worst.name!r}: {used} in {worst['span']}"
 
 

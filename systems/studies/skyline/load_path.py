@@ -113,6 +113,7 @@ def default_stations(rig: SkylineRig, spacing: float = 5.0) -> np.ndarray:
     """Stations about every `spacing` metres over all spans, without both ends. Raises InputError."""
     check.positive(spacing, rig.name, "spacing", "m")
     x0, x1 = rig.points[0, 0], rig.points[rig.spans, 0]
+    check.count((x1 - x0) / spacing, rig.name, "stations", 100_000)
     return np.linspace(x0, x1, max(4, round((x1 - x0) / spacing) + 1))[1:-1]
 
 

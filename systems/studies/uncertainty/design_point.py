@@ -62,7 +62,12 @@ def design_point(state: LimitState) -> DesignPoint:
     for _ in range(_STEPS):
         stop_if_interrupted()
         if not np.isfinite(point.steepness) or point.steepness < 1e-12 * max(abs(point.g), 1e-300):
-            raise DesignPointError("The result does not change with the inputs", "Name inputs that it depends on")
+            raise DesignPointError(
+                f"The result does not change with the inputs at {np.linalg.norm(point.u):.3g} standard deviations from "
+                "their medians",
+                "Name inputs that it depends on; where it is flat, or never passes the limit, sweep cases and use "
+                "rw.exceedance",
+            )
         if point.found:
             return point
         point = _step(state, point)

@@ -86,6 +86,9 @@ def _of_function(
         known = ", ".join(str(c) for c in table.columns if c not in (*inputs.names, "error", "message"))
         raise UnknownNameError(f"The study does not return {output!r}", f"It returns {known}")
     found = table[output].to_numpy(dtype=float)
+    if not np.isfinite(found).all():
+        place = int(np.argmin(np.isfinite(found)))
+        raise _failed(inputs, inputs.values(points[place]), f"{output} is {found[place]}")
     up, down = np.split(found[1:], 2)
     return float(found[0]), (up - down) / (2.0 * _STEP)
 

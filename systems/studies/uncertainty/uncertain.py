@@ -228,6 +228,8 @@ def _factor(
             i, j = (place[name] for name in pair)
             if i == j:
                 raise InputError(f"{pair[0]!r} is correlated with itself", "Name two inputs")
+            if pair[::-1] in correlation:
+                raise InputError(f"The correlation of {pair[0]!r} and {pair[1]!r} is given twice", "Give it once")
             matrix[i, j] = matrix[j, i] = value
     elif correlation is not None:
         matrix = np.array(correlation, dtype=float)

@@ -161,7 +161,7 @@ EDITS = [
     ('"skyline": "rope"', '"skyline": "wire"', "skyline: there is no rope 'wire'"),
     ('"tension": 60000.0', '"tension": 6e9', "tension: rig: tension"),
     ('"tension": 60000.0,', '"tension": 60000.0', "Expecting ',' delimiter"),
-    ('"tension": 60000.0', '"tension": NaN', "NaN is no number"),
+    ('"tension": 60000.0', '"tension": NaN', 'NaN is no number of JSON. Write it in quotes, as "nan"'),
     ('"tension": 60000.0', '"tension": 6e4, "tension": 6e4', "'tension' is given twice"),
     ('"ropeway": 1', '"ropeway": 2', "ropeway: the file is of version 2, this ropeway reads versions up to 1"),
     ('"ropeway": 1', '"rope": 1', "this is no project file"),

@@ -46,6 +46,16 @@ def test_figures_have_a_png_representation() -> None:
         rw.System("empty").plot()
 
 
+def test_names_with_dollars_are_no_formulas(tmp_path: Path) -> None:
+    span, case = objects.one_span(), rw.Environment("$\\frac storm$ at 5$")
+    figure = rw.load_cases(span, [case]).plot()
+    axis = figure.axes[-1]
+    axis.set_xticks([0.0], ["$not a formula"])  # its label is made when the figure is drawn
+    figure.savefig(tmp_path / "cases.svg")
+    assert "$\\frac storm$ at 5$" in figure.axes[0].get_legend().get_texts()[0].get_text()
+    assert not figure.axes[0].title.get_parse_math()
+
+
 def test_animation_of_a_run_as_gif_and_page(tmp_path: Path) -> None:
     with Image.open(objects.run().animate(tmp_path / "run.gif", frames=4)) as picture:
         assert picture.n_frames == 4

@@ -42,6 +42,8 @@ def test_sigma_is_estimated_where_none_is_given() -> None:
     assert found.standard_errors.iloc[0] == pytest.approx(known.standard_errors.iloc[0] * spread / 300.0, rel=1e-6)
     wide = (found.intervals(0.9)["high"] - found.values).iloc[0] / found.standard_errors.iloc[0]
     assert wide == pytest.approx(1.8331, abs=1e-3)  # Student's distribution with 9 degrees of freedom
+    exact = rw.fit(case.system, case.exact, columns=columns, free=list(case.true))  # residuals are rounding errors
+    assert exact.values.to_dict() == pytest.approx(case.true, rel=1e-7)
     with pytest.raises(rw.InputError, match="different units"):
         case.fit(case.exact, None)
 

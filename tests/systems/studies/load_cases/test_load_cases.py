@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -294,6 +295,8 @@ def test_a_table_of_a_rig_has_its_extreme_states(of_rig: rw.LoadCases) -> None:
 
 
 def test_picture_and_report(cases: rw.LoadCases, of_rig: rw.LoadCases, tmp_path: Path) -> None:
+    most = math.ceil(100.0 * cases.frame["utilisation"].max())
+    assert f"{most} % of the tension allowed" in repr(cases)
     for study in (cases, of_rig):
         panels = study.plot().axes
         assert len(panels) == (5 if study is cases else 4)

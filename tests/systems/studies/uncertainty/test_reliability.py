@@ -148,6 +148,7 @@ def broken(a: float) -> float:
             rw.DesignPointError,
             "strength = 130, load = 100: no rope",
         ),
+        (lambda strength, load: load**0.5 - np.inf, {"above": 2.0}, rw.DesignPointError, "load = 100: value is -inf"),
         (lambda strength, load: np.sin(load), {"above": 2.0}, rw.DesignPointError, "has not converged"),
     ],
 )

@@ -63,6 +63,7 @@ NORMAL = stats.norm(3.0, 1.0)
         (lambda: rw.Uncertain({"a": NORMAL}, {("a", "x"): 0.1}), "names 'x'"),
         (lambda: rw.Uncertain({"a": NORMAL}, {("a", "a"): 0.1}), "with itself"),
         (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, {("a", "b"): 1.0}), "not positive definite"),
+        (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, {("a", "b"): 0.1, ("b", "a"): 0.2}), "given twice"),
         (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, [[1.0, 0.5], [0.4, 1.0]]), "not positive definite"),
         (lambda: rw.Uncertain({"a": NORMAL, "b": NORMAL}, [[1.0]]), r"shape \(1, 1\)"),
         (lambda: rw.Uncertain.normal({"a": 3.0}, [[0.0]]), "variance of zero"),
