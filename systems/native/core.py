@@ -7,6 +7,7 @@ SECTIONS = "sections.c"
 SOURCES = (
     "ropeway_sparse.c",
     "ropeway_log.c",
+    "ropeway_memory.c",
     "ropeway_slots.c",
     "ropeway_functions.c",
     "ropeway_lines.c",
@@ -21,7 +22,7 @@ SOURCES = (
     "ropeway_instance.c",
 )
 """Compiled besides the generated equations and tables; each calls only those before it."""
-_HEADERS = ("sections.h", "ropeway.h")
+_HEADERS = ("sections.h", "model_data.h", "ropeway.h")
 _FOLDER = Path(__file__).parent
 
 
