@@ -24,6 +24,7 @@ from ropeway.fmu.exporting.binaries import binary_folder, universal
 from ropeway.fmu.exporting.carriage_corridor import Corridor
 from ropeway.fmu.exporting.equations import ModelEquations
 from ropeway.fmu.exporting.generated_code import c_files
+from ropeway.fmu.exporting.inertial_solution import InertialSolution
 from ropeway.fmu.exporting.interface import Interface
 from ropeway.fmu.exporting.terminals import terminals, terminals_and_icons
 from ropeway.systems.dynamics.inertia.inertial_system import carries_loads
@@ -34,6 +35,7 @@ from ropeway.systems.native import compiler
 from ropeway.systems.native.core import core_files
 from ropeway.systems.native.object_cache import ObjectCache
 from ropeway.systems.rigs.skyline_rig import SkylineRig
+from ropeway.systems.solvers.line_sections import UnfitError
 from ropeway.systems.statics.equilibrium import Equilibrium
 from ropeway.systems.statics.equilibrium_solver import equilibrium
 
@@ -147,8 +149,9 @@ def export(
         raise InputError("station and payload apply to skyline rigs only", "Omit them")
     else:
         rest = system if isinstance(system, Equilibrium) else equilibrium(system)
-        _require_exportable(rest.model, inertia)
+        _require_exportable(rest.model)
         equations = ModelEquations.at(rest, inertia)
+        _require_crossings(equations)
     interface = Interface(equations, inputs, outputs, parameters, stops=emergency_stop is not None)
     settings = model_tables.Settings(tolerance, emergency_stop)
     with whole(target) as file:  # a full disk of the compiler's folder is a WriteError as well
@@ -159,17 +162,22 @@ def export(
     return target
 
 
-def _require_exportable(model: Model, inertia: Inertia | None) -> None:
+def _require_exportable(model: Model) -> None:
     """Raises FmuExportError for a model that an FMU cannot have."""
     if model.external:
         raise FmuExportError(
             f"A component of {model.name!r} is an FMU itself",
             "Export the system without it, and couple both by CoSimulation",
         )
-    moving = next((run for run in model.runs if carries_loads(run)), None)
-    if moving is not None and (inertia or model.inertia) is not None:
+
+
+def _require_crossings(equations: ModelEquations) -> None:
+    """Raises FmuExportError where loads run over supports of a system with inertia that the core does not have."""
+    moving = next((run for run in equations.model.runs if carries_loads(run)), None)
+    if moving is not None and isinstance(equations.inertial, UnfitError):
         raise FmuExportError(
-            f"Loads of {moving.name} run over its supports, which an FMU with inertia does not have",
+            f"Loads of {moving.name} run over its supports, which an FMU with inertia cannot solve: "
+            f"{equations.inertial}",
             "Export the system, or an equilibrium of it, without inertia",
         )
 
@@ -223,6 +231,8 @@ def _model_code(equations: ModelEquations) -> dict[str, str]:
     files = c_files(equations.functions)
     if equations.by_sections is not None:
         files |= equations.by_sections.sources
+    if isinstance(equations.inertial, InertialSolution):
+        files |= equations.inertial.sources
     return files
 
 

@@ -44,7 +44,7 @@ class Tables:
         self._body.append(f"const rw_function rw_{name}[] = {{{', '.join(values) or '0'}}};")
 
     def kernels(self, name: str, values: Sequence[str]) -> None:
-        """Kernels of a line by sections."""
+        """Kernels of components."""
         for kernel in values:
             self._functions[kernel] = f"void {kernel}(const double *v, double *r);"
         self._body.append(f"static const rs_kernel rw_{name}[] = {{{', '.join(values) or '0'}}};")

@@ -3,6 +3,7 @@
 #define MODEL_DATA_H
 
 #define RS_INSIDE
+#include "inertial.h"
 #include "sections.h"
 
 #define RW_FINGERPRINT 39
@@ -19,12 +20,15 @@ typedef struct {
  * algebraic variables together, entries of their matrix; of supports, limits, switches, stops, schedules, inputs that are
  * rates of others, clocks and the most entries of one, places of a carriage, borders between them, their most margins;
  * room for the factors of a matrix; `coupled`: rates depend on states. Of a line by sections, which `sections` marks:
- * their number, and the entries of the derivatives and of the matrix of its drives. `groups` of directions for the
+ * their number, and the entries of the derivatives and of the matrix of its drives. Of a system with inertia, which `inertial`
+ * marks: room of its core, most slots of a span, most thresholds of loads. `groups` of directions for the
  * matrix; room that the generated functions take. */
 typedef struct {
     int nx, nz, nu, np, nd, ny, nm, nw, nnz, nk, nl, nsw, ne, ns, nf, nc, nq, npl, nb, ng;
     int lcap, ucap, coupled, sections, nsec, ncp, dnnz, groups, sz_arg, sz_res, sz_iw, sz_w;
+    int inertial, core_y, core_value, core_kernel, core_dense, core_pivot, core_band, core_room, slots, nth;
     double tolerance, force_scale, force_near, stop_deceleration, mean_span;
+    double zone, zone_past, zone_near, zone_beyond, zone_early, zone_joined; /* see support_zones.py */
 } rw_sizes;
 
 extern const rw_sizes rw_size;
@@ -60,15 +64,32 @@ extern const rw_sizes rw_size;
 #define RW_SZ_RES rw_size.sz_res
 #define RW_SZ_IW rw_size.sz_iw
 #define RW_SZ_W rw_size.sz_w
+#define RW_INERTIAL rw_size.inertial
+#define RW_CORE_Y rw_size.core_y
+#define RW_CORE_VALUE rw_size.core_value
+#define RW_CORE_KERNEL rw_size.core_kernel
+#define RW_CORE_DENSE rw_size.core_dense
+#define RW_CORE_PIVOT rw_size.core_pivot
+#define RW_CORE_BAND rw_size.core_band
+#define RW_CORE_ROOM rw_size.core_room
+#define RW_SLOTS rw_size.slots
+#define RW_NTH rw_size.nth
 #define RW_TOLERANCE rw_size.tolerance
 #define RW_FORCE_SCALE rw_size.force_scale
 #define RW_FORCE_NEAR rw_size.force_near
 #define RW_STOP_DECELERATION rw_size.stop_deceleration
 #define RW_MEAN_SPAN rw_size.mean_span
+#define RW_ZONE rw_size.zone
+#define RW_ZONE_PAST rw_size.zone_past
+#define RW_ZONE_NEAR rw_size.zone_near
+#define RW_ZONE_BEYOND rw_size.zone_beyond
+#define RW_ZONE_EARLY rw_size.zone_early
+#define RW_ZONE_JOINED rw_size.zone_joined
 
 extern const char rw_fingerprint[RW_FINGERPRINT]; /* of the content of this FMU */
 extern const rw_pattern rw_whole, rw_drives;      /* the whole system, and the drives of a line alone */
 extern const rs_line rw_line;
+extern const ri_line rw_core;
 
 int rw_dae(const double **arg, double **res, int *iw, double *w, int mem);
 int rw_outputs(const double **arg, double **res, int *iw, double *w, int mem);
@@ -97,6 +118,10 @@ extern const int rw_slot_empty[], rw_slot_drag[], rw_force[], rw_held[], rw_held
 extern const char *const rw_support_name[];
 extern const int rw_run_first[], rw_around[], rw_load_first[], rw_mass_first[];
 extern const double rw_span_scale[], rw_feed_spacing[], rw_load_place[], rw_load_drag[];
+
+/* motion of slots of a system with inertia, by span */
+extern const int rw_slot_place[], rw_slot_velocity[], rw_slot_pull[], rw_slot_acceleration[], rw_slot_station[], rw_slot_tied[];
+extern const int rw_slot_joined[], rw_slot_lost[], rw_mass_per_length[], rw_damping[];
 
 /* drives of a line by sections */
 extern const int rw_coupling_colind[], rw_coupling_row[], rw_state_section_first[], rw_state_section[];

@@ -50,7 +50,7 @@ typedef struct {
     double slope_from; /* time from which `slope` counts */
     rw_point now, held; /* held: last accepted point of a carriage, or in Model Exchange */
     rw_ahead ahead;
-    rw_factors lu; /* the last: a line by sections uses it within a call only */
+    rw_factors lu; /* the last: the compiled core uses it within a call only */
     int *passed;   /* loads that have passed each support */
     int *broken;   /* violated limits */
     int *ticks;    /* of each clock */
@@ -69,6 +69,19 @@ typedef struct {
     double time, gap;
     int k, load, forward;
 } rw_crossing;
+
+/* What load `load` of a run with inertia comes to at support k, when the rope runs forwards (side 1) or backwards (-1):
+ * `gap` [m] is the travel until then at the latest; it is possible `early` [m] before. */
+typedef struct {
+    int kind, k, load;
+    double side, gap, early;
+} rw_threshold;
+
+/* What a slot with a load has in a span of a run with inertia. */
+typedef struct {
+    int load;
+    double x[6], z[6], tied[2], joined, lost;
+} rw_moving_slot;
 
 typedef struct {
     rw_state s;
@@ -97,6 +110,12 @@ typedef struct {
     rw_point from, path_from, path_to, trial;   /* copies of points */
     double *good_z, *before_z, *before_zrate;   /* copies of algebraic variables and their rates */
     int *passed_before, *broken_before;
+    /* of a system with inertia */
+    ri_point core;
+    rw_threshold *thresholds, *zones_due;
+    rw_moving_slot *known; /* four spans */
+    double *y_here, *y_later, *y_earlier, *watch_low, *watch_high, *input_reached;
+    int *watched, *watch_of;
     const double **arg;
     double **res;
     int *iw;
@@ -137,6 +156,7 @@ double rw_support_travel(const rw_instance *m, int k);
 double rw_travel_rate(const rw_instance *m, int k);
 int rw_is_last(int k);
 int rw_is_held(const rw_instance *m, int k);
+void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held);
 void rw_write_slots(rw_instance *m);
 void rw_slot_seeds(rw_instance *m);
 rw_status rw_check_slots(rw_instance *m);
@@ -164,6 +184,11 @@ void rw_span_end(rw_instance *m, int span, double *force);
 double rw_line_law(rw_instance *m, int k, const double *load, double share);
 int rw_sections_beside(int k, int *sections, int count);
 
+/* ropeway_inertial.c */
+ri_point *rw_core_point(rw_instance *m);
+int rw_core_solved(rw_instance *m, int failed);
+int rw_core_solve(rw_instance *m);
+
 /* ropeway_solve.c */
 int rw_matrix(rw_instance *m, double t, const double *x, const double *z, const double *u);
 int rw_factor_matrix(rw_instance *m, double hg);
@@ -188,12 +213,18 @@ rw_status rw_tangent_of(rw_instance *m);
 /* ropeway_integrator.c */
 rw_status rw_one_step(rw_instance *m, const rw_point *from, double h, int alone, double *error);
 
+/* ropeway_zones.c */
+int rw_zones_due(const rw_instance *m, rw_threshold *due);
+rw_status rw_pass_zones(rw_instance *m);
+rw_status rw_move_with_inertia(rw_instance *m, double h, double stop);
+double rw_zone_gap(const rw_instance *m, int k);
+rw_status rw_require_spans(rw_instance *m);
+
 /* ropeway_loads.c */
 void rw_gaps(const rw_instance *m, int k, double *ahead, double *behind);
 int rw_next_crossing(const rw_instance *m, rw_crossing *found);
 rw_status rw_overrun_settle(rw_instance *m);
 rw_status rw_overrun_moving(rw_instance *m);
-void rw_tell_crossing(rw_instance *m, double time, const rw_crossing *crossing, int held);
 rw_status rw_put_across(rw_instance *m, const rw_crossing *crossing);
 rw_status rw_cross(rw_instance *m, const rw_crossing *first);
 int rw_standing(const rw_instance *m);

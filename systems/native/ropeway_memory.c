@@ -33,7 +33,7 @@ static size_t lay_out(const array *arrays, size_t count, unsigned char *memory)
 static size_t of_state(rw_instance *m, unsigned char *memory)
 {
     rw_state *s = &m->s;
-    int lu = !RW_SECTIONS; /* else its factors are no part of it */
+    int lu = !(RW_SECTIONS || RW_INERTIAL); /* else its factors are no part of it */
     const array arrays[] = {
         DOUBLES(s->now.x, RW_NX), DOUBLES(s->now.z, RW_NZ), DOUBLES(s->held.x, RW_NX), DOUBLES(s->held.z, RW_NZ),
         DOUBLES(s->ahead.zrate, RW_NZ), DOUBLES(s->ahead.z, RW_NZ), DOUBLES(s->slope, RW_NU), DOUBLES(s->stop_speed, RW_NE),
@@ -47,7 +47,7 @@ static size_t of_state(rw_instance *m, unsigned char *memory)
     return lay_out(arrays, COUNT(arrays), memory);
 }
 
-/* The factors of a line by sections. */
+/* Factors that are no part of the state. */
 static size_t of_factors(rw_instance *m, unsigned char *memory)
 {
     rw_factors *lu = &m->s.lu, *drives = &m->drives;
@@ -60,7 +60,7 @@ static size_t of_factors(rw_instance *m, unsigned char *memory)
         INTS(drives->pinv, RW_NX), INTS(drives->li, RW_LCAP), INTS(drives->ui, RW_UCAP),
     };
     size_t size;
-    if (!RW_SECTIONS) return 0;
+    if (!RW_SECTIONS && !RW_INERTIAL) return 0;
     size = lay_out(whole, COUNT(whole), memory);
     return size + lay_out(alone, COUNT(alone), memory ? memory + size : NULL);
 }
@@ -69,7 +69,7 @@ static size_t of_factors(rw_instance *m, unsigned char *memory)
 static size_t of_calls(rw_instance *m, unsigned char *memory)
 {
     const int line = RW_SECTIONS ? rs_work_size(&rw_line) : 0, entries = RW_NNZ > RW_DNNZ ? RW_NNZ : RW_DNNZ;
-    const int saved = (int)rw_saved_size(m), zeros = RW_NU + RW_NP + RW_ND;
+    const int saved = (int)rw_saved_size(m), zones = RW_INERTIAL, zeros = RW_NU + RW_NP + RW_ND;
     const array arrays[] = {
         DOUBLES(m->f, RW_NX), DOUBLES(m->g, RW_NZ), DOUBLES(m->residual, RW_NW), DOUBLES(m->increment, RW_NW),
         DOUBLES(m->w, RW_NW), DOUBLES(m->first, RW_NW), DOUBLES(m->work, RW_NW), DOUBLES(m->values, entries),
@@ -90,6 +90,13 @@ static size_t of_calls(rw_instance *m, unsigned char *memory)
         DOUBLES(m->path_to.x, RW_NX), DOUBLES(m->path_to.z, RW_NZ), DOUBLES(m->trial.x, RW_NX), DOUBLES(m->trial.z, RW_NZ),
         DOUBLES(m->good_z, RW_NZ), DOUBLES(m->before_z, RW_NZ), DOUBLES(m->before_zrate, RW_NZ),
         INTS(m->passed_before, RW_NK), INTS(m->broken_before, RW_NL),
+        DOUBLES(m->core.y, RW_CORE_Y), DOUBLES(m->core.value, RW_CORE_VALUE), DOUBLES(m->core.kernel, RW_CORE_KERNEL),
+        DOUBLES(m->core.dense, RW_CORE_DENSE), INTS(m->core.pivot, RW_CORE_PIVOT), DOUBLES(m->core.band, RW_CORE_BAND),
+        DOUBLES(m->core.room, RW_CORE_ROOM), {&m->thresholds, RW_NTH, sizeof(rw_threshold)},
+        {&m->zones_due, RW_NTH, sizeof(rw_threshold)}, {&m->known, 4 * (RW_SLOTS + 1), sizeof(rw_moving_slot)},
+        DOUBLES(m->y_here, zones * RW_NY), DOUBLES(m->y_later, zones * RW_NY), DOUBLES(m->y_earlier, zones * RW_NY),
+        DOUBLES(m->watch_low, RW_NK), DOUBLES(m->watch_high, RW_NK), DOUBLES(m->input_reached, RW_NU),
+        INTS(m->watched, RW_NK), INTS(m->watch_of, RW_NK),
         {&m->arg, RW_SZ_ARG, sizeof(double *)}, {&m->res, RW_SZ_RES, sizeof(double *)}, INTS(m->iw, RW_SZ_IW),
         DOUBLES(m->cw, RW_SZ_W), DOUBLES(m->course_from.x, RW_NX), DOUBLES(m->course_from.z, RW_NZ),
         DOUBLES(m->course_to.x, RW_NX), DOUBLES(m->course_to.z, RW_NZ), DOUBLES(m->course_rate, RW_NX),
