@@ -6,8 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ropeway.systems.dynamics.inertia import inertial_state as slots
-from ropeway.systems.dynamics.inertia import support_zones as zones
+from ropeway.systems.dynamics.inertia import inertial_state as slots, support_zones as zones
 from ropeway.systems.modelling.dae_model import Model
 from ropeway.systems.native.c_tables import Tables
 from ropeway.systems.native.inertial_library import INTEGERS, KERNELS, NUMBERS

@@ -63,7 +63,8 @@ class Tables:
         """model_data.h."""
         lines = "\n".join(self._head)
         kind = "typedef int (*rw_function)(const double **arg, double **res, int *iw, double *w, int mem);"
-        guard = '#ifndef MODEL_DATA_H\n#define MODEL_DATA_H\n\n#define RS_INSIDE\n#include "sections.h"\n#include "inertial.h"'
+        cores = '#define RS_INSIDE\n#include "sections.h"\n#include "inertial.h"'
+        guard = f"#ifndef MODEL_DATA_H\n#define MODEL_DATA_H\n\n{cores}"
         return f"/* Generated. */\n{guard}\n\n{kind}\n{functions}\n\n{lines}\n\n#endif\n"
 
     def source(self) -> str:

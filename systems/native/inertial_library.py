@@ -15,7 +15,7 @@ INTEGERS = (
     *("form_nx", "form_nz", "form_nu", "form_np", "form_nd", "form_ports", "form_given", "block", "order_at"),
     *("rows", "columns", "at", "order_r", "order_z"),
     *("form", "x", "z", "r", "u", "p", "d", "port_at", "input", "result", "blocks", "dense", "unknown"),
-    *("port_source", "port_piece", "port_row"),
+    *("port_source", "port_aside", "port_piece", "port_row"),
     *("active_at", "active_unknown", "shared"),
 )
 NUMBERS = ("x_nominal", "z_nominal", "r_scale")

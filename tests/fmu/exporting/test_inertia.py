@@ -152,7 +152,7 @@ def test_what_the_core_does_not_have_and_rigs_are_refused(tmp_path: Path) -> Non
     ends = rw.Drum("d", at=(0.0, 0.0), speed=1.0), rw.Drum("e", at=(180.0, 0.0), tension=90e3)
     s.feed(s.string(ROPE, ends[0], middle, ends[1], length=180.0), spacing=40.0, masses=300.0)
     s.connect(middle.supply, s.add(rw.HydraulicPowerUnit("unit", pump_flow=12e-3, engine_power=80e3)).outlet)
-    with pytest.raises(rw.fmu.FmuExportError, match="run over its supports, .*share a power unit"):
+    with pytest.raises(rw.fmu.FmuExportError, match=r"run over its supports, .*share a power unit"):
         rw.fmu.export(s, tmp_path / "line.fmu", platforms=(), inertia=INERTIA)
     with pytest.raises(rw.InputError, match="has no inertia"):
         rw.fmu.export(corridor(), tmp_path / "rig.fmu", platforms=(), inertia=INERTIA)
