@@ -62,7 +62,6 @@ typedef struct {
     int watches, steps, rejected, hit;
     const int *watched;
     const double *low, *high;
-    double near;
 } ri_run;
 
 RI_API int ri_solve(const ri_line *line, ri_point *q);

@@ -49,7 +49,6 @@ class SystemRun(ctypes.Structure):
         *((name, ctypes.c_double) for name in ("time", "stop", "h", "tolerance", "shortest")),
         *((name, ctypes.c_int) for name in ("watches", "steps", "rejected", "hit")),
         *((name, ctypes.c_void_p) for name in ("watched", "low", "high")),
-        ("near", ctypes.c_double),
     )
 
 
