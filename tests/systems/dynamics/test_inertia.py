@@ -253,7 +253,10 @@ def test_a_model_with_inertia_is_not_used_where_it_does_not_fit() -> None:
 def test_a_result_names_what_has_no_inertia() -> None:
     s = rw.System("saddle")
     jack = rw.IntermediateSupport("jack", at=(100.0, 0.0))
-    s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), jack, rw.Anchor("b", at=(200.0, 0.0)), length=200.2)
+    spans = s.string(ROPE, rw.Anchor("a", at=(0.0, 0.0)), jack, rw.Anchor("b", at=(200.0, 0.0)), length=200.2)
+    with pytest.raises(rw.InputError, match="Nothing in 'saddle' can move"):
+        rw.simulate(s, 0.1, inertia=rw.Inertia())
+    s.hang(rw.Load("turn", mass=500.0), spans, at=50.0)
     result = rw.simulate(s, 0.1, every=0.1, inertia=rw.Inertia())
     assert result.in_balance == ("jack",)
     assert "in equilibrium at every time: jack" in str(result.summary())
